@@ -1,0 +1,211 @@
+//! Acrobot: swing the tip of a two-link arm above a line, with a motor in the elbow alone.
+//!
+//! | | |
+//! |---|---|
+//! | observation | cos and sin of the first angle, cos and sin of the second, both angular velocities in ±4π and ±9π rad/s; `Box(6, float32)` |
+//! | action | [`Action`]: torque -1, 0 or 1 N m at the elbow; `Discrete(3)` |
+//! | reward | -1 per step, 0 for the last one |
+//! | start | angles and velocities uniform in ±0.1; reset options `low`, `high` |
+//! | end | terminated when the tip is one link's length above the shoulder |
+//! | limit | 500 steps |
+//!
+//! The first angle is 0 when the upper link hangs down; the second is relative to the first. From
+//! Sutton (1996), "Generalization in reinforcement learning: successful examples using sparse coarse
+//! coding"; the equations are those of Sutton and Barto's book, in the order of Gymnasium 1.4.0,
+//! `envs/classic_control/acrobot.py`, integrated by one Runge-Kutta step of 0.2 s.
+
+use std::f64::consts::PI;
+
+use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
+use serde::{Deserialize, Serialize};
+
+use crate::numpy::{modulo, sin_cos_f32, square};
+use crate::reset;
+
+/// The environment.
+pub type Acrobot = Stateful<AcrobotDynamics>;
+
+const DT: f64 = 0.2; // s
+const LINK_LENGTH_1: f64 = 1.0; // m
+const LINK_LENGTH_2: f64 = 1.0; // m
+const LINK_MASS_1: f64 = 1.0; // kg
+const LINK_MASS_2: f64 = 1.0; // kg
+const LINK_COM_POS_1: f64 = 0.5; // m from its joint to the centre of mass
+const LINK_COM_POS_2: f64 = 0.5; // m
+const LINK_MOI: f64 = 1.0; // kg m^2, of both links
+const MAX_VEL_1: f64 = 4.0 * PI; // rad/s
+const MAX_VEL_2: f64 = 9.0 * PI; // rad/s
+const GRAVITY: f64 = 9.8; // m/s^2
+
+gym_core::discrete! {
+    /// The torque at the elbow.
+    pub enum Action {
+        /// -1 N m.
+        Negative,
+        /// None.
+        Zero,
+        /// 1 N m.
+        Positive,
+    }
+}
+
+/// The two links.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Angle of the first link from hanging down, in rad.
+    pub theta1: f64,
+    /// Angle of the second link from the first, in rad.
+    pub theta2: f64,
+    /// Angular velocity of the first link, in rad/s.
+    pub dtheta1: f64,
+    /// Angular velocity of the second link, in rad/s.
+    pub dtheta2: f64,
+    /// Whether the episode has just begun: the numbers are then those of `float32`, and so are the
+    /// sines and cosines observed.
+    pub fresh: bool,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Copy, Debug)]
+pub struct AcrobotDynamics;
+
+impl Dynamics for AcrobotDynamics {
+    type Config = NoArguments;
+    type State = State;
+    type Observation = [f32; 6];
+    type Action = Action;
+
+    const NAME: &'static str = "Acrobot";
+
+    fn new(NoArguments {}: NoArguments) -> Result<Self> {
+        Ok(Self)
+    }
+
+    fn observation_space(&self) -> Space {
+        let high = [1.0, 1.0, 1.0, 1.0, MAX_VEL_1 as f32, MAX_VEL_2 as f32];
+        Space::boxed(high.map(|x| -x), high)
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
+        let (low, high) = reset::bounds(reset, Self::NAME, -0.1, 0.1)?;
+        let [theta1, theta2, dtheta1, dtheta2] = [(); 4].map(|()| f64::from(rng.uniform(low, high) as f32));
+        Ok(State { theta1, theta2, dtheta1, dtheta2, fresh: true })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
+        let torque = f64::from(*action as i8 - 1);
+        let State { theta1, theta2, dtheta1, dtheta2, .. } = *state;
+        let [theta1, theta2, dtheta1, dtheta2] = rk4([theta1, theta2, dtheta1, dtheta2], torque);
+        let state = State {
+            theta1: wrap(theta1),
+            theta2: wrap(theta2),
+            dtheta1: dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1),
+            dtheta2: dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2),
+            fresh: false,
+        };
+        let terminated = -state.theta1.cos() - (state.theta2 + state.theta1).cos() > 1.0;
+        Ok(Transition { state, reward: if terminated { 0.0 } else { -1.0 }, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> [f32; 6] {
+        let sin_cos = |theta: f64| {
+            if state.fresh {
+                return sin_cos_f32(theta as f32);
+            }
+            (theta.sin() as f32, theta.cos() as f32)
+        };
+        let (sin1, cos1) = sin_cos(state.theta1);
+        let (sin2, cos2) = sin_cos(state.theta2);
+        [cos1, sin1, cos2, sin2, state.dtheta1 as f32, state.dtheta2 as f32]
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(15, (500, 500))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        const BOUND: f64 = LINK_LENGTH_1 + LINK_LENGTH_2 + 0.2;
+        const SCALE: f64 = 500.0 / (2.0 * BOUND); // pixels per m
+        const RADIUS: f64 = 0.1 * SCALE;
+
+        canvas.clear(Color::WHITE);
+        canvas.push(Transform::translate(250.0, 0.0).then(Transform::y_up(250.0)));
+        canvas.line([-BOUND * SCALE, SCALE], [BOUND * SCALE, SCALE], 1.0, Color::BLACK);
+        canvas.push(Transform::rotate(state.theta1 - PI / 2.0));
+        for (length, bend) in [(LINK_LENGTH_1 * SCALE, state.theta2), (LINK_LENGTH_2 * SCALE, 0.0)] {
+            canvas.rect([0.0, -RADIUS], [length, 2.0 * RADIUS], Color::rgb(0, 204, 204));
+            canvas.circle([0.0, 0.0], RADIUS, Color::rgb(204, 204, 0));
+            canvas.push(Transform::translate(length, 0.0).then(Transform::rotate(bend)));
+        }
+        for _ in 0..4 {
+            canvas.pop();
+        }
+    }
+}
+
+/// The derivatives of both angles and both velocities.
+fn dsdt([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [f64; 4] {
+    const M1: f64 = LINK_MASS_1;
+    const M2: f64 = LINK_MASS_2;
+    const L1: f64 = LINK_LENGTH_1;
+    const LC1: f64 = LINK_COM_POS_1;
+    const LC2: f64 = LINK_COM_POS_2;
+    const I1: f64 = LINK_MOI;
+    const I2: f64 = LINK_MOI;
+    const G: f64 = GRAVITY;
+    // squares of constants are exact either way; those of variables are `pow`, as in numpy
+    let (sin2, cos2) = theta2.sin_cos();
+
+    let d1 = M1 * (LC1 * LC1) + M2 * (L1 * L1 + LC2 * LC2 + 2.0 * L1 * LC2 * cos2) + I1 + I2;
+    let d2 = M2 * (LC2 * LC2 + L1 * LC2 * cos2) + I2;
+    let phi2 = M2 * LC2 * G * (theta1 + theta2 - PI / 2.0).cos();
+    let phi1 = -M2 * L1 * LC2 * square(dtheta2) * sin2 - 2.0 * M2 * L1 * LC2 * dtheta2 * dtheta1 * sin2
+        + (M1 * LC1 + M2 * L1) * G * (theta1 - PI / 2.0).cos()
+        + phi2;
+    let ddtheta2 = (torque + d2 / d1 * phi1 - M2 * L1 * LC2 * square(dtheta1) * sin2 - phi2)
+        / (M2 * (LC2 * LC2) + I2 - square(d2) / d1);
+    let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
+    [dtheta1, dtheta2, ddtheta1, ddtheta2]
+}
+
+/// One step of the classical Runge-Kutta method.
+fn rk4(y0: [f64; 4], torque: f64) -> [f64; 4] {
+    let advance = |step: f64, k: [f64; 4]| std::array::from_fn(|i| y0[i] + step * k[i]);
+    let k1 = dsdt(y0, torque);
+    let k2 = dsdt(advance(DT / 2.0, k1), torque);
+    let k3 = dsdt(advance(DT / 2.0, k2), torque);
+    let k4 = dsdt(advance(DT, k3), torque);
+    std::array::from_fn(|i| y0[i] + DT / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+}
+
+/// `x` brought between ±π by whole turns. Turn by turn as Gymnasium does it, for the same rounding,
+/// unless velocities from reset options have made it so large that this would take forever.
+fn wrap(mut x: f64) -> f64 {
+    const TURN: f64 = 2.0 * PI;
+    if x.abs() > 1e4 {
+        return modulo(x + PI, TURN) - PI;
+    }
+    while x > PI {
+        x -= TURN;
+    }
+    while x < -PI {
+        x += TURN;
+    }
+    x
+}
+
+gym_core::register!(
+    Registration::new::<Acrobot>("Acrobot-v1").max_episode_steps(500).reward_threshold(-100.0)
+);

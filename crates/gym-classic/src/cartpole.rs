@@ -1,0 +1,205 @@
+//! CartPole: balance a pole on a cart by pushing the cart left or right.
+//!
+//! | | |
+//! |---|---|
+//! | observation | cart position (m), cart velocity (m/s), pole angle (rad), pole angular velocity (rad/s); `Box(4, float32)` |
+//! | action | [`Action`]: push left or right with 10 N; `Discrete(2)` |
+//! | reward | 1 per step, the last one included; see [`Config`] for the other choice |
+//! | start | each number uniform in ±0.05; reset options `low`, `high` |
+//! | end | terminated when the cart leaves ±2.4 m or the pole leaves ±12° |
+//! | limit | 500 steps (`CartPole-v0`: 200) |
+//!
+//! Versions: v1 raised the limit from 200 to 500 and the threshold from 195 to 475.
+//!
+//! The equations are those of Barto, Sutton and Anderson (1983), "Neuronlike adaptive elements that
+//! can solve difficult learning control problems", in Florian's corrected form (2007); the order of
+//! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
+
+use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use serde::{Deserialize, Serialize};
+
+use crate::reset;
+
+/// The environment.
+pub type CartPole = Stateful<CartPoleDynamics>;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+    /// book, instead of 1 for each step.
+    pub sutton_barto_reward: bool,
+}
+
+const GRAVITY: f64 = 9.8; // m/s^2
+const MASS_CART: f64 = 1.0; // kg
+const MASS_POLE: f64 = 0.1; // kg
+const TOTAL_MASS: f64 = MASS_POLE + MASS_CART;
+const LENGTH: f64 = 0.5; // m, half the pole's
+const POLEMASS_LENGTH: f64 = MASS_POLE * LENGTH;
+const FORCE_MAG: f64 = 10.0; // N
+const TAU: f64 = 0.02; // s between states
+const THETA_THRESHOLD: f64 = 12.0 * 2.0 * std::f64::consts::PI / 360.0; // rad
+const X_THRESHOLD: f64 = 2.4; // m
+
+gym_core::discrete! {
+    /// Which way to push the cart.
+    pub enum Action {
+        /// With 10 N to the left.
+        Left,
+        /// With 10 N to the right.
+        Right,
+    }
+}
+
+/// Cart and pole.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Position of the cart, in m.
+    pub x: f64,
+    /// Velocity of the cart, in m/s.
+    pub x_dot: f64,
+    /// Angle of the pole from upright, in rad, positive to the right.
+    pub theta: f64,
+    /// Angular velocity of the pole, in rad/s.
+    pub theta_dot: f64,
+    /// Whether the episode has already terminated: steps beyond earn nothing.
+    pub fallen: bool,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Copy, Debug)]
+pub struct CartPoleDynamics {
+    config: Config,
+}
+
+impl Dynamics for CartPoleDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 4];
+    type Action = Action;
+
+    const NAME: &'static str = "CartPole";
+
+    fn new(config: Config) -> Result<Self> {
+        Ok(Self { config })
+    }
+
+    fn observation_space(&self) -> Space {
+        // twice the thresholds, so that the last observation of an episode is still inside
+        let high = [(X_THRESHOLD * 2.0) as f32, f32::INFINITY, (THETA_THRESHOLD * 2.0) as f32, f32::INFINITY];
+        Space::boxed(high.map(|x| -x), high)
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
+        let (low, high) = reset::bounds(reset, Self::NAME, -0.05, 0.05)?;
+        let [x, x_dot, theta, theta_dot] = [(); 4].map(|()| rng.uniform(low, high));
+        Ok(State { x, x_dot, theta, theta_dot, fallen: false })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
+        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let force = if *action == Action::Right { FORCE_MAG } else { -FORCE_MAG };
+        let (sintheta, costheta) = theta.sin_cos();
+
+        let temp = (force + POLEMASS_LENGTH * (theta_dot * theta_dot) * sintheta) / TOTAL_MASS;
+        let thetaacc = (GRAVITY * sintheta - costheta * temp)
+            / (LENGTH * (4.0 / 3.0 - MASS_POLE * (costheta * costheta) / TOTAL_MASS));
+        let xacc = temp - POLEMASS_LENGTH * thetaacc * costheta / TOTAL_MASS;
+
+        // explicit Euler: positions move with the old velocities
+        let next = State {
+            x: x + TAU * x_dot,
+            x_dot: x_dot + TAU * xacc,
+            theta: theta + TAU * theta_dot,
+            theta_dot: theta_dot + TAU * thetaacc,
+            fallen,
+        };
+        let terminated = next.x < -X_THRESHOLD
+            || next.x > X_THRESHOLD
+            || next.theta < -THETA_THRESHOLD
+            || next.theta > THETA_THRESHOLD;
+        let reward = match (self.config.sutton_barto_reward, terminated) {
+            (true, true) => -1.0,
+            (true, false) => 0.0,
+            (false, true) if fallen => 0.0,
+            (false, _) => 1.0,
+        };
+        Ok(Transition { state: State { fallen: fallen || terminated, ..next }, reward, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> [f32; 4] {
+        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        reset::plausible(&[state.x, state.x_dot, state.theta, state.theta_dot])
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(50, (600, 400))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        const SCALE: f64 = 600.0 / (2.0 * X_THRESHOLD); // pixels per m
+        const POLE_LENGTH: f64 = SCALE * (2.0 * LENGTH);
+        const POLE_WIDTH: f64 = 10.0;
+        const CART: [f64; 2] = [50.0, 30.0];
+        const CART_Y: f64 = 100.0;
+
+        canvas.clear(Color::WHITE);
+        canvas.push(Transform::y_up(400.0));
+        canvas.line([0.0, CART_Y], [600.0, CART_Y], 1.0, Color::BLACK);
+        canvas.push(Transform::translate(state.x * SCALE + 300.0, CART_Y));
+        canvas.rect([-CART[0] / 2.0, -CART[1] / 2.0], CART, Color::BLACK);
+        canvas.push(Transform::translate(0.0, CART[1] / 4.0).then(Transform::rotate(-state.theta)));
+        let foot = [-POLE_WIDTH / 2.0, -POLE_WIDTH / 2.0];
+        canvas.rect(foot, [POLE_WIDTH, POLE_LENGTH], Color::rgb(202, 152, 101));
+        canvas.circle([0.0, 0.0], POLE_WIDTH / 2.0, Color::rgb(129, 132, 203));
+        canvas.pop();
+        canvas.pop();
+        canvas.pop();
+    }
+}
+
+gym_core::register!(
+    Registration::new::<CartPole>("CartPole-v0").max_episode_steps(200).reward_threshold(195.0)
+);
+gym_core::register!(
+    Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
+);
+
+#[cfg(test)]
+mod tests {
+    use gym_core::Env;
+
+    use super::*;
+
+    /// Pushes right until the pole falls, and once more.
+    fn rewards(config: Config) -> Vec<f64> {
+        let mut env = CartPole::new(config).unwrap();
+        env.reset(0).unwrap();
+        let mut rewards = Vec::new();
+        while !env.state().unwrap().fallen {
+            rewards.push(env.step(&Action::Right).unwrap().reward);
+        }
+        rewards.push(env.step(&Action::Right).unwrap().reward);
+        rewards.drain(..rewards.len() - 3);
+        rewards
+    }
+
+    #[test]
+    fn the_last_step_counts_and_none_beyond() {
+        assert_eq!(rewards(Config::default()), [1.0, 1.0, 0.0]);
+        assert_eq!(rewards(Config { sutton_barto_reward: true }), [0.0, -1.0, -1.0]);
+    }
+}

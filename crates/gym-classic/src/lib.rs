@@ -1,0 +1,26 @@
+//! The classic control environments, bit for bit as Gymnasium's: the same seed gives the same
+//! episode.
+//!
+//! | id | task |
+//! |---|---|
+//! | `CartPole-v0`, `CartPole-v1` | balance a pole on a cart |
+//! | `MountainCar-v0`, `MountainCarContinuous-v0` | swing an underpowered car out of a valley |
+//! | `Pendulum-v1` | swing a pendulum up and hold it |
+//! | `Acrobot-v1` | swing a two-link arm above a line |
+//!
+//! Linking this crate registers them; name it (`use gym_classic as _;`) if nothing else of it is
+//! used.
+
+pub mod acrobot;
+pub mod cartpole;
+pub mod mountain_car;
+pub mod mountain_car_continuous;
+mod numpy;
+pub mod pendulum;
+mod reset;
+
+pub use acrobot::Acrobot;
+pub use cartpole::CartPole;
+pub use mountain_car::MountainCar;
+pub use mountain_car_continuous::MountainCarContinuous;
+pub use pendulum::Pendulum;

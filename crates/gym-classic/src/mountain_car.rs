@@ -1,0 +1,170 @@
+//! MountainCar: drive an underpowered car out of a valley by swinging back and forth.
+//!
+//! | | |
+//! |---|---|
+//! | observation | position in [-1.2, 0.6], velocity in ±0.07 per step; `Box(2, float32)` |
+//! | action | [`Action`]: accelerate left, not at all, or right; `Discrete(3)` |
+//! | reward | -1 per step |
+//! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` |
+//! | end | terminated at position 0.5 or beyond with at least [`Config::goal_velocity`] |
+//! | limit | 200 steps |
+//!
+//! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
+//! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
+
+use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use serde::{Deserialize, Serialize};
+
+use crate::reset;
+
+/// The environment.
+pub type MountainCar = Stateful<MountainCarDynamics>;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The least velocity with which the goal counts as reached.
+    pub goal_velocity: f64,
+}
+
+pub(crate) const MIN_POSITION: f64 = -1.2;
+pub(crate) const MAX_POSITION: f64 = 0.6;
+pub(crate) const MAX_SPEED: f64 = 0.07;
+const GOAL_POSITION: f64 = 0.5;
+const FORCE: f64 = 0.001;
+const GRAVITY: f64 = 0.0025;
+
+gym_core::discrete! {
+    /// Where to accelerate.
+    pub enum Action {
+        /// To the left.
+        Left,
+        /// Not at all.
+        Coast,
+        /// To the right.
+        Right,
+    }
+}
+
+/// The car.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Position along the valley.
+    pub position: f64,
+    /// Velocity per step.
+    pub velocity: f64,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Copy, Debug)]
+pub struct MountainCarDynamics {
+    config: Config,
+}
+
+impl Dynamics for MountainCarDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 2];
+    type Action = Action;
+
+    const NAME: &'static str = "MountainCar";
+
+    fn new(config: Config) -> Result<Self> {
+        check_goal_velocity(Self::NAME, config.goal_velocity)?;
+        Ok(Self { config })
+    }
+
+    fn observation_space(&self) -> Space {
+        Space::boxed([MIN_POSITION as f32, -MAX_SPEED as f32], [MAX_POSITION as f32, MAX_SPEED as f32])
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
+        let (low, high) = reset::bounds(reset, Self::NAME, -0.6, -0.4)?;
+        Ok(State { position: rng.uniform(low, high), velocity: 0.0 })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
+        let State { mut position, mut velocity } = *state;
+        let push = f64::from(*action as i8 - 1);
+        velocity += push * FORCE + (3.0 * position).cos() * -GRAVITY;
+        velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
+        position += velocity;
+        position = position.clamp(MIN_POSITION, MAX_POSITION);
+        if position == MIN_POSITION && velocity < 0.0 {
+            velocity = 0.0;
+        }
+        let terminated = position >= GOAL_POSITION && velocity >= self.config.goal_velocity;
+        Ok(Transition { state: State { position, velocity }, reward: -1.0, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> [f32; 2] {
+        [state.position as f32, state.velocity as f32]
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        reset::plausible(&[state.position, state.velocity])
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(30, (600, 400))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        draw(state.position, GOAL_POSITION, canvas);
+    }
+}
+
+/// An argument of both mountain cars.
+pub(crate) fn check_goal_velocity(env: &str, goal_velocity: f64) -> Result<()> {
+    if goal_velocity.is_nan() {
+        return Err(Error::argument(env, "goal_velocity is NaN: it must be a number"));
+    }
+    Ok(())
+}
+
+/// The valley, the car and the flag, of both mountain cars.
+pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
+    const SCALE: f64 = 600.0 / (MAX_POSITION - MIN_POSITION); // pixels per unit
+    const CLEARANCE: f64 = 10.0; // of the car above the ground
+    const CAR: [f64; 2] = [40.0, 20.0];
+    const WHEEL_RADIUS: f64 = CAR[1] / 2.5;
+    const POINTS: usize = 100;
+    let height = |x: f64| (3.0 * x).sin() * 0.45 + 0.55;
+    let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
+
+    canvas.clear(Color::WHITE);
+    canvas.push(Transform::y_up(400.0));
+    let hill: [Point; POINTS] = std::array::from_fn(|i| {
+        pixel(MIN_POSITION + (MAX_POSITION - MIN_POSITION) * i as f64 / (POINTS - 1) as f64)
+    });
+    canvas.stroke(gym_core::canvas::Shape::Polyline(&hill), 1.0, Color::BLACK);
+
+    let [x, y] = pixel(position);
+    // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
+    let slope = Transform::rotate((3.0 * position).cos());
+    canvas.push(Transform::translate(x, y + CLEARANCE).then(slope));
+    canvas.rect([-CAR[0] / 2.0, 0.0], CAR, Color::BLACK);
+    for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
+        canvas.circle([wheel, 0.0], WHEEL_RADIUS, Color::rgb(128, 128, 128));
+    }
+    canvas.pop();
+
+    let [x, y] = pixel(goal_position);
+    let top = y + 50.0;
+    canvas.line([x, y], [x, top], 1.0, Color::BLACK);
+    canvas.polygon(&[[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]], Color::rgb(204, 204, 0));
+    canvas.pop();
+}
+
+gym_core::register!(
+    Registration::new::<MountainCar>("MountainCar-v0").max_episode_steps(200).reward_threshold(-110.0)
+);

@@ -1,0 +1,182 @@
+//! Pendulum: swing a pendulum up and hold it there.
+//!
+//! | | |
+//! |---|---|
+//! | observation | cosine and sine of the angle, angular velocity in ±8 rad/s; `Box(3, float32)` |
+//! | action | torque in [-2, 2] N m, clipped beyond; `Box(1, float32)` |
+//! | reward | -(angle² + 0.1 velocity² + 0.001 torque²), between -16.27 and 0, of the state before the step |
+//! | start | angle uniform in ±π, velocity uniform in ±1; reset options `x_init`, `y_init` give other bounds |
+//! | end | never |
+//! | limit | 200 steps |
+//!
+//! The angle is 0 upright and grows counterclockwise. The order of operations is that of Gymnasium
+//! 1.4.0, `envs/classic_control/pendulum.py`, with numpy 2: products of the torque are `float32`.
+
+use std::f64::consts::PI;
+
+use gym_core::canvas::{Canvas, Color, Point, Shape, Transform, arc};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use serde::{Deserialize, Serialize};
+
+use crate::numpy::{modulo, square, square_f32};
+use crate::reset;
+
+/// The environment.
+pub type Pendulum = Stateful<PendulumDynamics>;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Acceleration of gravity, in m/s².
+    pub g: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { g: 10.0 }
+    }
+}
+
+const MAX_SPEED: f64 = 8.0; // rad/s
+const MAX_TORQUE: f32 = 2.0; // N m
+const DT: f64 = 0.05; // s
+const M: f64 = 1.0; // kg
+const L: f64 = 1.0; // m
+
+/// The pendulum.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Angle from upright, in rad, not wrapped.
+    pub theta: f64,
+    /// Angular velocity, in rad/s.
+    pub theta_dot: f64,
+    /// The last torque after clipping, for drawing.
+    pub last_torque: Option<f32>,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Copy, Debug)]
+pub struct PendulumDynamics {
+    config: Config,
+}
+
+/// Reset options: the bounds of the initial state.
+#[derive(Deserialize)]
+struct Start {
+    #[serde(default, deserialize_with = "reset::number")]
+    x_init: Option<f64>,
+    #[serde(default, deserialize_with = "reset::number")]
+    y_init: Option<f64>,
+}
+
+impl Dynamics for PendulumDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 3];
+    type Action = [f32; 1];
+
+    const NAME: &'static str = "Pendulum";
+
+    fn new(config: Config) -> Result<Self> {
+        if !config.g.is_finite() {
+            return Err(Error::argument(
+                Self::NAME,
+                format!("g is {}: it must be a finite number", config.g),
+            ));
+        }
+        Ok(Self { config })
+    }
+
+    fn observation_space(&self) -> Space {
+        let high = [1.0, 1.0, MAX_SPEED as f32];
+        Space::boxed(high.map(|x| -x), high)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::boxed([-MAX_TORQUE], [MAX_TORQUE])
+    }
+
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
+        let Start { x_init, y_init } = reset.options(Self::NAME)?;
+        let x = reset::check(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
+        let y = reset::check(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
+        Ok(State { theta: rng.uniform(-x, x), theta_dot: rng.uniform(-y, y), last_torque: None })
+    }
+
+    #[inline]
+    fn transition(
+        &self,
+        state: &State,
+        action: &[f32; 1],
+        _rng: &mut Generator,
+    ) -> Result<Transition<State>> {
+        let u = reset::finite(*action, || self.action_space())?.clamp(-MAX_TORQUE, MAX_TORQUE);
+        let State { theta, theta_dot, .. } = *state;
+        let costs =
+            square(angle_normalize(theta)) + 0.1 * square(theta_dot) + f64::from(0.001 * square_f32(u));
+
+        let pull = 3.0 * self.config.g / (2.0 * L) * theta.sin();
+        let push = f64::from((3.0 / (M * (L * L))) as f32 * u);
+        let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
+        let theta = theta + theta_dot * DT;
+        let state = State { theta, theta_dot, last_torque: Some(u) };
+        Ok(Transition { state, reward: -costs, terminated: false })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> [f32; 3] {
+        [state.theta.cos() as f32, state.theta.sin() as f32, state.theta_dot as f32]
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        reset::plausible(&[state.theta, state.theta_dot])
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(30, (500, 500))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        const SCALE: f64 = 500.0 / 4.4; // pixels per m
+        const ROD_RADIUS: f64 = 0.1 * SCALE;
+        const ROD: Color = Color::rgb(204, 77, 77);
+
+        canvas.clear(Color::WHITE);
+        canvas.push(Transform::translate(250.0, 0.0).then(Transform::y_up(250.0)));
+        canvas.push(Transform::rotate(state.theta + PI / 2.0));
+        canvas.rect([0.0, -ROD_RADIUS], [SCALE, 2.0 * ROD_RADIUS], ROD);
+        canvas.circle([0.0, 0.0], ROD_RADIUS, ROD);
+        canvas.circle([SCALE, 0.0], ROD_RADIUS, ROD);
+        canvas.pop();
+        if let Some(torque) = state.last_torque {
+            draw_torque(f64::from(torque), SCALE, canvas);
+        }
+        canvas.circle([0.0, 0.0], 0.05 * SCALE, Color::BLACK);
+        canvas.pop();
+    }
+}
+
+/// An arrow around the axle, as large as the torque and in its direction.
+fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
+    const THICKNESS: f64 = 0.06;
+    const HEAD: [Point; 3] = [[0.84, 0.0], [1.16, 0.0], [1.0, 0.34]];
+    let size = scale * torque.abs() / 2.0 / 2.0; // its radius: half of it is the picture's width
+    if size < 1.0 {
+        return;
+    }
+    // drawn counterclockwise; a negative torque turns the other way
+    canvas.push(Transform::scale(size * torque.signum() * 0.82, size * 0.82));
+    let line: [Point; 33] = arc([0.0, 0.0], 1.0, -1.5 * PI, 0.0);
+    canvas.stroke(Shape::Polyline(&line), 2.0 * THICKNESS, Color::BLACK);
+    canvas.polygon(&HEAD, Color::BLACK);
+    canvas.pop();
+}
+
+/// The angle in [-π, π).
+fn angle_normalize(x: f64) -> f64 {
+    modulo(x + PI, 2.0 * PI) - PI
+}
+
+gym_core::register!(Registration::new::<Pendulum>("Pendulum-v1").max_episode_steps(200));

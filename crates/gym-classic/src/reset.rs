@@ -1,0 +1,62 @@
+//! Reset options that the environments share, and the check of continuous actions.
+
+use gym_core::{Error, Reset, Result, Space};
+use serde::{Deserialize, Deserializer};
+
+/// The largest magnitude of a state's numbers that is worked with. Far beyond any episode, and
+/// small enough that no equation overflows in one step.
+const LIMIT: f64 = 1e6;
+
+/// Whether all numbers of a state from outside can be worked with.
+pub(crate) fn plausible(state: &[f64]) -> bool {
+    state.iter().all(|x| x.abs() <= LIMIT)
+}
+
+/// Refuses a number given for a reset option if no episode could start from it.
+pub(crate) fn check(env: &str, name: &str, value: f64) -> Result<f64> {
+    if value.abs() <= LIMIT {
+        return Ok(value);
+    }
+    let reason = format!("`{name}` is {value:?}: it must lie within \u{b1}{LIMIT:?}");
+    Err(Error::argument(format!("reset options of {env}"), reason))
+}
+
+#[derive(Deserialize)]
+struct Bounds {
+    #[serde(default, deserialize_with = "number")]
+    low: Option<f64>,
+    #[serde(default, deserialize_with = "number")]
+    high: Option<f64>,
+}
+
+/// An option that may be absent but not null.
+pub(crate) fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    f64::deserialize(deserializer).map(Some)
+}
+
+/// The reset options `low` and `high`: the range that the initial state is drawn from.
+pub(crate) fn bounds(reset: &Reset, env: &str, default_low: f64, default_high: f64) -> Result<(f64, f64)> {
+    let Bounds { low, high } = reset.options(env)?;
+    let low = check(env, "low", low.unwrap_or(default_low))?;
+    let high = check(env, "high", high.unwrap_or(default_high))?;
+    if low > high {
+        let reason = format!("lower bound ({low:?}) must be lower than higher bound ({high:?})");
+        return Err(Error::argument(format!("reset options of {env}"), reason));
+    }
+    Ok((low, high))
+}
+
+/// The one number of a continuous action. Gymnasium lets NaN through, and every later state is
+/// then NaN; here it is refused, as is an infinite number. A finite one beyond the bounds is left
+/// to the environment.
+pub(crate) fn finite(action: [f32; 1], space: impl Fn() -> Space) -> Result<f32> {
+    let [value] = action;
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(Error::InvalidAction {
+        action: format!("[{value}]"),
+        space: space().to_string(),
+        hint: "; it must be a finite number".into(),
+    })
+}

@@ -1,0 +1,337 @@
+//! Numbers of one type in a shape: the dynamic counterpart of `[T; N]`.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq};
+
+use crate::{Error, Result};
+
+/// A number type that an [`Array`] can hold.
+pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + Serialize + 'static {
+    /// Its tag.
+    const DTYPE: DType;
+    /// Wraps numbers of this type.
+    fn into_data(values: Vec<Self>) -> Data;
+    /// The numbers, if they are of this type.
+    fn slice(data: &Data) -> Option<&[Self]>;
+    /// The numbers, if they are of this type.
+    fn slice_mut(data: &mut Data) -> Option<&mut [Self]>;
+}
+
+macro_rules! dtypes {
+    ($($variant:ident $type:ty, $name:literal, $kind:ident);* $(;)?) => {
+        /// The type of an array's numbers, under numpy's names.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum DType {
+            $(
+                #[doc = concat!("`", $name, "`")]
+                #[serde(rename = $name)]
+                $variant
+            ),*
+        }
+
+        impl DType {
+            /// numpy's name, as in `float32`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+
+            /// The smallest and the largest finite number of the type, as `f64`.
+            pub const fn finite_range(self) -> (f64, f64) {
+                match self { $(Self::$variant => (<$type>::MIN as f64, <$type>::MAX as f64)),* }
+            }
+        }
+
+        /// The numbers of an [`Array`], in row-major order.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Data {
+            $(
+                #[doc = concat!("`", $name, "`")]
+                $variant(Vec<$type>)
+            ),*
+        }
+
+        impl Data {
+            /// How many numbers there are.
+            pub fn len(&self) -> usize {
+                match self { $(Self::$variant(values) => values.len()),* }
+            }
+
+            /// Whether there are none.
+            pub fn is_empty(&self) -> bool {
+                self.len() == 0
+            }
+
+            /// Their type.
+            pub fn dtype(&self) -> DType {
+                match self { $(Self::$variant(_) => DType::$variant),* }
+            }
+
+            /// One number, widened (numbers beyond 2^53 are rounded).
+            ///
+            /// # Panics
+            /// If `index` is not below [`len`](Self::len).
+            pub fn get_f64(&self, index: usize) -> f64 {
+                match self { $(Self::$variant(values) => values[index] as f64),* }
+            }
+
+            /// Numbers of `dtype` made from `f64` as numpy's `astype` makes them: integers truncate
+            /// towards zero.
+            pub fn from_f64(dtype: DType, values: impl IntoIterator<Item = f64>) -> Self {
+                let values = values.into_iter();
+                match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
+            }
+
+            /// Numbers of `dtype` made from `i64`, wrapping where the type is smaller.
+            pub fn from_i64(dtype: DType, values: impl IntoIterator<Item = i64>) -> Self {
+                let values = values.into_iter();
+                match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
+            }
+
+            fn write_item(&self, index: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self { $(Self::$variant(values) => dtypes!(@write $kind, f, values[index])),* }
+            }
+
+            fn serialize_item<S: SerializeSeq>(&self, index: usize, seq: &mut S) -> Result<(), S::Error> {
+                match self { $(Self::$variant(values) => dtypes!(@item $kind, seq, values[index])),* }
+            }
+
+            fn serialize_scalar<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                match self { $(Self::$variant(values) => dtypes!(@scalar $kind, serializer, values[0])),* }
+            }
+
+            /// Overwrites `self` with `source`, keeping the allocation where the types agree.
+            fn assign(&mut self, source: &Self) {
+                match (self, source) {
+                    $((Self::$variant(to), Self::$variant(from)) => to.clone_from(from),)*
+                    (to, from) => *to = from.clone(),
+                }
+            }
+        }
+
+        $(impl Scalar for $type {
+            const DTYPE: DType = DType::$variant;
+
+            fn into_data(values: Vec<Self>) -> Data {
+                Data::$variant(values)
+            }
+
+            fn slice(data: &Data) -> Option<&[Self]> {
+                if let Data::$variant(values) = data { Some(values) } else { None }
+            }
+
+            fn slice_mut(data: &mut Data) -> Option<&mut [Self]> {
+                if let Data::$variant(values) = data { Some(values) } else { None }
+            }
+        })*
+    };
+    (@write float, $f:ident, $x:expr) => { write!($f, "{:?}", $x) };
+    (@write integer, $f:ident, $x:expr) => { write!($f, "{}", $x) };
+    // JSON knows one kind of number: float32 is written as the float64 of the same value.
+    (@item float, $seq:ident, $x:expr) => { $seq.serialize_element(&f64::from($x)) };
+    (@scalar float, $serializer:ident, $x:expr) => { f64::from($x).serialize($serializer) };
+    (@scalar integer, $serializer:ident, $x:expr) => { $x.serialize($serializer) };
+    (@item integer, $seq:ident, $x:expr) => { $seq.serialize_element(&$x) };
+}
+
+dtypes! {
+    I8 i8, "int8", integer;
+    U8 u8, "uint8", integer;
+    I16 i16, "int16", integer;
+    U16 u16, "uint16", integer;
+    I32 i32, "int32", integer;
+    U32 u32, "uint32", integer;
+    I64 i64, "int64", integer;
+    U64 u64, "uint64", integer;
+    F32 f32, "float32", float;
+    F64 f64, "float64", float;
+}
+
+impl DType {
+    /// Whether the numbers are real.
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Whether the numbers are whole and not negative.
+    pub const fn is_unsigned(self) -> bool {
+        matches!(self, Self::U8 | Self::U16 | Self::U32 | Self::U64)
+    }
+}
+
+impl fmt::Display for DType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Numbers of one type in a row-major shape. The shape `[]` holds a single number.
+#[derive(Debug, PartialEq)]
+pub struct Array {
+    shape: Vec<usize>,
+    data: Data,
+}
+
+impl Default for Array {
+    /// No numbers: shape `[0]`, `float32`.
+    fn default() -> Self {
+        Self { shape: vec![0], data: Data::F32(Vec::new()) }
+    }
+}
+
+impl Clone for Array {
+    fn clone(&self) -> Self {
+        Self { shape: self.shape.clone(), data: self.data.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.shape.clone_from(&source.shape);
+        self.data.assign(&source.data);
+    }
+}
+
+impl<T: Scalar> From<Vec<T>> for Array {
+    /// A one-dimensional array.
+    fn from(values: Vec<T>) -> Self {
+        Self { shape: vec![values.len()], data: T::into_data(values) }
+    }
+}
+
+impl<T: Scalar, const N: usize> From<[T; N]> for Array {
+    /// A one-dimensional array.
+    fn from(values: [T; N]) -> Self {
+        Self::from(values.to_vec())
+    }
+}
+
+impl Array {
+    /// An array of that shape.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] where the shape holds another number of elements than `data`.
+    pub fn new(shape: impl Into<Vec<usize>>, data: Data) -> Result<Self> {
+        let shape = shape.into();
+        match shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n)) {
+            Some(len) if len == data.len() => Ok(Self { shape, data }),
+            _ => Err(Error::custom(format!("shape {shape:?} does not hold {} numbers", data.len()))),
+        }
+    }
+
+    /// Zeros of that type and shape.
+    pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Self {
+        let shape = shape.into();
+        let len = shape.iter().product();
+        Self { data: Data::from_i64(dtype, std::iter::repeat_n(0, len)), shape }
+    }
+
+    /// The length of each axis.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// The type of the numbers.
+    pub fn dtype(&self) -> DType {
+        self.data.dtype()
+    }
+
+    /// The numbers, in row-major order.
+    pub fn data(&self) -> &Data {
+        &self.data
+    }
+
+    /// How many numbers there are.
+    pub fn len(&self) -> usize {
+        self.data.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.data.is_empty()
+    }
+
+    /// The numbers, if they are of type `T`.
+    pub fn as_slice<T: Scalar>(&self) -> Option<&[T]> {
+        T::slice(&self.data)
+    }
+
+    /// The numbers, if they are of type `T`.
+    pub fn as_mut_slice<T: Scalar>(&mut self) -> Option<&mut [T]> {
+        T::slice_mut(&mut self.data)
+    }
+
+    /// The numbers, widened to `f64`.
+    pub fn iter_f64(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        (0..self.len()).map(|i| self.data.get_f64(i))
+    }
+
+    /// Whether no number is infinite or NaN.
+    pub fn is_finite(&self) -> bool {
+        match &self.data {
+            Data::F32(values) => values.iter().all(|x| x.is_finite()),
+            Data::F64(values) => values.iter().all(|x| x.is_finite()),
+            _ => true,
+        }
+    }
+
+    /// The same numbers in another shape.
+    ///
+    /// # Errors
+    /// As [`Array::new`].
+    pub fn reshape(self, shape: impl Into<Vec<usize>>) -> Result<Self> {
+        Self::new(shape, self.data)
+    }
+}
+
+/// Like numpy's `str`, without its alignment: `[0.1 0.2]`, `[[1 2] [3 4]]`.
+impl fmt::Display for Array {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fn rows(array: &Array, axis: usize, start: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            let Some((&n, inner)) = array.shape[axis..].split_first() else {
+                return array.data.write_item(start, f);
+            };
+            let stride: usize = inner.iter().product();
+            f.write_str("[")?;
+            for i in 0..n {
+                if i > 0 {
+                    f.write_str(" ")?;
+                }
+                rows(array, axis + 1, start + i * stride, f)?;
+            }
+            f.write_str("]")
+        }
+        rows(self, 0, 0, f)
+    }
+}
+
+/// Nested lists; a single number where the shape is `[]`.
+impl Serialize for Array {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        struct Rows<'a> {
+            array: &'a Array,
+            axis: usize,
+            start: usize,
+        }
+
+        impl Serialize for Rows<'_> {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let Self { array, axis, start } = *self;
+                let inner = &array.shape[axis + 1..];
+                let stride: usize = inner.iter().product();
+                let mut seq = serializer.serialize_seq(Some(array.shape[axis]))?;
+                for i in 0..array.shape[axis] {
+                    if inner.is_empty() {
+                        array.data.serialize_item(start + i, &mut seq)?;
+                    } else {
+                        seq.serialize_element(&Rows { array, axis: axis + 1, start: start + i * stride })?;
+                    }
+                }
+                seq.end()
+            }
+        }
+
+        if self.shape.is_empty() {
+            return self.data.serialize_scalar(serializer);
+        }
+        Rows { array: self, axis: 0, start: 0 }.serialize(serializer)
+    }
+}

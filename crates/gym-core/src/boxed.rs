@@ -1,0 +1,175 @@
+//! Any environment behind one type: what [`make`](crate::make) returns.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::canvas::Canvas;
+use crate::render::{Metadata, Rendered};
+use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+
+/// An environment whose type is erased, with [`Value`]s for observations and actions.
+///
+/// It implements [`Env`] itself, so wrappers and generic code take it like any typed environment.
+/// It accepts an action only if it has the kind, type and shape of the action space; a number
+/// beyond the bounds of a `Box` reaches the environment, which clips it or not as Gymnasium's
+/// does.
+pub struct BoxEnv(Box<dyn Erased>);
+
+impl BoxEnv {
+    /// Erases the type of an environment.
+    pub fn new<E: Env>(env: E) -> Self {
+        Self(Box::new(Layer { env, spec: None }))
+    }
+
+    /// Erases the type of an environment that was made from a spec.
+    pub(crate) fn with_spec<E: Env>(env: E, spec: EnvSpec) -> Self {
+        Self(Box::new(Layer { env, spec: Some(Arc::new(spec)) }))
+    }
+}
+
+impl Clone for BoxEnv {
+    fn clone(&self) -> Self {
+        self.0.clone_box()
+    }
+}
+
+/// The stack of wrappers and the environment.
+impl fmt::Display for BoxEnv {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe())
+    }
+}
+
+impl fmt::Debug for BoxEnv {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "BoxEnv({self})")
+    }
+}
+
+/// [`Env`] without its types and generic methods, so that it can be a trait object.
+trait Erased: Send {
+    fn clone_box(&self) -> BoxEnv;
+    fn observation_space(&self) -> Space;
+    fn action_space(&self) -> Space;
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()>;
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome>;
+    fn snapshot(&self) -> Result<Snapshot>;
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
+    fn info(&self, visit: &mut dyn FnMut(&str, Value));
+    fn metadata(&self) -> Metadata;
+    fn draw(&self, canvas: &mut dyn Canvas);
+    fn ansi(&self) -> Option<String>;
+    fn render(&mut self) -> Result<Rendered>;
+    fn spec(&self) -> Option<EnvSpec>;
+    fn describe(&self) -> String;
+    fn base(&self) -> &dyn Any;
+    fn close(&mut self);
+}
+
+#[derive(Clone)]
+struct Layer<E> {
+    env: E,
+    spec: Option<Arc<EnvSpec>>,
+}
+
+impl<E: Env> Erased for Layer<E> {
+    fn clone_box(&self) -> BoxEnv {
+        BoxEnv(Box::new(self.clone()))
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        E::Observation::fill(observation, |observation| self.env.reset_into(reset, observation))
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        let env = &mut self.env;
+        let outcome = E::Action::with(action, |action| {
+            E::Observation::fill(observation, |observation| env.step_into(action, observation))
+        });
+        outcome.unwrap_or_else(|| {
+            Err(Error::InvalidAction {
+                action: action.to_string(),
+                space: self.env.action_space().to_string(),
+                hint: String::new(),
+            })
+        })
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        self.spec.as_deref().cloned().or_else(|| self.env.spec())
+    }
+
+    fn describe(&self) -> String {
+        match &self.spec {
+            Some(spec) => format!("{}<{}>", self.env.describe(), spec.id),
+            None => self.env.describe(),
+        }
+    }
+
+    fn close(&mut self) {
+        self.env.close();
+    }
+
+    fn render(&mut self) -> Result<Rendered> {
+        self.env.render()
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.env.restore(snapshot)
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.env.info(visit);
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        self.env.draw(canvas);
+    }
+
+    fn observation_space(&self) -> Space {
+        self.env.observation_space()
+    }
+
+    fn action_space(&self) -> Space {
+        self.env.action_space()
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.env.snapshot()
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.env.metadata()
+    }
+
+    fn ansi(&self) -> Option<String> {
+        self.env.ansi()
+    }
+
+    fn base(&self) -> &dyn Any {
+        self.env.base()
+    }
+}
+
+impl Env for BoxEnv {
+    type Observation = Value;
+    type Action = Value;
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.0.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        self.0.step_into(action, observation)
+    }
+
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+
+    crate::forward!(
+        0: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, spec,
+        base, close
+    );
+}

@@ -1,0 +1,204 @@
+//! The drawing surface that environments know: a few vector shapes, at any size.
+//!
+//! An environment draws in the pixels of its own frame size (see
+//! [`Metadata`](crate::render::Metadata)), origin top left, y down. What is behind the canvas
+//! decides the real size: `gym-render` rasterises it, writes it as SVG, or records it.
+
+use std::f64::consts::PI;
+
+/// A point or a vector: `[x, y]`.
+pub type Point = [f64; 2];
+
+/// An opaque or translucent colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Color {
+    /// Red, 0 to 255.
+    pub r: u8,
+    /// Green, 0 to 255.
+    pub g: u8,
+    /// Blue, 0 to 255.
+    pub b: u8,
+    /// 0 transparent, 255 opaque.
+    pub a: u8,
+}
+
+impl Color {
+    /// Black.
+    pub const BLACK: Self = Self::rgb(0, 0, 0);
+    /// White.
+    pub const WHITE: Self = Self::rgb(255, 255, 255);
+
+    /// An opaque colour.
+    pub const fn rgb(r: u8, g: u8, b: u8) -> Self {
+        Self { r, g, b, a: 255 }
+    }
+
+    /// The same colour, translucent.
+    #[must_use]
+    pub const fn alpha(self, a: u8) -> Self {
+        Self { a, ..self }
+    }
+}
+
+/// One piece of a [`Shape::Path`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Segment {
+    /// Starts a new contour.
+    Move(Point),
+    /// A straight line.
+    Line(Point),
+    /// A quadratic Bézier curve: control point, end.
+    Quad(Point, Point),
+    /// A cubic Bézier curve: two control points, end.
+    Cubic(Point, Point, Point),
+    /// Back to the start of the contour.
+    Close,
+}
+
+/// What can be filled or stroked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape<'a> {
+    /// Points joined by straight lines, closed.
+    Polygon(&'a [Point]),
+    /// Points joined by straight lines, open.
+    Polyline(&'a [Point]),
+    /// A circle.
+    Circle {
+        /// Its centre.
+        center: Point,
+        /// Its radius.
+        radius: f64,
+    },
+    /// A rectangle with sides along the axes.
+    Rect {
+        /// The corner with the smallest coordinates.
+        min: Point,
+        /// Width and height.
+        size: Point,
+        /// Radius of the corners; 0 for sharp ones.
+        corner: f64,
+    },
+    /// Any outline.
+    Path(&'a [Segment]),
+}
+
+/// Where a text is anchored horizontally.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Align {
+    /// The position is the left end of the baseline.
+    #[default]
+    Left,
+    /// The position is the middle of the baseline.
+    Center,
+    /// The position is the right end of the baseline.
+    Right,
+}
+
+/// A change of coordinates: a point `p` of the inner coordinates lies at `x*p.x + y*p.y + origin`
+/// of the outer ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// Where the inner x unit vector points.
+    pub x: Point,
+    /// Where the inner y unit vector points.
+    pub y: Point,
+    /// Where the inner origin lies.
+    pub origin: Point,
+}
+
+impl Transform {
+    /// No change.
+    pub const IDENTITY: Self = Self { x: [1.0, 0.0], y: [0.0, 1.0], origin: [0.0, 0.0] };
+
+    /// Moves the origin.
+    pub const fn translate(dx: f64, dy: f64) -> Self {
+        Self { origin: [dx, dy], ..Self::IDENTITY }
+    }
+
+    /// Scales both axes about the origin.
+    pub const fn scale(sx: f64, sy: f64) -> Self {
+        Self { x: [sx, 0.0], y: [0.0, sy], ..Self::IDENTITY }
+    }
+
+    /// Turns about the origin, from x towards y.
+    pub fn rotate(radians: f64) -> Self {
+        let (sin, cos) = radians.sin_cos();
+        Self { x: [cos, sin], y: [-sin, cos], origin: [0.0, 0.0] }
+    }
+
+    /// y up, with the origin at the bottom left of a picture of that height.
+    pub const fn y_up(height: f64) -> Self {
+        Self { x: [1.0, 0.0], y: [0.0, -1.0], origin: [0.0, height] }
+    }
+
+    /// `inner` within `self`.
+    #[must_use]
+    pub fn then(self, inner: Self) -> Self {
+        let vector = |[a, b]: Point| [self.x[0] * a + self.y[0] * b, self.x[1] * a + self.y[1] * b];
+        Self { x: vector(inner.x), y: vector(inner.y), origin: self.apply(inner.origin) }
+    }
+
+    /// The outer coordinates of an inner point.
+    pub fn apply(self, [a, b]: Point) -> Point {
+        [self.x[0] * a + self.y[0] * b + self.origin[0], self.x[1] * a + self.y[1] * b + self.origin[1]]
+    }
+}
+
+/// A surface to draw on. The required methods are all that a back end needs; the others are
+/// shorthands for them.
+pub trait Canvas {
+    /// Covers everything in one colour.
+    fn clear(&mut self, color: Color);
+
+    /// Fills a shape (rule: nonzero winding).
+    fn fill(&mut self, shape: Shape<'_>, color: Color);
+
+    /// Draws a shape's outline with round joins and butt ends.
+    fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color);
+
+    /// Writes one line of text; `size` is the height of a capital letter and `position` lies on
+    /// the baseline. Text is upright in a y-down picture.
+    fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color);
+
+    /// Draws what follows in inner coordinates, until the matching [`pop`](Canvas::pop).
+    fn push(&mut self, transform: Transform);
+
+    /// Returns to the coordinates before the last [`push`](Canvas::push).
+    fn pop(&mut self);
+
+    /// Fills a polygon.
+    fn polygon(&mut self, points: &[Point], color: Color) {
+        self.fill(Shape::Polygon(points), color);
+    }
+
+    /// Draws a straight line.
+    fn line(&mut self, from: Point, to: Point, width: f64, color: Color) {
+        self.stroke(Shape::Polyline(&[from, to]), width, color);
+    }
+
+    /// Fills a circle.
+    fn circle(&mut self, center: Point, radius: f64, color: Color) {
+        self.fill(Shape::Circle { center, radius }, color);
+    }
+
+    /// Fills a rectangle with sharp corners.
+    fn rect(&mut self, min: Point, size: Point, color: Color) {
+        self.fill(Shape::Rect { min, size, corner: 0.0 }, color);
+    }
+
+    /// Fills a rectangle with round corners.
+    fn round_rect(&mut self, min: Point, size: Point, corner: f64, color: Color) {
+        self.fill(Shape::Rect { min, size, corner }, color);
+    }
+}
+
+/// The points of an arc around `center`, from angle `start` to `end` in radians, both included.
+pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
+    std::array::from_fn(|i| {
+        let angle = start + (end - start) * i as f64 / (N.max(2) - 1) as f64;
+        [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]
+    })
+}
+
+/// A whole turn.
+pub const TURN: f64 = 2.0 * PI;

@@ -1,0 +1,289 @@
+//! The environment trait and what its methods exchange.
+
+use std::any::Any;
+
+use crate::canvas::Canvas;
+use crate::render::{Metadata, Rendered};
+use crate::{Element, EnvSpec, Error, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
+
+/// A task for an agent: Gymnasium's `Env`.
+///
+/// An episode starts with [`reset`](Env::reset), which gives the first observation. Then each
+/// [`step`](Env::step) takes an action and gives the next observation, a reward, and whether the
+/// episode has ended: `terminated` if the task itself ended it, `truncated` if something outside
+/// the task did, such as a time limit.
+///
+/// ```
+/// use gym_core::{Env, Result};
+///
+/// /// The return of one episode of random actions.
+/// fn random_return<E: Env>(env: &mut E, seed: u64) -> Result<f64> {
+///     let mut actions = env.action_sampler(seed)?;
+///     let mut total = 0.0;
+///     env.reset(seed)?;
+///     loop {
+///         let step = env.step(&actions.sample())?;
+///         total += step.reward;
+///         if step.done() {
+///             return Ok(total);
+///         }
+///     }
+/// }
+/// ```
+///
+/// The same function takes a typed environment (a CartPole that observes `[f32; 4]` and is pushed
+/// `Left` or `Right`) and a [`BoxEnv`](crate::BoxEnv) from [`make`](crate::make), whose
+/// observations and actions are [`Value`]s. Every wrapper is an `Env` as well.
+///
+/// # Implementing
+///
+/// Where the dynamics are a pure function of a plain state, implement
+/// [`Dynamics`](crate::Dynamics) instead: [`Stateful`](crate::Stateful) makes an `Env` of it.
+/// Otherwise six methods are needed:
+///
+/// ```
+/// use gym_core::{Env, Outcome, Reset, Result, Snapshot, Space};
+/// use serde::{Deserialize, Serialize};
+///
+/// /// Walk right from cell 0 to cell 4.
+/// #[derive(Clone, Default, Serialize, Deserialize)]
+/// struct Corridor {
+///     cell: usize,
+/// }
+///
+/// gym_core::discrete! {
+///     /// One step along the corridor.
+///     enum Move { /// towards cell 0
+///         Left, /// towards cell 4
+///         Right }
+/// }
+///
+/// impl Env for Corridor {
+///     type Observation = usize;
+///     type Action = Move;
+///
+///     fn observation_space(&self) -> Space {
+///         Space::discrete(5)
+///     }
+///
+///     fn action_space(&self) -> Space {
+///         Move::space()
+///     }
+///
+///     fn reset_into(&mut self, _reset: &Reset, observation: &mut usize) -> Result<()> {
+///         self.cell = 0;
+///         *observation = self.cell;
+///         Ok(())
+///     }
+///
+///     fn step_into(&mut self, action: &Move, observation: &mut usize) -> Result<Outcome> {
+///         self.cell = match action {
+///             Move::Left => self.cell.saturating_sub(1),
+///             Move::Right => (self.cell + 1).min(4),
+///         };
+///         *observation = self.cell;
+///         let terminated = self.cell == 4;
+///         Ok(Outcome { reward: f64::from(terminated), terminated, truncated: false })
+///     }
+///
+///     fn snapshot(&self) -> Result<Snapshot> {
+///         Snapshot::of(self)
+///     }
+///
+///     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+///         snapshot.get().map(|env| *self = env)
+///     }
+/// }
+/// ```
+///
+/// What the trait asks for beyond the types:
+/// - The same seed gives the same episode, on a fresh environment and on a used one, on any thread.
+/// - All randomness comes from one [`Generator`](crate::Generator), seeded by `reset` and carried on
+///   where `reset` brings no seed.
+/// - A step allocates nothing, reads no clock and draws nothing.
+/// - Bad input gives an `Err`; nothing panics.
+///
+/// [`conform`](crate::conform) checks these.
+pub trait Env: Clone + Send + 'static {
+    /// What the agent sees.
+    type Observation: Element;
+    /// What the agent does.
+    type Action: Element;
+
+    /// The space that every observation lies in.
+    fn observation_space(&self) -> Space;
+
+    /// The space of valid actions.
+    fn action_space(&self) -> Space;
+
+    /// Starts an episode and leaves its first observation in `observation`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a reset option with a bad value.
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
+
+    /// Takes one step and leaves the next observation in `observation`, without allocating.
+    ///
+    /// # Errors
+    /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that
+    /// cannot be executed. The state is then as it was before.
+    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
+
+    /// The whole state, generator included, in a form that can be stored.
+    ///
+    /// To branch within a program, `clone` is faster.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if the state has no stored form.
+    fn snapshot(&self) -> Result<Snapshot>;
+
+    /// Continues from a snapshot of an environment built alike.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if the snapshot is of something else or was damaged; the environment
+    /// is then as it was before.
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
+
+    /// Starts an episode: `reset(42)` with a seed, `reset(())` without,
+    /// `reset(Reset::seed(42).option("low", -0.1))` with options.
+    ///
+    /// # Errors
+    /// As [`reset_into`](Env::reset_into).
+    fn reset(&mut self, reset: impl Into<Reset>) -> Result<Self::Observation> {
+        let mut observation = Self::Observation::empty();
+        self.reset_into(&reset.into(), &mut observation)?;
+        Ok(observation)
+    }
+
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// As [`step_into`](Env::step_into).
+    fn step(&mut self, action: &Self::Action) -> Result<Step<Self::Observation>> {
+        let mut observation = Self::Observation::empty();
+        let Outcome { reward, terminated, truncated } = self.step_into(action, &mut observation)?;
+        Ok(Step { observation, reward, terminated, truncated })
+    }
+
+    /// Shows `visit` each entry of Gymnasium's `info` about the last reset or step. Nothing is
+    /// computed for it until somebody asks.
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = visit;
+    }
+
+    /// Render modes, frames per second and frame size.
+    fn metadata(&self) -> Metadata {
+        Metadata::default()
+    }
+
+    /// Draws the current state. Pure: drawing twice gives the same picture and changes nothing.
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let _ = canvas;
+    }
+
+    /// The current state as text, for the mode `ansi`.
+    fn ansi(&self) -> Option<String> {
+        None
+    }
+
+    /// The picture or text that the render mode asks for.
+    ///
+    /// # Errors
+    /// [`Error::UnsupportedMode`] unless the environment was made with a render mode, or wrapped
+    /// in [`Render`](crate::wrappers::Render).
+    fn render(&mut self) -> Result<Rendered> {
+        Err(Error::UnsupportedMode {
+            target: self.describe(),
+            mode: "anything".into(),
+            reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`".into(),
+        })
+    }
+
+    /// How [`make`](crate::make) would build this environment and its wrappers again, if it can.
+    fn spec(&self) -> Option<EnvSpec> {
+        None
+    }
+
+    /// The stack of wrappers and the environment, outermost first: `<TimeLimit<CartPole>>`.
+    fn describe(&self) -> String {
+        short_type_name::<Self>().to_owned()
+    }
+
+    /// The environment under all wrappers, to `downcast_ref` to its type; see
+    /// [`unwrapped`](Env::unwrapped).
+    fn base(&self) -> &dyn Any {
+        self
+    }
+
+    /// Ends the use of the environment: later steps are an `Err`.
+    fn close(&mut self) {}
+
+    /// Random actions from the action space, of this environment's own action type.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if that type cannot hold what the space describes, which is a
+    /// mistake in the environment.
+    fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
+        self.action_space().sampler(seed).typed()
+    }
+
+    /// The entries of [`info`](Env::info) by name.
+    fn info_map(&self) -> Info {
+        let mut map = Info::new();
+        self.info(&mut |key, value| {
+            map.insert(key.to_owned(), value);
+        });
+        map
+    }
+
+    /// The environment under all wrappers, if it is a `T`: reaches what is not part of the
+    /// interface, such as a transition table.
+    fn unwrapped<T: 'static>(&self) -> Option<&T> {
+        self.base().downcast_ref()
+    }
+}
+
+/// What a step gives: the next observation and what came of the action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<O> {
+    /// What the agent sees next.
+    pub observation: O,
+    /// The reward of this step.
+    pub reward: f64,
+    /// Whether the task has reached an end of its own: no return follows.
+    pub terminated: bool,
+    /// Whether the episode was cut off from outside, as by a time limit. Both flags can be set.
+    pub truncated: bool,
+}
+
+impl<O> Step<O> {
+    /// Whether the episode is over and `reset` must come next.
+    pub fn done(&self) -> bool {
+        self.terminated || self.truncated
+    }
+}
+
+/// A [`Step`] whose observation was left in the caller's buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// The reward of this step.
+    pub reward: f64,
+    /// Whether the task has reached an end of its own: no return follows.
+    pub terminated: bool,
+    /// Whether the episode was cut off from outside, as by a time limit. Both flags can be set.
+    pub truncated: bool,
+}
+
+impl Outcome {
+    /// Whether the episode is over and `reset` must come next.
+    pub fn done(&self) -> bool {
+        self.terminated || self.truncated
+    }
+}
+
+/// `TimeLimit` for `gym_core::wrappers::time_limit::TimeLimit<E>`.
+pub(crate) fn short_type_name<T: ?Sized>() -> &'static str {
+    let name = std::any::type_name::<T>();
+    let name = name.split('<').next().unwrap_or(name);
+    name.rsplit("::").next().unwrap_or(name)
+}

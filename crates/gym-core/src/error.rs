@@ -1,0 +1,174 @@
+//! The one error type: each message says what is wrong and what to do about it.
+
+use thiserror::Error as ThisError;
+
+/// A `Result` whose error is [`enum@Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong in an environment, a space, a wrapper or the registry.
+///
+/// The variants follow Gymnasium's `gymnasium.error`; their texts are written for the person
+/// who reads them in a terminal.
+#[derive(Debug, ThisError)]
+#[non_exhaustive]
+pub enum Error {
+    /// The id does not follow the grammar `[namespace/]name[-vN]`.
+    #[error("malformed environment id `{0}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`")]
+    MalformedId(String),
+
+    /// No environment of that namespace is linked.
+    #[error("namespace `{namespace}` not found{hint}")]
+    NamespaceNotFound {
+        /// The namespace asked for.
+        namespace: String,
+        /// A near name, or how to link the crate.
+        hint: String,
+    },
+
+    /// No environment of that name is linked.
+    #[error("unknown environment `{id}`{hint}")]
+    NameNotFound {
+        /// The id asked for.
+        id: String,
+        /// A near name, and how to link the crate.
+        hint: String,
+    },
+
+    /// The name exists, but not in that version.
+    #[error("environment `{name}` has no version {version}: it provides {available}")]
+    VersionNotFound {
+        /// Namespace and name, without version.
+        name: String,
+        /// The version asked for.
+        version: u32,
+        /// The ids that exist.
+        available: String,
+    },
+
+    /// The version asked for was superseded and is no longer provided.
+    #[error("version {version} of `{name}` is no longer provided: use `{latest}`")]
+    DeprecatedVersion {
+        /// Namespace and name, without version.
+        name: String,
+        /// The version asked for.
+        version: u32,
+        /// The id to use instead.
+        latest: String,
+    },
+
+    /// Two crates register the same id.
+    #[error(
+        "environment `{id}` is registered by more than one crate ({crates}): link only one of them, or give one a namespace"
+    )]
+    Duplicate {
+        /// The id.
+        id: String,
+        /// The crates that register it.
+        crates: String,
+    },
+
+    /// A runtime registration that the registry refuses.
+    #[error("cannot register `{id}`: {reason}")]
+    Registration {
+        /// The id.
+        id: String,
+        /// Why not.
+        reason: String,
+    },
+
+    /// A constructor argument or reset option that does not exist or has a bad value.
+    #[error("invalid argument for {target}: {reason}")]
+    InvalidArgument {
+        /// What was being built or reset.
+        target: String,
+        /// What is wrong and what is valid.
+        reason: String,
+    },
+
+    /// A space cannot be built from these parts.
+    #[error("invalid space: {0}")]
+    InvalidSpace(String),
+
+    /// A value does not belong to a space.
+    #[error("{value} is not an element of {space}: {reason}")]
+    NotInSpace {
+        /// The value, printed.
+        value: String,
+        /// The space, printed.
+        space: String,
+        /// What to change.
+        reason: String,
+    },
+
+    /// An action that the environment cannot execute.
+    #[error("invalid action {action}: the action space is {space}{hint}")]
+    InvalidAction {
+        /// The action, printed.
+        action: String,
+        /// The action space, printed.
+        space: String,
+        /// What is wrong, where it is not obvious.
+        hint: String,
+    },
+
+    /// `step`, `render` or similar before the first `reset`.
+    #[error("cannot call `{0}` before `reset`: call `env.reset(seed)` first")]
+    ResetNeeded(&'static str),
+
+    /// Use of an environment after `close`.
+    #[error("cannot call `{0}` on a closed environment: make a new one")]
+    Closed(&'static str),
+
+    /// A seed that is not a whole number of zero or more.
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater, of any size")]
+    InvalidSeed(String),
+
+    /// A render mode that the environment does not have, or that was not asked for.
+    #[error("{target} cannot render as {mode}: {reason}")]
+    UnsupportedMode {
+        /// The environment.
+        target: String,
+        /// The mode asked for.
+        mode: String,
+        /// What to do instead.
+        reason: String,
+    },
+
+    /// A snapshot that does not fit the environment it is restored into.
+    #[error("cannot restore this snapshot: {0}")]
+    Snapshot(String),
+
+    /// The environment breaks the rules of its own interface.
+    #[error("the environment breaks its contract: {0}")]
+    Contract(String),
+
+    /// Reading or writing a file failed.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system answered.
+        source: std::io::Error,
+    },
+
+    /// Anything an environment of another crate wants to report.
+    #[error("{0}")]
+    Custom(String),
+}
+
+impl Error {
+    /// An error of an environment's own, with its message.
+    pub fn custom(message: impl Into<String>) -> Self {
+        Self::Custom(message.into())
+    }
+
+    /// [`Error::InvalidArgument`] from its two parts.
+    pub fn argument(target: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::InvalidArgument { target: target.into(), reason: reason.into() }
+    }
+
+    /// [`Error::Io`] of a file.
+    pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.display().to_string(), source }
+    }
+}

@@ -1,0 +1,222 @@
+//! Environments as pure functions of a plain state, Gymnasium's `FuncEnv`, and the stateful
+//! environment made of them.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use crate::canvas::Canvas;
+use crate::render::Metadata;
+use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+
+/// The dynamics of a task, written once: three functions of a plain state.
+///
+/// [`Stateful`] turns them into an [`Env`]; a planner calls them directly, from any state:
+///
+/// ```text
+/// start(reset, rng) -> state         transition(state, action, rng) -> next state, reward, terminated
+/// observe(state) -> observation
+/// ```
+///
+/// Nothing but the arguments and the generator decides a result.
+pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
+    /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
+    type Config: Default + Serialize + DeserializeOwned;
+    /// All that changes from step to step.
+    type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
+    /// What the agent sees.
+    type Observation: Element;
+    /// What the agent does.
+    type Action: Element;
+
+    /// The name of the environment, without version.
+    const NAME: &'static str;
+
+    /// The dynamics with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range.
+    fn new(config: Self::Config) -> Result<Self>;
+
+    /// The space that every observation lies in.
+    fn observation_space(&self) -> Space;
+
+    /// The space of valid actions.
+    fn action_space(&self) -> Space;
+
+    /// Draws an initial state.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a reset option with a bad value.
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<Self::State>;
+
+    /// The state that follows, the reward of getting there, and whether the episode ends in it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidAction`] for an action that cannot be executed.
+    fn transition(
+        &self,
+        state: &Self::State,
+        action: &Self::Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<Self::State>>;
+
+    /// What the agent sees of a state.
+    fn observe(&self, state: &Self::State) -> Self::Observation;
+
+    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
+    /// refused.
+    fn is_valid(&self, state: &Self::State) -> bool;
+
+    /// Shows `visit` each entry of `info` about the transition into `state`.
+    fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (state, visit);
+    }
+
+    /// Render modes, frames per second and frame size.
+    fn metadata(&self) -> Metadata {
+        Metadata::default()
+    }
+
+    /// Draws a state.
+    fn draw(&self, state: &Self::State, canvas: &mut dyn Canvas) {
+        let _ = (state, canvas);
+    }
+
+    /// A state as text, for the mode `ansi`.
+    fn ansi(&self, state: &Self::State) -> Option<String> {
+        let _ = state;
+        None
+    }
+}
+
+/// What [`Dynamics::transition`] gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition<S> {
+    /// The next state.
+    pub state: S,
+    /// The reward of this step.
+    pub reward: f64,
+    /// Whether the episode ends in the next state.
+    pub terminated: bool,
+}
+
+/// An [`Env`] that holds the state of its [`Dynamics`] and the generator.
+#[derive(Clone)]
+pub struct Stateful<D: Dynamics> {
+    dynamics: D,
+    episode: Option<Episode<D::State>>,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+struct Episode<S> {
+    state: S,
+    rng: Generator,
+}
+
+impl<D: Dynamics> Stateful<D> {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range.
+    pub fn new(config: D::Config) -> Result<Self> {
+        D::new(config).map(|dynamics| Self { dynamics, episode: None })
+    }
+
+    /// The pure functions, for planning.
+    pub fn dynamics(&self) -> &D {
+        &self.dynamics
+    }
+
+    /// The current state; `None` before the first reset.
+    pub fn state(&self) -> Option<&D::State> {
+        self.episode.as_ref().map(|episode| &episode.state)
+    }
+}
+
+impl<D: Dynamics> fmt::Debug for Stateful<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct(D::NAME).field("dynamics", &self.dynamics).field("state", &self.state()).finish()
+    }
+}
+
+impl<D: Dynamics> Env for Stateful<D> {
+    type Observation = D::Observation;
+    type Action = D::Action;
+
+    fn observation_space(&self) -> Space {
+        self.dynamics.observation_space()
+    }
+
+    fn action_space(&self) -> Space {
+        self.dynamics.action_space()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut D::Observation) -> Result<()> {
+        let mut rng = match (&reset.seed, &self.episode) {
+            (Some(seed), _) => Generator::new(seed),
+            (None, Some(episode)) => episode.rng.clone(),
+            (None, None) => Generator::from_os()?,
+        };
+        let state = self.dynamics.start(reset, &mut rng)?;
+        *observation = self.dynamics.observe(&state);
+        self.episode = Some(Episode { state, rng });
+        Ok(())
+    }
+
+    #[inline]
+    fn step_into(&mut self, action: &D::Action, observation: &mut D::Observation) -> Result<Outcome> {
+        let Some(Episode { state, rng }) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let Transition { state: next, reward, terminated } = self.dynamics.transition(state, action, rng)?;
+        *observation = self.dynamics.observe(&next);
+        *state = next;
+        Ok(Outcome { reward, terminated, truncated: false })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let episode: Option<Episode<D::State>> = snapshot.get()?;
+        if let Some(episode) = &episode
+            && !self.dynamics.is_valid(&episode.state)
+        {
+            return Err(Error::Snapshot(format!(
+                "{:?} is not a state of this {}: was it taken from one with other arguments?",
+                episode.state,
+                D::NAME
+            )));
+        }
+        self.episode = episode;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        if let Some(state) = self.state() {
+            self.dynamics.info(state, visit);
+        }
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.dynamics.metadata()
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        if let Some(state) = self.state() {
+            self.dynamics.draw(state, canvas);
+        }
+    }
+
+    fn ansi(&self) -> Option<String> {
+        self.state().and_then(|state| self.dynamics.ansi(state))
+    }
+
+    fn describe(&self) -> String {
+        D::NAME.to_owned()
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}

@@ -1,0 +1,37 @@
+//! Reinforcement-learning environments in Rust.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+pub mod array;
+mod boxed;
+pub mod canvas;
+pub mod conform;
+mod env;
+mod error;
+mod functional;
+pub mod registry;
+pub mod render;
+mod reset;
+pub mod rng;
+mod snapshot;
+pub mod spaces;
+pub mod trace;
+mod value;
+pub mod wrappers;
+
+/// The entries of [`Env::info`] by name.
+pub type Info = std::collections::BTreeMap<String, Value>;
+
+#[doc(hidden)]
+pub use inventory;
+
+pub use array::{Array, DType, Data};
+pub use boxed::BoxEnv;
+pub use env::{Env, Outcome, Step};
+pub use error::{Error, Result};
+pub use functional::{Dynamics, Stateful, Transition};
+pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make};
+pub use reset::{Kwargs, Reset};
+pub use rng::{Generator, Seed};
+pub use snapshot::Snapshot;
+pub use spaces::{Sampler, Space};
+pub use value::{Element, GraphInstance, Value};

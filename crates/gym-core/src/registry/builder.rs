@@ -1,0 +1,227 @@
+//! From an id and arguments to an environment in its stack of wrappers.
+
+use serde_json::Value as Json;
+
+use super::{EnvSpec, find, resolve};
+use crate::render::RenderMode;
+use crate::wrappers::{
+    OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, Render, RenderCollection, TimeLimit,
+};
+use crate::{BoxEnv, Error, Kwargs, Result, WrapperSpec};
+
+/// Makes an environment with its default arguments and wrappers, as Gymnasium's `make`.
+///
+/// The stack, from the inside: the environment, `PassiveEnvChecker`, `OrderEnforcing`, and
+/// `TimeLimit` where its id has one.
+///
+/// # Errors
+/// What is wrong with the id, or [`Error::InvalidArgument`].
+pub fn make(id: &str) -> Result<BoxEnv> {
+    builder(id).build()
+}
+
+/// Makes an environment with arguments, a render mode or another stack of wrappers.
+///
+/// ```ignore
+/// let env = gym::builder("FrozenLake-v1")
+///     .arg("map_name", "8x8")
+///     .render_mode(RenderMode::RgbArrayList)
+///     .build()?;
+/// ```
+pub fn builder(id: &str) -> EnvBuilder {
+    EnvBuilder { source: Source::Id(id.to_owned()), ..EnvBuilder::default() }
+}
+
+/// Options for making an environment; see [`builder`].
+#[derive(Clone, Debug, Default)]
+pub struct EnvBuilder {
+    source: Source,
+    kwargs: Kwargs,
+    render_mode: Option<RenderMode>,
+    render_size: Option<(u32, u32)>,
+    time_limit: Option<Option<u32>>,
+    disable_env_checker: Option<bool>,
+    order_enforce: Option<bool>,
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Id(String),
+    Spec(Box<EnvSpec>),
+}
+
+impl Default for Source {
+    fn default() -> Self {
+        Self::Id(String::new())
+    }
+}
+
+impl EnvBuilder {
+    /// Starts from a spec: its arguments, render mode and wrappers.
+    pub fn from_spec(spec: EnvSpec) -> Self {
+        Self { source: Source::Spec(Box::new(spec)), ..Self::default() }
+    }
+
+    /// Sets a constructor argument.
+    #[must_use]
+    pub fn arg(mut self, name: &str, value: impl Into<Json>) -> Self {
+        self.kwargs.insert(name.to_owned(), value.into());
+        self
+    }
+
+    /// Sets some constructor arguments. As in Gymnasium, `render_mode` may be among them.
+    #[must_use]
+    pub fn args(mut self, kwargs: Kwargs) -> Self {
+        self.kwargs.extend(kwargs);
+        self
+    }
+
+    /// How [`render`](crate::Env::render) shows the environment.
+    #[must_use]
+    pub fn render_mode(mut self, mode: RenderMode) -> Self {
+        self.render_mode = Some(mode);
+        self
+    }
+
+    /// Width and height of rendered frames; drawings are vectors and scale.
+    #[must_use]
+    pub fn render_size(mut self, width: u32, height: u32) -> Self {
+        self.render_size = Some((width, height));
+        self
+    }
+
+    /// Truncates episodes after that many steps, instead of the number registered; `None` for
+    /// never.
+    #[must_use]
+    pub fn max_episode_steps(mut self, steps: impl Into<Option<u32>>) -> Self {
+        self.time_limit = Some(steps.into());
+        self
+    }
+
+    /// Leaves out the passive checker.
+    #[must_use]
+    pub fn disable_env_checker(mut self, disable: bool) -> Self {
+        self.disable_env_checker = Some(disable);
+        self
+    }
+
+    /// Leaves out the check for calls before `reset` and after `close`, with `false`.
+    #[must_use]
+    pub fn order_enforce(mut self, enforce: bool) -> Self {
+        self.order_enforce = Some(enforce);
+        self
+    }
+
+    /// The spec that all options together make. An id without version, or with one that is out of
+    /// date, gives a warning through the `log` crate.
+    ///
+    /// # Errors
+    /// What is wrong with the id, or an unknown render mode among the arguments.
+    pub fn spec(self) -> Result<EnvSpec> {
+        let mut spec = match self.source {
+            Source::Spec(spec) => *spec,
+            Source::Id(id) => {
+                let (registration, note) = resolve(&id)?;
+                if let Some(note) = note {
+                    log::warn!("{note}");
+                }
+                registration.spec()?
+            }
+        };
+        spec.kwargs.extend(self.kwargs);
+        if let Some(mode) = spec.kwargs.remove("render_mode") {
+            spec.render_mode = serde_json::from_value(mode)
+                .map_err(|error| Error::argument(format!("`{}`: render_mode", spec.id), error.to_string()))?;
+        }
+        spec.render_mode = self.render_mode.or(spec.render_mode);
+        spec.render_size = self.render_size.or(spec.render_size);
+        spec.max_episode_steps = self.time_limit.unwrap_or(spec.max_episode_steps);
+        spec.disable_env_checker = self.disable_env_checker.unwrap_or(spec.disable_env_checker);
+        spec.order_enforce = self.order_enforce.unwrap_or(spec.order_enforce);
+        Ok(spec)
+    }
+
+    /// Makes the environment.
+    ///
+    /// # Errors
+    /// What is wrong with the id, an argument, or the render mode.
+    pub fn build(self) -> Result<BoxEnv> {
+        let EnvSpec {
+            render_mode,
+            render_size,
+            max_episode_steps,
+            disable_env_checker,
+            order_enforce,
+            additional_wrappers,
+            ..
+        } = self.clone().spec()?;
+        let spec = EnvSpec { additional_wrappers: Vec::new(), ..self.spec()? };
+        let mut env = find(&spec.id)?.construct(spec)?;
+        if let Some(mode) = render_mode {
+            let mut render = Render::new(env, mode.single())?;
+            if let Some((width, height)) = render_size {
+                render = render.with_size(width, height)?;
+            }
+            env = BoxEnv::new(render);
+        }
+        if !disable_env_checker {
+            env = BoxEnv::new(PassiveEnvChecker::new(env));
+        }
+        if order_enforce {
+            env = BoxEnv::new(OrderEnforcing::new(env));
+        }
+        if let Some(steps) = max_episode_steps {
+            env = BoxEnv::new(TimeLimit::new(env, steps)?);
+        }
+        for wrapper in &additional_wrappers {
+            env = wrap(env, wrapper)?;
+        }
+        if render_mode.is_some_and(RenderMode::is_list) {
+            env = BoxEnv::new(RenderCollection::new(env));
+        }
+        Ok(env)
+    }
+}
+
+/// Puts a wrapper that a spec names around an environment.
+fn wrap(env: BoxEnv, wrapper: &WrapperSpec) -> Result<BoxEnv> {
+    fn arguments<T: serde::de::DeserializeOwned>(wrapper: &WrapperSpec) -> Result<T> {
+        serde_json::from_value(Json::Object(wrapper.kwargs.clone()))
+            .map_err(|error| Error::argument(&wrapper.name, error.to_string()))
+    }
+
+    #[derive(serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct TimeLimitArguments {
+        max_episode_steps: u32,
+    }
+
+    #[derive(serde::Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    struct StatisticsArguments {
+        buffer_length: usize,
+    }
+
+    impl Default for StatisticsArguments {
+        fn default() -> Self {
+            Self { buffer_length: 100 }
+        }
+    }
+
+    Ok(match wrapper.name.as_str() {
+        "TimeLimit" => {
+            let TimeLimitArguments { max_episode_steps } = arguments(wrapper)?;
+            BoxEnv::new(TimeLimit::new(env, max_episode_steps)?)
+        }
+        "RecordEpisodeStatistics" => {
+            let StatisticsArguments { buffer_length } = arguments(wrapper)?;
+            BoxEnv::new(RecordEpisodeStatistics::new(env).with_buffer_length(buffer_length)?)
+        }
+        name => {
+            return Err(Error::argument(
+                "additional_wrappers",
+                format!("unknown wrapper `{name}`: known are TimeLimit, RecordEpisodeStatistics"),
+            ));
+        }
+    })
+}

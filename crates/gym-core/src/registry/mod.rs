@@ -1,0 +1,186 @@
+//! Environments by id: link-time and runtime registration, look-up, listing.
+//!
+//! The table is made of what the linked crates submitted with [`register!`](crate::register!) and
+//! of what [`register`] added while the program runs. Its order is that of the ids, whatever the
+//! order of linking.
+
+mod builder;
+mod id;
+mod registration;
+mod spec;
+
+use std::collections::BTreeMap;
+use std::sync::{LazyLock, PoisonError, RwLock};
+
+pub use builder::{EnvBuilder, builder, make};
+pub use id::EnvId;
+pub use registration::{Configure, NoArguments, Registration};
+pub use spec::{EnvSpec, WrapperSpec};
+
+use crate::{Error, Result};
+
+type Table = BTreeMap<EnvId, Vec<Registration>>;
+
+/// All registrations by id. A link-time id whose grammar is broken is kept under a name that
+/// nobody can ask for, so that the conformance check can report it.
+static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
+    let mut table = Table::new();
+    for registration in inventory::iter::<Registration> {
+        let id = registration.id().parse().unwrap_or_else(|_| EnvId {
+            namespace: None,
+            name: registration.id().to_owned(),
+            version: None,
+        });
+        table.entry(id).or_default().push(registration.clone());
+    }
+    for duplicates in table.values_mut() {
+        duplicates.sort_by_key(|registration| registration.crate_name);
+    }
+    RwLock::new(table)
+});
+
+fn with_table<R>(f: impl FnOnce(&mut Table) -> R) -> R {
+    f(&mut TABLE.write().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Adds an environment while the program runs.
+///
+/// # Errors
+/// [`Error::MalformedId`]; [`Error::Registration`] if the id exists, or if the same name exists
+/// with a version where this has none or the other way round.
+pub fn register(registration: Registration) -> Result<()> {
+    let id: EnvId = registration.id().parse()?;
+    let refuse = |reason: String| Err(Error::Registration { id: id.to_string(), reason });
+    with_table(|table| {
+        if table.contains_key(&id) {
+            return refuse("the id is taken: choose another, or a namespace of your own".into());
+        }
+        let other = table
+            .keys()
+            .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
+        if let Some(other) = other {
+            return refuse(format!("`{other}` exists: a name has versions on all its ids or on none"));
+        }
+        table.insert(id.clone(), vec![registration]);
+        Ok(())
+    })
+}
+
+/// Every registration, ordered by id; an id that two crates register occurs twice.
+pub fn all() -> Vec<Registration> {
+    with_table(|table| table.values().flatten().cloned().collect())
+}
+
+/// The registration of an id.
+///
+/// # Errors
+/// [`Error::MalformedId`], or which part of the id is unknown and what is near it; and
+/// [`Error::Duplicate`] if more than one crate registers it.
+pub fn find(id: &str) -> Result<Registration> {
+    let id: EnvId = id.parse()?;
+    with_table(|table| match table.get(&id).map(Vec::as_slice) {
+        Some([registration]) => Ok(registration.clone()),
+        Some(duplicates) => {
+            let crates: Vec<_> = duplicates.iter().map(Registration::crate_name).collect();
+            Err(Error::Duplicate { id: id.to_string(), crates: crates.join(", ") })
+        }
+        None => Err(not_found(table, &id)),
+    })
+}
+
+/// An id as [`make`](crate::make) understands it: without a version, the newest of that name.
+/// The second part says what the user should know about the choice.
+///
+/// # Errors
+/// As [`find`].
+pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
+    let asked: EnvId = id.parse()?;
+    let newest = with_table(|table| table.keys().filter(|other| other.same_name(&asked)).max().cloned());
+    let Some(newest) = newest else { return find(id).map(|registration| (registration, None)) };
+    if asked.version.is_none() && newest.version.is_some() {
+        let note = format!("using the latest version `{newest}` of the unversioned `{asked}`");
+        return Ok((find(&newest.to_string())?, Some(note)));
+    }
+    let registration = find(id)?;
+    let note = (asked.version < newest.version)
+        .then(|| format!("`{asked}` is out of date: consider upgrading to `{newest}`"));
+    Ok((registration, note))
+}
+
+/// Says which part of an unknown id is at fault.
+fn not_found(table: &Table, id: &EnvId) -> Error {
+    let crates = || {
+        let names: std::collections::BTreeSet<_> =
+            table.values().flatten().map(Registration::crate_name).filter(|name| !name.is_empty()).collect();
+        match names.len() {
+            0 => "no crate with environments is linked: add `use gym_classic as _;`".to_owned(),
+            _ => {
+                let names: Vec<_> = names.into_iter().collect();
+                format!("linked crates: {}; link another with `use its_name as _;`", names.join(", "))
+            }
+        }
+    };
+    if id.namespace.is_some() && !table.keys().any(|other| other.namespace == id.namespace) {
+        let namespace = id.namespace.clone().unwrap_or_default();
+        let known = table.keys().filter_map(|other| other.namespace.as_deref());
+        let near = nearest(&namespace, known).map(|near| format!(": did you mean `{near}`?"));
+        let hint = format!("{} ({})", near.unwrap_or_default(), crates());
+        return Error::NamespaceNotFound { namespace, hint };
+    }
+    let versions: Vec<_> = table.keys().filter(|other| other.same_name(id)).collect();
+    let Some(newest) = versions.last() else {
+        let known: Vec<_> = table.keys().filter(|other| other.namespace == id.namespace).collect();
+        let near = nearest(&id.name, known.iter().map(|other| other.name.as_str()));
+        // among the versions of the near name, the one asked for, else the newest
+        let near = near.and_then(|name| {
+            let mut ids = known.iter().rev().filter(|other| other.name == name);
+            let newest = ids.clone().next();
+            ids.find(|other| other.version == id.version).or(newest)
+        });
+        let near = near.map(|near| format!(": did you mean `{near}`?"));
+        let hint = format!("{} ({})", near.unwrap_or_default(), crates());
+        return Error::NameNotFound { id: id.to_string(), hint };
+    };
+    match id.version {
+        Some(version) if newest.version.is_some_and(|newest| version < newest) => {
+            Error::DeprecatedVersion { name: id.unversioned(), version, latest: newest.to_string() }
+        }
+        version => Error::VersionNotFound {
+            name: id.unversioned(),
+            version: version.unwrap_or_default(),
+            available: versions.iter().map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", "),
+        },
+    }
+}
+
+/// The most similar of some names, if it is similar at all. Case counts for nothing, so that
+/// `cartpole` finds `CartPole`.
+fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
+    let name = name.to_lowercase();
+    known
+        .map(|other| (strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()), other))
+        .filter(|(similarity, _)| *similarity >= CUTOFF)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, other)| other)
+}
+
+/// The registry as a table of text: ids in columns, grouped by crate.
+pub fn pretty(columns: usize) -> String {
+    let mut groups: BTreeMap<&'static str, Vec<String>> = BTreeMap::new();
+    for registration in all() {
+        groups.entry(registration.crate_name).or_default().push(registration.id.into_owned());
+    }
+    let mut text = String::new();
+    for (crate_name, ids) in groups {
+        let title = if crate_name.is_empty() { "registered at run time" } else { crate_name };
+        text += &format!("===== {title} =====\n");
+        let width = ids.iter().map(String::len).max().unwrap_or(0);
+        for row in ids.chunks(columns.max(1)) {
+            let cells: Vec<_> = row.iter().map(|id| format!("{id:width$}")).collect();
+            text += cells.join("  ").trim_end();
+            text += "\n";
+        }
+    }
+    text
+}

@@ -1,0 +1,205 @@
+//! What a crate says about an environment to have it made by id.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value as Json;
+
+use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
+
+/// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
+/// [`Stateful`] implements it for every [`Dynamics`].
+pub trait Configure: Env {
+    /// The constructor's arguments. Derive `Deserialize` with
+    /// `#[serde(default, deny_unknown_fields)]`, so that a misspelt one is an error that lists the
+    /// valid ones.
+    type Config: Default + Serialize + DeserializeOwned;
+
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range.
+    fn configure(config: Self::Config) -> Result<Self>;
+}
+
+/// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoArguments {}
+
+impl<D: Dynamics> Configure for Stateful<D> {
+    type Config = D::Config;
+
+    fn configure(config: D::Config) -> Result<Self> {
+        Self::new(config)
+    }
+}
+
+/// An entry of the registry. Submit it at link time with [`register!`](crate::register!), or at
+/// run time with [`registry::register`](crate::registry::register).
+#[derive(Clone)]
+pub struct Registration {
+    pub(super) id: Cow<'static, str>,
+    pub(super) crate_name: &'static str,
+    kwargs: &'static str,
+    reward_threshold: Option<f64>,
+    max_episode_steps: Option<u32>,
+    nondeterministic: bool,
+    without_arguments: bool,
+    defaults: fn() -> Json,
+    construct: fn(EnvSpec) -> Result<BoxEnv>,
+}
+
+impl Registration {
+    /// The environment `E` under an id that is known when the program is compiled.
+    pub const fn new<E: Configure>(id: &'static str) -> Self {
+        Self::with_id::<E>(Cow::Borrowed(id))
+    }
+
+    /// The environment `E` under an id that is made while the program runs.
+    pub fn dynamic<E: Configure>(id: impl Into<String>) -> Self {
+        Self::with_id::<E>(Cow::Owned(id.into()))
+    }
+
+    const fn with_id<E: Configure>(id: Cow<'static, str>) -> Self {
+        Self {
+            id,
+            crate_name: "",
+            kwargs: "{}",
+            reward_threshold: None,
+            max_episode_steps: None,
+            nondeterministic: false,
+            without_arguments: false,
+            defaults: defaults::<E>,
+            construct: construct::<E>,
+        }
+    }
+
+    /// The crate it comes from; [`register!`](crate::register!) fills it in.
+    #[must_use]
+    pub const fn from_crate(mut self, name: &'static str) -> Self {
+        self.crate_name = name;
+        self
+    }
+
+    /// Arguments of this id, as a JSON object: they go before those of
+    /// [`make`](crate::make).
+    #[must_use]
+    pub const fn kwargs(mut self, json: &'static str) -> Self {
+        self.kwargs = json;
+        self
+    }
+
+    /// Takes no arguments under this id: an older version, from before there were any.
+    #[must_use]
+    pub const fn without_arguments(mut self) -> Self {
+        self.without_arguments = true;
+        self
+    }
+
+    /// The mean return at which the task counts as solved.
+    #[must_use]
+    pub const fn reward_threshold(mut self, threshold: f64) -> Self {
+        self.reward_threshold = Some(threshold);
+        self
+    }
+
+    /// The steps after which an episode is truncated; without it there is no limit.
+    #[must_use]
+    pub const fn max_episode_steps(mut self, steps: u32) -> Self {
+        self.max_episode_steps = Some(steps);
+        self
+    }
+
+    /// Says that the same seed can give different episodes.
+    #[must_use]
+    pub const fn nondeterministic(mut self) -> Self {
+        self.nondeterministic = true;
+        self
+    }
+
+    /// The id.
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// The crate it comes from.
+    pub fn crate_name(&self) -> &str {
+        self.crate_name
+    }
+
+    /// How [`make`](crate::make) builds it.
+    ///
+    /// # Errors
+    /// [`Error::Registration`] if its arguments are not a JSON object.
+    pub fn spec(&self) -> Result<EnvSpec> {
+        let kwargs: Kwargs = serde_json::from_str(self.kwargs).map_err(|error| Error::Registration {
+            id: self.id.to_string(),
+            reason: format!("its arguments are not a JSON object: {error}"),
+        })?;
+        Ok(EnvSpec {
+            id: self.id.to_string(),
+            reward_threshold: self.reward_threshold,
+            nondeterministic: self.nondeterministic,
+            max_episode_steps: self.max_episode_steps,
+            order_enforce: true,
+            disable_env_checker: false,
+            kwargs,
+            render_mode: None,
+            render_size: None,
+            additional_wrappers: Vec::new(),
+        })
+    }
+
+    /// The constructor's arguments with their default values.
+    pub fn default_kwargs(&self) -> Kwargs {
+        match (self.defaults)() {
+            Json::Object(map) if !self.without_arguments => map,
+            _ => Kwargs::new(),
+        }
+    }
+
+    /// The bare environment of a spec, without wrappers.
+    pub(super) fn construct(&self, spec: EnvSpec) -> Result<BoxEnv> {
+        if self.without_arguments && !spec.kwargs.is_empty() {
+            return Err(Error::argument(format!("`{}`", spec.id), "this version takes no arguments"));
+        }
+        (self.construct)(spec)
+    }
+}
+
+impl fmt::Debug for Registration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Registration({} of {})", self.id, self.crate_name)
+    }
+}
+
+inventory::collect!(Registration);
+
+fn defaults<E: Configure>() -> Json {
+    serde_json::to_value(E::Config::default()).unwrap_or_default()
+}
+
+fn construct<E: Configure>(spec: EnvSpec) -> Result<BoxEnv> {
+    let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
+    let config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
+    Ok(BoxEnv::with_spec(E::configure(config)?, spec))
+}
+
+/// Registers an environment when its crate is linked.
+///
+/// ```ignore
+/// gym_core::register!(
+///     Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
+/// );
+/// ```
+///
+/// A crate that is a dependency but is never named is not linked, and its environments are then
+/// missing: name it with `use my_envs as _;`.
+#[macro_export]
+macro_rules! register {
+    ($registration:expr) => {
+        $crate::inventory::submit! { $registration.from_crate(env!("CARGO_PKG_NAME")) }
+    };
+}

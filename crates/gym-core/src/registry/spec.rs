@@ -1,0 +1,89 @@
+//! How an environment is made: its id, arguments and wrappers, as data.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+use super::EnvBuilder;
+use crate::render::RenderMode;
+use crate::{BoxEnv, Kwargs, Result};
+
+/// Everything needed to make an environment again, with its wrappers. Goes through JSON under
+/// Gymnasium's names; fields that Gymnasium has and this crate does not (`entry_point`) are
+/// ignored when read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EnvSpec {
+    /// The id, with its version.
+    pub id: String,
+    /// The mean return at which the task counts as solved.
+    #[serde(default)]
+    pub reward_threshold: Option<f64>,
+    /// Whether the same seed can give different episodes.
+    #[serde(default)]
+    pub nondeterministic: bool,
+    /// The steps after which an episode is truncated; `None` for no limit.
+    #[serde(default)]
+    pub max_episode_steps: Option<u32>,
+    /// Whether [`OrderEnforcing`](crate::wrappers::OrderEnforcing) is part of the stack.
+    #[serde(default = "yes")]
+    pub order_enforce: bool,
+    /// Whether [`PassiveEnvChecker`](crate::wrappers::PassiveEnvChecker) is left out.
+    #[serde(default)]
+    pub disable_env_checker: bool,
+    /// Arguments of the constructor.
+    #[serde(default)]
+    pub kwargs: Kwargs,
+    /// How it is rendered, if at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub render_mode: Option<RenderMode>,
+    /// Width and height of rendered frames, where not the environment's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub render_size: Option<(u32, u32)>,
+    /// Wrappers around the default stack, innermost first.
+    #[serde(default)]
+    pub additional_wrappers: Vec<WrapperSpec>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl EnvSpec {
+    /// Makes the environment with its wrappers.
+    ///
+    /// # Errors
+    /// As [`make`](crate::make), and for a wrapper that is not known.
+    pub fn make(&self) -> Result<BoxEnv> {
+        EnvBuilder::from_spec(self.clone()).build()
+    }
+
+    /// The spec of this environment in one more wrapper.
+    #[must_use]
+    pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
+        self.additional_wrappers.push(wrapper);
+        self
+    }
+}
+
+/// A wrapper by name, with its arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrapperSpec {
+    /// Gymnasium's name of the wrapper.
+    pub name: String,
+    /// Arguments of its constructor.
+    #[serde(default)]
+    pub kwargs: Kwargs,
+}
+
+impl WrapperSpec {
+    /// A wrapper without arguments.
+    pub fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), kwargs: Kwargs::new() }
+    }
+
+    /// Adds an argument.
+    #[must_use]
+    pub fn arg(mut self, name: &str, value: impl Into<Json>) -> Self {
+        self.kwargs.insert(name.to_owned(), value.into());
+        self
+    }
+}

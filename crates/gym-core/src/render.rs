@@ -1,0 +1,202 @@
+//! Render modes, frames, and the painter that a rendering crate provides at link time.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::canvas::Canvas;
+use crate::{Error, Result};
+
+/// How an environment shows itself, under Gymnasium's names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RenderMode {
+    /// A live window; `render` returns nothing.
+    Human,
+    /// `render` returns the current picture.
+    RgbArray,
+    /// A frame is gathered at each reset and step; `render` hands them over.
+    RgbArrayList,
+    /// `render` returns the current state as text with terminal colours.
+    Ansi,
+    /// A text is gathered at each reset and step; `render` hands them over.
+    AnsiList,
+}
+
+impl RenderMode {
+    /// Every mode.
+    pub const ALL: [Self; 5] = [Self::Human, Self::RgbArray, Self::RgbArrayList, Self::Ansi, Self::AnsiList];
+
+    /// Gymnasium's name, as in `rgb_array`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Human => "human",
+            Self::RgbArray => "rgb_array",
+            Self::RgbArrayList => "rgb_array_list",
+            Self::Ansi => "ansi",
+            Self::AnsiList => "ansi_list",
+        }
+    }
+
+    /// The mode of one item, for a mode that gathers a list; otherwise itself.
+    pub const fn single(self) -> Self {
+        match self {
+            Self::RgbArrayList => Self::RgbArray,
+            Self::AnsiList => Self::Ansi,
+            other => other,
+        }
+    }
+
+    /// Whether this mode gathers a list.
+    pub fn is_list(self) -> bool {
+        self.single() != self
+    }
+}
+
+impl fmt::Display for RenderMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for RenderMode {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == text).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::argument("render_mode", format!("unknown mode `{text}`: the modes are {names}"))
+        })
+    }
+}
+
+/// What an environment says about its rendering.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metadata {
+    /// The modes that [`render`](crate::Env::render) can be asked for; empty if there is nothing
+    /// to see. The `_list` forms follow from these and are not named.
+    pub render_modes: &'static [RenderMode],
+    /// Frames per second at which the motion has its natural speed.
+    pub render_fps: u32,
+    /// Width and height of the picture that [`draw`](crate::Env::draw) draws, in pixels.
+    pub render_size: (u32, u32),
+}
+
+impl Metadata {
+    /// Drawn, without a text form.
+    pub const fn drawn(render_fps: u32, render_size: (u32, u32)) -> Self {
+        Self { render_modes: &[RenderMode::Human, RenderMode::RgbArray], render_fps, render_size }
+    }
+
+    /// Drawn, and with a text form.
+    pub const fn drawn_and_text(render_fps: u32, render_size: (u32, u32)) -> Self {
+        Self {
+            render_modes: &[RenderMode::Human, RenderMode::Ansi, RenderMode::RgbArray],
+            render_fps,
+            render_size,
+        }
+    }
+}
+
+impl Default for Metadata {
+    /// Nothing to see.
+    fn default() -> Self {
+        Self { render_modes: &[], render_fps: 30, render_size: (600, 400) }
+    }
+}
+
+/// A picture: 8-bit red, green, blue.
+#[derive(Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Frame {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+impl Frame {
+    /// A black picture.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![0; width as usize * height as usize * 3] }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue of each pixel, row by row from the top: Gymnasium's array of shape
+    /// `(height, width, 3)`.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// The pixels, to change them.
+    pub fn pixels_mut(&mut self) -> &mut [u8] {
+        &mut self.pixels
+    }
+}
+
+impl fmt::Debug for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Frame({}x{})", self.width, self.height)
+    }
+}
+
+/// What [`render`](crate::Env::render) returns, by render mode.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rendered {
+    /// `human`: the picture went to the window.
+    Shown,
+    /// `rgb_array`.
+    Frame(Frame),
+    /// `rgb_array_list`: every frame since the last call.
+    Frames(Vec<Frame>),
+    /// `ansi`.
+    Text(String),
+    /// `ansi_list`: every text since the last call.
+    Texts(Vec<String>),
+}
+
+impl Rendered {
+    /// The picture of the mode `rgb_array`.
+    pub fn into_frame(self) -> Option<Frame> {
+        if let Self::Frame(frame) = self { Some(frame) } else { None }
+    }
+
+    /// The pictures of the mode `rgb_array_list`.
+    pub fn into_frames(self) -> Option<Vec<Frame>> {
+        if let Self::Frames(frames) = self { Some(frames) } else { None }
+    }
+
+    /// The text of the mode `ansi`.
+    pub fn into_text(self) -> Option<String> {
+        if let Self::Text(text) = self { Some(text) } else { None }
+    }
+}
+
+/// Turns drawings into pixels. A rendering crate such as `gym-render` submits a
+/// [`PainterProvider`]; [`Painter`]s are what wrappers then hold.
+pub trait Painter: Send {
+    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`.
+    fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame);
+}
+
+/// Link-time registration of a [`Painter`].
+#[derive(Debug)]
+pub struct PainterProvider {
+    /// Makes one.
+    pub new: fn() -> Box<dyn Painter>,
+}
+
+inventory::collect!(PainterProvider);
+
+/// A painter of the linked rendering crate, or `None` where none is linked.
+pub fn painter() -> Option<Box<dyn Painter>> {
+    inventory::iter::<PainterProvider>.into_iter().next().map(|provider| (provider.new)())
+}

@@ -1,0 +1,72 @@
+//! What `reset` is asked for: a seed and options.
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value as Json};
+
+use crate::{Error, Result, Seed};
+
+/// Named reset options or constructor arguments.
+pub type Kwargs = Map<String, Json>;
+
+/// How to start an episode. `Reset::default()` carries the generator on and uses no options.
+///
+/// ```
+/// use gym_core::Reset;
+/// let reset = Reset::seed(42).option("low", -0.1).option("high", 0.1);
+/// assert_eq!(reset, Reset::from(42).option("low", -0.1).option("high", 0.1));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reset {
+    /// Seeds the generator afresh; `None` carries it on (or, the first time, seeds it from the
+    /// operating system).
+    pub seed: Option<Seed>,
+    /// Options of the environment. As in Gymnasium, names that it does not know are ignored.
+    pub options: Kwargs,
+}
+
+impl Reset {
+    /// A reset that seeds the generator.
+    pub fn seed(seed: impl Into<Seed>) -> Self {
+        Self { seed: Some(seed.into()), options: Kwargs::new() }
+    }
+
+    /// Adds an option.
+    #[must_use]
+    pub fn option(mut self, name: &str, value: impl Into<Json>) -> Self {
+        self.options.insert(name.to_owned(), value.into());
+        self
+    }
+
+    /// The options as the environment's own type, whose fields not named keep their defaults.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a value of the wrong type.
+    pub fn options<T: DeserializeOwned>(&self, env: &str) -> Result<T> {
+        serde_json::from_value(Json::Object(self.options.clone()))
+            .map_err(|error| Error::argument(format!("reset options of {env}"), error.to_string()))
+    }
+}
+
+impl From<()> for Reset {
+    fn from((): ()) -> Self {
+        Self::default()
+    }
+}
+
+impl From<u64> for Reset {
+    fn from(seed: u64) -> Self {
+        Self::seed(seed)
+    }
+}
+
+impl From<Seed> for Reset {
+    fn from(seed: Seed) -> Self {
+        Self::seed(seed)
+    }
+}
+
+impl From<Option<u64>> for Reset {
+    fn from(seed: Option<u64>) -> Self {
+        Self { seed: seed.map(Seed::from), options: Kwargs::new() }
+    }
+}

@@ -1,0 +1,32 @@
+//! The stored state of an environment.
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value as Json;
+
+use crate::{Error, Result};
+
+/// The whole state of an environment and its wrappers, as JSON data.
+///
+/// A snapshot restored into an environment built with the same arguments continues identically.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Snapshot(Json);
+
+impl Snapshot {
+    /// The snapshot of some state.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if the state holds a number that is not finite, or a map whose keys are
+    /// not strings: JSON cannot tell these apart.
+    pub fn of<T: Serialize>(state: &T) -> Result<Self> {
+        serde_json::to_value(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
+    }
+
+    /// The state.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if this is the snapshot of something else.
+    pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
+        T::deserialize(&self.0).map_err(|error| Error::Snapshot(error.to_string()))
+    }
+}

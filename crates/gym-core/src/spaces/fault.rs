@@ -1,0 +1,106 @@
+//! Why a value is not in a space.
+
+use std::fmt;
+
+use crate::array::Array;
+use crate::{DType, Value};
+
+use super::number::can_cast;
+use super::numpy_fmt;
+
+/// What is wrong with a value or a description, and where in it.
+#[derive(Debug, PartialEq)]
+pub(super) struct Fault {
+    /// `["x"][1]`; empty at the top.
+    path: String,
+    reason: String,
+}
+
+impl Fault {
+    pub(super) fn new(reason: impl Into<String>) -> Self {
+        Self { path: String::new(), reason: reason.into() }
+    }
+
+    /// The value is of another kind.
+    pub(super) fn kind(expected: &str, value: &Value) -> Self {
+        let actual = match value {
+            Value::Null => "nothing",
+            Value::Bool(_) => "a truth value",
+            Value::Int(_) => "a whole number",
+            Value::Float(_) => "a real number",
+            Value::Text(_) => "a text",
+            Value::Array(_) => "an array",
+            Value::Tuple(_) => "a tuple",
+            Value::Dict(_) => "a dict",
+            Value::Graph(_) => "a graph",
+            Value::OneOf(..) => "an index with a value",
+        };
+        Self::new(format!("expected {expected}, not {actual}"))
+    }
+
+    /// The fault lies in the member under a key.
+    #[must_use]
+    pub(super) fn under(self, key: &str) -> Self {
+        self.within(format_args!("[{key:?}]"))
+    }
+
+    /// The fault lies in the member of an index.
+    #[must_use]
+    pub(super) fn at(self, index: usize) -> Self {
+        self.within(format_args!("[{index}]"))
+    }
+
+    /// The fault lies in the element of an array; `flat` counts in row-major order.
+    #[must_use]
+    pub(super) fn at_element(self, flat: usize, shape: &[usize]) -> Self {
+        let mut rest = flat;
+        let mut index: Vec<usize> = shape
+            .iter()
+            .rev()
+            .map(|&n| {
+                let i = rest % n;
+                rest /= n;
+                i
+            })
+            .collect();
+        index.reverse();
+        if index.is_empty() { self } else { self.within(format_args!("{index:?}")) }
+    }
+
+    #[must_use]
+    pub(super) fn within(mut self, part: impl fmt::Display) -> Self {
+        self.path.insert_str(0, &part.to_string());
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.path.is_empty() {
+            f.write_str(&self.reason)
+        } else {
+            write!(f, "{}: {}", self.path, self.reason)
+        }
+    }
+}
+
+/// The array of a value, if it has that shape and its numbers can become numbers of `dtype`.
+pub(super) fn expect_array<'a>(value: &'a Value, shape: &[usize], dtype: DType) -> Result<&'a Array, Fault> {
+    let Value::Array(array) = value else { return Err(Fault::kind("an array", value)) };
+    if array.shape() != shape {
+        let [actual, expected] = [array.shape(), shape].map(numpy_fmt::shape);
+        return Err(Fault::new(format!("the shape is {actual} and should be {expected}")));
+    }
+    if !can_cast(array.dtype(), dtype) {
+        let actual = array.dtype();
+        return Err(Fault::new(format!(
+            "the numbers are {actual} and should be {dtype}: convert them first"
+        )));
+    }
+    Ok(array)
+}
+
+/// Whether [`expect_array`] succeeds; allocates nothing.
+pub(super) fn is_array(value: &Value, shape: &[usize], dtype: DType) -> bool {
+    value.as_array().is_some_and(|array| array.shape() == shape && can_cast(array.dtype(), dtype))
+}

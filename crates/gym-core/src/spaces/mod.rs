@@ -1,0 +1,293 @@
+//! Spaces: which observations and actions an environment has, and random elements of them.
+//!
+//! A [`Space`] describes; it never changes. A [`Sampler`] holds the generators that Gymnasium keeps
+//! in the space itself. Written after Gymnasium 1.4's `gymnasium.spaces`: names, samples, printed
+//! form and rules of membership are the same.
+
+mod batch;
+mod box_space;
+mod dict;
+mod discrete;
+mod fault;
+mod flat_space;
+mod flatten;
+mod graph;
+mod json;
+mod multi_binary;
+mod multi_discrete;
+mod number;
+mod numpy_fmt;
+mod one_of;
+mod sampler;
+mod selection;
+mod sequence;
+mod text;
+mod tuple;
+mod weight;
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::array::Array;
+use crate::{DType, Error, Result, Seed, Value};
+
+pub use box_space::BoxSpace;
+pub use dict::DictSpace;
+pub use discrete::Discrete;
+pub use graph::GraphSpace;
+pub use multi_binary::MultiBinary;
+pub use multi_discrete::MultiDiscrete;
+pub use one_of::OneOfSpace;
+pub use sampler::Sampler;
+pub use selection::{Mask, Probabilities, Selection};
+pub use sequence::SequenceSpace;
+pub use text::TextSpace;
+pub use tuple::TupleSpace;
+
+use fault::Fault;
+use sampler::Streams;
+use weight::Weight;
+
+/// A set of values: the observations or the actions of an environment.
+///
+/// | space | its elements |
+/// |---|---|
+/// | [`Box`](BoxSpace) | arrays of numbers, each between bounds |
+/// | [`Discrete`] | the integers of a range |
+/// | [`MultiDiscrete`] | arrays of integers, each from a range of its own |
+/// | [`MultiBinary`] | arrays of zeros and ones |
+/// | [`Text`](TextSpace) | strings |
+/// | [`Tuple`](TupleSpace), [`Dict`](DictSpace) | one element of each member space |
+/// | [`Sequence`](SequenceSpace) | any number of elements of one space |
+/// | [`Graph`](GraphSpace) | nodes and edges |
+/// | [`OneOf`](OneOfSpace) | an element of one of several spaces, with its index |
+///
+/// ```
+/// use gym_core::{Space, Value};
+/// let space = Space::discrete(3);
+/// assert!(space.contains(&Value::Int(2)) && !space.contains(&Value::Int(3)));
+/// assert_eq!(space.sampler(7).sample(), Value::Int(2));
+/// ```
+///
+/// It prints as Gymnasium prints it, and its stored form is JSON such as
+/// `{"type":"Discrete","n":3,"start":0,"dtype":"int64"}`, checked when it is read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type")]
+#[expect(missing_docs, reason = "the variants are the structs they hold")]
+pub enum Space {
+    Box(BoxSpace),
+    Discrete(Discrete),
+    MultiDiscrete(MultiDiscrete),
+    MultiBinary(MultiBinary),
+    Text(TextSpace),
+    Tuple(TupleSpace),
+    Dict(DictSpace),
+    Sequence(SequenceSpace),
+    Graph(GraphSpace),
+    OneOf(OneOfSpace),
+}
+
+macro_rules! from {
+    ($($variant:ident $space:ident),* $(,)?) => {$(
+        impl From<$space> for Space {
+            fn from(space: $space) -> Self {
+                Self::$variant(space)
+            }
+        }
+    )*};
+}
+from! {
+    Box BoxSpace, Discrete Discrete, MultiDiscrete MultiDiscrete, MultiBinary MultiBinary, Text TextSpace,
+    Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
+}
+
+/// Evaluates `$body` with `$inner` bound to the space within, whatever its type.
+macro_rules! each {
+    ($space:expr, $inner:ident => $body:expr) => {
+        match $space {
+            Space::Box($inner) => $body,
+            Space::Discrete($inner) => $body,
+            Space::MultiDiscrete($inner) => $body,
+            Space::MultiBinary($inner) => $body,
+            Space::Text($inner) => $body,
+            Space::Tuple($inner) => $body,
+            Space::Dict($inner) => $body,
+            Space::Sequence($inner) => $body,
+            Space::Graph($inner) => $body,
+            Space::OneOf($inner) => $body,
+        }
+    };
+}
+
+impl Space {
+    /// The integers `0, ..., n - 1`. For other starts and types, or an `n` that may be bad, see
+    /// [`Discrete`].
+    ///
+    /// # Panics
+    /// If `n` is below 1.
+    pub fn discrete(n: i64) -> Self {
+        match Discrete::new(n) {
+            Ok(space) => space.into(),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// The `float32` arrays of `N` numbers between bounds. For other types and shapes, or bounds that
+    /// may be bad, see [`BoxSpace`].
+    ///
+    /// # Panics
+    /// If a bound is NaN, or a low bound above its high bound.
+    pub fn boxed<const N: usize>(low: [f32; N], high: [f32; N]) -> Self {
+        match BoxSpace::new(low, high) {
+            Ok(space) => space.into(),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// Whether a value is an element.
+    ///
+    /// Arrays must have the exact shape, but may have any type whose numbers the space's type holds:
+    /// `float32` in a `float64` box, not the other way round. Members of dicts may come in any order.
+    pub fn contains(&self, value: &Value) -> bool {
+        each!(self, space => space.contains(value))
+    }
+
+    /// The reason why a value is not an element, if it is not.
+    ///
+    /// ```
+    /// use gym_core::{Space, Value, spaces::TupleSpace};
+    /// let space = Space::from(TupleSpace::new([Space::boxed([0.0; 2], [1.0; 2])]));
+    /// let error = space.check(&Value::Tuple(vec![Value::Array([0.5f32, 2.0].into())])).unwrap_err();
+    /// assert_eq!(
+    ///     error.to_string(),
+    ///     "([0.5 2.0]) is not an element of Tuple(Box(0.0, 1.0, (2,), float32)): \
+    ///      [0][1]: 2.0 is not between 0.0 and 1.0"
+    /// );
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`] if [`contains`](Self::contains) is false, with the place in the value.
+    pub fn check(&self, value: &Value) -> Result<()> {
+        if self.contains(value) {
+            return Ok(());
+        }
+        self.check_value(value).map_err(|fault| self.refuse(value, &fault))
+    }
+
+    fn check_value(&self, value: &Value) -> Result<(), Fault> {
+        each!(self, space => space.check(value))
+    }
+
+    /// [`Error::NotInSpace`], with the start of a long value.
+    fn refuse(&self, value: &impl fmt::Display, fault: &Fault) -> Error {
+        const MAX_LENGTH: usize = 200;
+        let mut value = value.to_string();
+        if let Some((end, _)) = value.char_indices().nth(MAX_LENGTH) {
+            value.truncate(end);
+            value.push_str("...");
+        }
+        Error::NotInSpace { value, space: self.to_string(), reason: fault.to_string() }
+    }
+
+    /// Random elements, by Gymnasium's `seed` and `sample`.
+    pub fn sampler(&self, seed: impl Into<Seed>) -> Sampler {
+        Sampler::new(self.clone(), &seed.into())
+    }
+
+    /// Random elements, with a seed from the operating system.
+    ///
+    /// # Errors
+    /// As [`Seed::from_os`].
+    pub fn sampler_from_os(&self) -> Result<Sampler> {
+        Ok(self.sampler(Seed::from_os()?))
+    }
+
+    /// The shape of the elements; `[]` for single numbers, `None` where they are neither numbers nor
+    /// arrays.
+    pub fn shape(&self) -> Option<&[usize]> {
+        match self {
+            Self::Box(space) => Some(space.shape()),
+            Self::Discrete(_) => Some(&[]),
+            Self::MultiDiscrete(space) => Some(space.shape()),
+            Self::MultiBinary(space) => Some(space.shape()),
+            _ => None,
+        }
+    }
+
+    /// The type of the elements' numbers; `None` where they are neither numbers nor arrays.
+    pub fn dtype(&self) -> Option<DType> {
+        match self {
+            Self::Box(space) => Some(space.dtype()),
+            Self::Discrete(space) => Some(space.dtype()),
+            Self::MultiDiscrete(space) => Some(space.dtype()),
+            Self::MultiBinary(_) => Some(MultiBinary::DTYPE),
+            _ => None,
+        }
+    }
+
+    /// The spaces that this one is made of, in the order in which they are seeded.
+    fn members(&self) -> Vec<&Self> {
+        match self {
+            Self::Tuple(space) => space.spaces().iter().collect(),
+            Self::Dict(space) => space.spaces().iter().map(|(_, space)| space).collect(),
+            Self::Sequence(space) => vec![space.feature_space()],
+            Self::Graph(space) => std::iter::once(space.node_space()).chain(space.edge_space()).collect(),
+            Self::OneOf(space) => space.spaces().iter().collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Leaves a random element in `out`. The selection fits the space.
+    fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+        match self {
+            Self::Box(space) => space.draw(&mut streams.own, out),
+            Self::Discrete(space) => space.draw(&mut streams.own, selection, out),
+            Self::MultiDiscrete(space) => space.draw(&mut streams.own, selection, out),
+            Self::MultiBinary(space) => space.draw(&mut streams.own, selection, out),
+            Self::Text(space) => space.draw(&mut streams.own, selection, out),
+            Self::Tuple(space) => space.draw(streams, selection, out),
+            Self::Dict(space) => space.draw(streams, selection, out),
+            Self::Sequence(space) => space.draw(streams, selection, out),
+            Self::Graph(space) => space.draw(streams, selection, out),
+            Self::OneOf(space) => space.draw(streams, selection, out),
+        }
+    }
+}
+
+impl fmt::Display for Space {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        each!(self, space => space.fmt(f))
+    }
+}
+
+fn invalid<T>(reason: impl Into<String>) -> Result<T> {
+    Err(Error::InvalidSpace(reason.into()))
+}
+
+/// The array in `out`, made anew unless it has that type and shape.
+fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
+    let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
+    if !out.as_array().is_some_and(fits) {
+        *out = Value::Array(Array::zeros(dtype, shape));
+    }
+    match out {
+        Value::Array(array) => array,
+        _ => unreachable!("`out` was just made an array"),
+    }
+}
+
+/// How many elements a shape has.
+fn element_count(shape: &[usize]) -> Result<usize, Fault> {
+    let count = shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
+    count.ok_or_else(|| Fault::new(format!("the shape {} has too many elements", numpy_fmt::shape(shape))))
+}
+
+/// `Tuple(Discrete(3), Discrete(2))`.
+fn write_list(f: &mut fmt::Formatter<'_>, name: &str, spaces: &[Space]) -> fmt::Result {
+    write!(f, "{name}(")?;
+    for (i, space) in spaces.iter().enumerate() {
+        write!(f, "{}{space}", if i == 0 { "" } else { ", " })?;
+    }
+    f.write_str(")")
+}

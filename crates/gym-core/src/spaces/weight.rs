@@ -1,0 +1,156 @@
+//! The entries of masks and probabilities: how they are checked and what they choose.
+
+use std::fmt;
+
+use crate::Generator;
+
+use super::fault::Fault;
+use super::multi_binary;
+
+/// An entry of a [`Selection`](super::Selection). What the methods may assume, the checks have checked.
+pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
+    /// Whether one of the entries can be chosen, `tolerance` being that of a sum of probabilities.
+    fn check_choice(weights: &[Self], tolerance: f64) -> Result<(), Fault>;
+
+    /// Whether each entry tells how to toss a coin.
+    fn check_tosses(weights: &[Self]) -> Result<(), Fault>;
+
+    /// An index, as `Discrete` chooses it.
+    fn choose(weights: &[Self], rng: &mut Generator) -> usize;
+
+    /// An index, as `MultiDiscrete` chooses it.
+    fn choose_rescaled(weights: &[Self], rng: &mut Generator) -> usize {
+        Self::choose(weights, rng)
+    }
+
+    /// A zero or a one for each entry, as `MultiBinary` chooses them.
+    fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]);
+
+    /// The probability of each character, as `Text` reckons it.
+    fn probabilities(weights: &[Self]) -> Vec<f64>;
+}
+
+/// Of a [`Mask`](super::Mask).
+impl Weight for i8 {
+    fn check_choice(weights: &[Self], _: f64) -> Result<(), Fault> {
+        check_each(weights, |&entry| entry == 0 || entry == 1, "neither 0 nor 1")
+    }
+
+    fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
+        check_each(weights, |entry| (0..=2).contains(entry), "none of 0, 1 and 2")
+    }
+
+    fn choose(weights: &[Self], rng: &mut Generator) -> usize {
+        let allowed = || weights.iter().enumerate().filter(|(_, entry)| **entry == 1).map(|(i, _)| i);
+        match allowed().count() {
+            0 => 0,
+            n => allowed().nth(rng.choice(n)).unwrap_or(0),
+        }
+    }
+
+    fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]) {
+        multi_binary::toss(rng, out);
+        for (out, entry) in out.iter_mut().zip(weights).filter(|(_, entry)| **entry != 2) {
+            *out = *entry;
+        }
+    }
+
+    fn probabilities(weights: &[Self]) -> Vec<f64> {
+        let total = weights.iter().map(|&entry| i64::from(entry)).sum::<i64>().max(1);
+        weights.iter().map(|&entry| f64::from(entry) / total as f64).collect()
+    }
+}
+
+/// Of [`Probabilities`](super::Probabilities).
+impl Weight for f64 {
+    fn check_choice(weights: &[Self], tolerance: f64) -> Result<(), Fault> {
+        Self::check_tosses(weights)?;
+        let sum = pairwise_sum(weights);
+        if (sum - 1.0).abs() <= tolerance {
+            return Ok(());
+        }
+        Err(Fault::new(format!("the probabilities sum to {sum} and should sum to 1")))
+    }
+
+    fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
+        check_each(weights, |entry| (0.0..=1.0).contains(entry), "not between 0 and 1")
+    }
+
+    fn choose(weights: &[Self], rng: &mut Generator) -> usize {
+        rng.choice_p(weights)
+    }
+
+    fn choose_rescaled(weights: &[Self], rng: &mut Generator) -> usize {
+        let total = pairwise_sum(weights);
+        let possible: Vec<usize> = (0..weights.len()).filter(|&i| weights[i] > 0.0).collect();
+        let rescaled: Vec<f64> = possible.iter().map(|&i| weights[i] / total).collect();
+        possible.get(rng.choice_p(&rescaled)).copied().unwrap_or(0)
+    }
+
+    fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]) {
+        for (out, p) in out.iter_mut().zip(weights) {
+            *out = (rng.random() <= *p).into();
+        }
+    }
+
+    fn probabilities(weights: &[Self]) -> Vec<f64> {
+        weights.to_vec()
+    }
+}
+
+fn check_each<T: fmt::Debug>(
+    weights: &[T],
+    is_valid: impl Fn(&T) -> bool,
+    complaint: &str,
+) -> Result<(), Fault> {
+    match weights.iter().position(|entry| !is_valid(entry)) {
+        None => Ok(()),
+        Some(i) => Err(Fault::new(format!("{:?} is {complaint}", weights[i])).at(i)),
+    }
+}
+
+/// numpy's `sum`, to the last bit: eight running sums in blocks of up to 128 numbers.
+fn pairwise_sum(numbers: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    const BLOCK: usize = 128;
+    let n = numbers.len();
+    if n < LANES {
+        return numbers.iter().sum();
+    }
+    if n > BLOCK {
+        let half = n / 2;
+        let (left, right) = numbers.split_at(half - half % LANES);
+        return pairwise_sum(left) + pairwise_sum(right);
+    }
+    let mut sums = [0.0; LANES];
+    let blocks = numbers.chunks_exact(LANES);
+    let rest = blocks.remainder();
+    for block in blocks {
+        for (sum, x) in sums.iter_mut().zip(block) {
+            *sum += x;
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = sums;
+    rest.iter().fold(((a + b) + (c + d)) + ((e + f) + (g + h)), |sum, x| sum + x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_nothing_may_be_chosen_the_first_is() {
+        let mut rng = Generator::from(0);
+        let untouched = rng.clone();
+        assert_eq!(<i8 as Weight>::choose(&[0, 0, 0], &mut rng), 0);
+        assert_eq!(rng, untouched);
+    }
+
+    #[test]
+    fn sums_agree_with_plain_ones() {
+        for n in [0, 1, 7, 8, 9, 127, 128, 129, 1000] {
+            let numbers: Vec<f64> = (0..n).map(f64::from).collect();
+            assert_eq!(pairwise_sum(&numbers), numbers.iter().sum::<f64>(), "{n}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Recorded episodes: what was asked of an environment and what it answered, as JSON.
+//!
+//! A trace pins an environment down to the last bit. The form is that of the references recorded
+//! from Gymnasium:
+//!
+//! ```json
+//! {"id": "CartPole-v1", "kwargs": {}, "events": [
+//!   {"reset": {"seed": 0, "options": null}, "observation": [0.1, 0.2, 0.3, 0.4], "info": {}},
+//!   {"step": 1, "observation": [0.1, 0.2, 0.3, 0.4], "reward": 1.0,
+//!    "terminated": false, "truncated": false, "info": {}}
+//! ]}
+//! ```
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json, value::RawValue};
+
+use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, builder};
+
+/// The resets and steps of one environment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Trace {
+    /// The environment's id.
+    pub id: String,
+    /// Its constructor's arguments.
+    #[serde(default)]
+    pub kwargs: Kwargs,
+    /// What happened, in order.
+    pub events: Vec<Event>,
+}
+
+/// One reset or one step, and the answer to it.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Event {
+    /// The request, if this is a reset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reset: Option<ResetRequest>,
+    /// The action, if this is a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step: Option<Json>,
+    /// The observation.
+    pub observation: Json,
+    /// The reward of a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reward: Option<Json>,
+    /// Whether a step ended the task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub terminated: Option<Json>,
+    /// Whether a step was the last for another reason.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truncated: Option<Json>,
+    /// The entries of `info`.
+    #[serde(default)]
+    pub info: Json,
+}
+
+/// Seed and options of a reset.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct ResetRequest {
+    /// The seed, of any size; its digits are kept as they are written.
+    seed: Option<Box<RawValue>>,
+    /// The options.
+    options: Option<Kwargs>,
+}
+
+impl From<&Reset> for ResetRequest {
+    fn from(reset: &Reset) -> Self {
+        let seed = reset.seed.as_ref().and_then(|seed| RawValue::from_string(seed.to_string()).ok());
+        Self { seed, options: (!reset.options.is_empty()).then(|| reset.options.clone()) }
+    }
+}
+
+impl TryFrom<&ResetRequest> for Reset {
+    type Error = Error;
+
+    fn try_from(request: &ResetRequest) -> Result<Self> {
+        let seed = request.seed.as_ref().map(|digits| digits.get().parse::<Seed>()).transpose()?;
+        Ok(Self { seed, options: request.options.clone().unwrap_or_default() })
+    }
+}
+
+impl Trace {
+    /// Does the same resets and steps again, and records what the environment answers now.
+    ///
+    /// # Errors
+    /// What the environment answers with an error, and at which event.
+    pub fn replay(&self) -> Result<Self> {
+        let mut env = builder(&self.id).args(self.kwargs.clone()).build()?;
+        let mut events = Vec::with_capacity(self.events.len());
+        for (i, event) in self.events.iter().enumerate() {
+            let answer = event.replay(&mut env);
+            events.push(answer.map_err(|error| Error::custom(format!("event {i}: {error}")))?);
+        }
+        Ok(Self { id: self.id.clone(), kwargs: self.kwargs.clone(), events })
+    }
+
+    /// Where another trace of the same requests first has another answer: the event, the part of
+    /// it, and both answers.
+    pub fn first_difference(&self, other: &Self) -> Option<String> {
+        if self.events.len() != other.events.len() {
+            return Some(format!("{} events for {}", other.events.len(), self.events.len()));
+        }
+        self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
+            let null = Json::Null;
+            let parts = [
+                ("observation", &a.observation, &b.observation),
+                ("reward", a.reward.as_ref().unwrap_or(&null), b.reward.as_ref().unwrap_or(&null)),
+                (
+                    "terminated",
+                    a.terminated.as_ref().unwrap_or(&null),
+                    b.terminated.as_ref().unwrap_or(&null),
+                ),
+                ("truncated", a.truncated.as_ref().unwrap_or(&null), b.truncated.as_ref().unwrap_or(&null)),
+                ("info", &a.info, &b.info),
+            ];
+            let (part, a, b) = parts.into_iter().find(|(_, a, b)| !same(a, b))?;
+            Some(format!("event {i}, {part}: {b} for {a}"))
+        })
+    }
+}
+
+impl Event {
+    fn replay(&self, env: &mut BoxEnv) -> Result<Self> {
+        let mut answer = match (&self.reset, &self.step) {
+            (Some(request), None) => {
+                let observation = env.reset(Reset::try_from(request)?)?;
+                Self { observation: json!(observation), ..Self::default() }
+            }
+            (None, Some(action)) => {
+                let step = env.step(&env.action_space().from_json(action)?)?;
+                Self {
+                    observation: json!(step.observation),
+                    reward: Some(json!(step.reward)),
+                    terminated: Some(json!(step.terminated)),
+                    truncated: Some(json!(step.truncated)),
+                    ..Self::default()
+                }
+            }
+            _ => return Err(Error::custom("an event is either a `reset` or a `step`")),
+        };
+        answer.reset.clone_from(&self.reset);
+        answer.step.clone_from(&self.step);
+        answer.info = json!(env.info_map());
+        Ok(answer)
+    }
+}
+
+/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number.
+fn same(a: &Json, b: &Json) -> bool {
+    match (a, b) {
+        (Json::Number(x), Json::Number(y)) => x == y || x.as_f64() == y.as_f64(),
+        (Json::Array(x), Json::Array(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
+        (Json::Object(x), Json::Object(y)) => {
+            x.len() == y.len() && x.iter().all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
+        }
+        _ => a == b,
+    }
+}

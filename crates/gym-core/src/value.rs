@@ -1,0 +1,400 @@
+//! Dynamic values: what crosses the border of an erased environment.
+//!
+//! A typed environment observes `[f32; 4]` and takes an enum; [`BoxEnv`](crate::BoxEnv) speaks
+//! [`Value`] on both sides. [`Element`] is the bridge between the two.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer, ser::SerializeMap};
+
+use crate::array::{Array, Scalar};
+
+/// One dynamic value: an observation, an action, or an entry of `info`.
+///
+/// Which variant belongs to which space is told by [`Space`](crate::Space): an element of a
+/// `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`, of a
+/// `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur in `info` alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Value {
+    /// Nothing.
+    #[default]
+    Null,
+    /// A truth value.
+    Bool(bool),
+    /// A whole number; an element of a `Discrete` space.
+    Int(i64),
+    /// A single real number.
+    Float(f64),
+    /// A string; an element of a `Text` space.
+    Text(String),
+    /// Numbers of one type in a shape.
+    Array(Array),
+    /// Some values in order; an element of a `Tuple` or `Sequence` space.
+    Tuple(Vec<Value>),
+    /// Named values in the order of their space's keys.
+    Dict(Vec<(String, Value)>),
+    /// Nodes, edges and the node pairs that the edges link.
+    Graph(Box<GraphInstance>),
+    /// The index of the chosen space, and an element of it.
+    OneOf(usize, Box<Value>),
+}
+
+/// An element of a `Graph` space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraphInstance {
+    /// One row per node.
+    pub nodes: Array,
+    /// One row per edge, or `None` where edges carry no feature.
+    pub edges: Option<Array>,
+    /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly where `edges` is.
+    pub edge_links: Option<Array>,
+}
+
+impl Value {
+    /// The whole number of an `Int`.
+    pub fn as_int(&self) -> Option<i64> {
+        if let Self::Int(i) = self { Some(*i) } else { None }
+    }
+
+    /// The number of a `Float` or an `Int`.
+    pub fn as_float(&self) -> Option<f64> {
+        match self {
+            Self::Float(x) => Some(*x),
+            Self::Int(i) => Some(*i as f64),
+            _ => None,
+        }
+    }
+
+    /// The truth value of a `Bool`.
+    pub fn as_bool(&self) -> Option<bool> {
+        if let Self::Bool(b) = self { Some(*b) } else { None }
+    }
+
+    /// The text of a `Text`.
+    pub fn as_text(&self) -> Option<&str> {
+        if let Self::Text(text) = self { Some(text) } else { None }
+    }
+
+    /// The array of an `Array`.
+    pub fn as_array(&self) -> Option<&Array> {
+        if let Self::Array(array) = self { Some(array) } else { None }
+    }
+
+    /// The numbers of an `Array` of that type, in row-major order.
+    pub fn as_slice<T: Scalar>(&self) -> Option<&[T]> {
+        self.as_array()?.as_slice()
+    }
+
+    /// The members of a `Tuple`.
+    pub fn as_tuple(&self) -> Option<&[Value]> {
+        if let Self::Tuple(items) = self { Some(items) } else { None }
+    }
+
+    /// The member of a `Dict` under a key.
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        let Self::Dict(entries) = self else { return None };
+        entries.iter().find_map(|(name, value)| (name == key).then_some(value))
+    }
+
+    /// Whether every number within is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Float(x) => x.is_finite(),
+            Self::Array(array) => array.is_finite(),
+            Self::Tuple(items) => items.iter().all(Self::is_finite),
+            Self::Dict(entries) => entries.iter().all(|(_, value)| value.is_finite()),
+            Self::Graph(graph) => {
+                graph.nodes.is_finite() && graph.edges.as_ref().is_none_or(Array::is_finite)
+            }
+            Self::OneOf(_, value) => value.is_finite(),
+            Self::Null | Self::Bool(_) | Self::Int(_) | Self::Text(_) => true,
+        }
+    }
+}
+
+/// Compact and readable: `3`, `[0.1 0.2]`, `(1, [0.5])`, `{a: 1}`.
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Null => f.write_str("None"),
+            Self::Bool(b) => write!(f, "{b}"),
+            Self::Int(i) => write!(f, "{i}"),
+            Self::Float(x) => write!(f, "{x:?}"),
+            Self::Text(text) => write!(f, "{text:?}"),
+            Self::Array(array) => write!(f, "{array}"),
+            Self::Tuple(items) => {
+                f.write_str("(")?;
+                for (i, item) in items.iter().enumerate() {
+                    write!(f, "{}{item}", if i == 0 { "" } else { ", " })?;
+                }
+                f.write_str(")")
+            }
+            Self::Dict(entries) => {
+                f.write_str("{")?;
+                for (i, (key, value)) in entries.iter().enumerate() {
+                    write!(f, "{}{key}: {value}", if i == 0 { "" } else { ", " })?;
+                }
+                f.write_str("}")
+            }
+            Self::Graph(graph) => write!(f, "Graph(nodes={})", graph.nodes),
+            Self::OneOf(index, value) => write!(f, "({index}, {value})"),
+        }
+    }
+}
+
+/// Plain JSON data: arrays as nested lists, tuples as lists, `OneOf` as `[index, value]`. A number
+/// that is not finite has no form in JSON and becomes `null`.
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Null => serializer.serialize_unit(),
+            Self::Bool(b) => serializer.serialize_bool(*b),
+            Self::Int(i) => serializer.serialize_i64(*i),
+            Self::Float(x) => serializer.serialize_f64(*x),
+            Self::Text(text) => serializer.serialize_str(text),
+            Self::Array(array) => array.serialize(serializer),
+            Self::Tuple(items) => items.serialize(serializer),
+            Self::Dict(entries) => serializer.collect_map(entries.iter().map(|(k, v)| (k, v))),
+            Self::Graph(graph) => {
+                let mut map = serializer.serialize_map(Some(3))?;
+                map.serialize_entry("nodes", &graph.nodes)?;
+                map.serialize_entry("edges", &graph.edges)?;
+                map.serialize_entry("edge_links", &graph.edge_links)?;
+                map.end()
+            }
+            Self::OneOf(index, value) => (index, value).serialize(serializer),
+        }
+    }
+}
+
+/// The observation or action type of a typed environment, and its form as a [`Value`].
+///
+/// Implemented for numbers, arrays of numbers `[T; N]`, tuples, [`Array`], [`String`] and
+/// [`Value`] itself; [`discrete!`](crate::discrete) implements it for an enum of actions.
+pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
+    /// A buffer for [`reset_into`](crate::Env::reset_into) and [`step_into`](crate::Env::step_into)
+    /// to fill; what it holds until then means nothing.
+    fn empty() -> Self;
+
+    /// The typed form, or `None` where kind, type, shape or range do not fit.
+    fn from_value(value: &Value) -> Option<Self>;
+
+    /// Writes the dynamic form, reusing the storage of `out` where it has the same type and shape.
+    fn write(&self, out: &mut Value);
+
+    /// The dynamic form.
+    fn to_value(&self) -> Value {
+        let mut value = Value::Null;
+        self.write(&mut value);
+        value
+    }
+
+    /// Calls `f` with the typed form of `value`. Types that live inside a `Value` lend it instead
+    /// of copying.
+    fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
+        Self::from_value(value).map(|element| f(&element))
+    }
+
+    /// Lets `f` fill a typed form, then leaves its dynamic form in `out`. Types that live inside
+    /// a `Value` are filled in place.
+    fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
+        let mut element = Self::empty();
+        let result = f(&mut element);
+        element.write(out);
+        result
+    }
+}
+
+impl Element for Value {
+    fn empty() -> Self {
+        Self::Null
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        Some(value.clone())
+    }
+
+    fn write(&self, out: &mut Value) {
+        out.clone_from(self);
+    }
+
+    fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
+        Some(f(value))
+    }
+
+    fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
+        f(out)
+    }
+}
+
+impl Element for Array {
+    fn empty() -> Self {
+        Self::default()
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        value.as_array().cloned()
+    }
+
+    fn write(&self, out: &mut Value) {
+        if let Value::Array(array) = out {
+            array.clone_from(self);
+        } else {
+            *out = Value::Array(self.clone());
+        }
+    }
+
+    fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
+        value.as_array().map(f)
+    }
+
+    fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
+        if !matches!(out, Value::Array(_)) {
+            *out = Value::Array(Self::default());
+        }
+        let Value::Array(array) = out else { unreachable!("`out` was just made an array") };
+        f(array)
+    }
+}
+
+impl<T: Scalar, const N: usize> Element for [T; N] {
+    fn empty() -> Self {
+        [T::default(); N]
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        let array = value.as_array()?;
+        if array.shape() != [N] {
+            return None;
+        }
+        array.as_slice::<T>()?.try_into().ok()
+    }
+
+    fn write(&self, out: &mut Value) {
+        if let Value::Array(array) = out
+            && array.shape() == [N]
+            && let Some(slice) = array.as_mut_slice::<T>()
+        {
+            slice.copy_from_slice(self);
+            return;
+        }
+        *out = Value::Array(Array::from(self.to_vec()));
+    }
+}
+
+macro_rules! integer_element {
+    ($($type:ty),*) => {$(
+        impl Element for $type {
+            fn empty() -> Self {
+                0
+            }
+
+            fn from_value(value: &Value) -> Option<Self> {
+                value.as_int()?.try_into().ok()
+            }
+
+            fn write(&self, out: &mut Value) {
+                *out = Value::Int(*self as i64);
+            }
+        }
+    )*};
+}
+integer_element!(i64, usize, u8, u32);
+
+impl Element for String {
+    fn empty() -> Self {
+        Self::new()
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        value.as_text().map(str::to_owned)
+    }
+
+    fn write(&self, out: &mut Value) {
+        if let Value::Text(text) = out {
+            text.clone_from(self);
+        } else {
+            *out = Value::Text(self.clone());
+        }
+    }
+}
+
+macro_rules! tuple_element {
+    ($($name:ident $index:tt),*) => {
+        impl<$($name: Element),*> Element for ($($name,)*) {
+            fn empty() -> Self {
+                ($($name::empty(),)*)
+            }
+
+            fn from_value(value: &Value) -> Option<Self> {
+                let items = value.as_tuple()?;
+                if items.len() != [$($index),*].len() {
+                    return None;
+                }
+                Some(($($name::from_value(&items[$index])?,)*))
+            }
+
+            fn write(&self, out: &mut Value) {
+                const LEN: usize = [$($index),*].len();
+                if !matches!(out, Value::Tuple(items) if items.len() == LEN) {
+                    *out = Value::Tuple(vec![Value::Null; LEN]);
+                }
+                if let Value::Tuple(items) = out {
+                    $(self.$index.write(&mut items[$index]);)*
+                }
+            }
+        }
+    };
+}
+tuple_element!(A 0, B 1);
+tuple_element!(A 0, B 1, C 2);
+tuple_element!(A 0, B 1, C 2, D 3);
+
+/// Defines an enum of actions, numbered from 0 in the order written, as the elements of
+/// `Discrete(n)`.
+///
+/// ```
+/// gym_core::discrete! {
+///     /// Which way to push the cart.
+///     pub enum Push {
+///         /// To the left.
+///         Left,
+///         /// To the right.
+///         Right,
+///     }
+/// }
+/// assert_eq!(Push::ALL[1], Push::Right);
+/// assert_eq!(Push::space().to_string(), "Discrete(2)");
+/// ```
+#[macro_export]
+macro_rules! discrete {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        $vis enum $name { $($(#[$doc])* $variant),+ }
+
+        impl $name {
+            /// Every value, in the order of its number.
+            pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// The space of these values: `Discrete(n)`.
+            pub fn space() -> $crate::Space {
+                $crate::Space::discrete(Self::ALL.len() as i64)
+            }
+        }
+
+        impl $crate::Element for $name {
+            fn empty() -> Self {
+                Self::ALL[0]
+            }
+
+            fn from_value(value: &$crate::Value) -> Option<Self> {
+                Self::ALL.get(usize::try_from(value.as_int()?).ok()?).copied()
+            }
+
+            fn write(&self, out: &mut $crate::Value) {
+                *out = $crate::Value::Int(*self as i64);
+            }
+        }
+    };
+}

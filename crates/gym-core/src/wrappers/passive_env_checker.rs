@@ -1,0 +1,75 @@
+use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space};
+
+/// Checks once, on the first reset and the first step, that the environment keeps its contract:
+/// the observation lies in its space, and the reward is a finite number.
+///
+/// This is the cheap part of [`conform`](crate::conform), left on in [`make`](crate::make) by
+/// default so that a mistake in a new environment shows at once. What it saw is no part of a
+/// snapshot.
+#[derive(Clone, Debug)]
+pub struct PassiveEnvChecker<E> {
+    env: E,
+    checked_reset: bool,
+    checked_step: bool,
+}
+
+impl<E: Env> PassiveEnvChecker<E> {
+    /// Watches over `env`.
+    pub fn new(env: E) -> Self {
+        Self { env, checked_reset: false, checked_step: false }
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+
+    fn check_observation(&self, call: &str, observation: &E::Observation) -> Result<()> {
+        let space: Space = self.env.observation_space();
+        space
+            .check(&observation.to_value())
+            .map_err(|error| Error::Contract(format!("the observation of `{call}`: {error}")))
+    }
+}
+
+impl<E: Env> Env for PassiveEnvChecker<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)?;
+        if !self.checked_reset {
+            self.check_observation("reset", observation)?;
+            self.checked_reset = true;
+        }
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let outcome = self.env.step_into(action, observation)?;
+        if !self.checked_step {
+            self.check_observation("step", observation)?;
+            if !outcome.reward.is_finite() {
+                return Err(Error::Contract(format!("the reward of `step` is {}", outcome.reward)));
+            }
+            self.checked_step = true;
+        }
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.env.snapshot()
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.env.restore(snapshot)
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        self.env.spec().map(|spec| EnvSpec { disable_env_checker: false, ..spec })
+    }
+
+    crate::forward!(
+        env: observation_space, action_space, info, metadata, draw, ansi, render, base, close, describe
+    );
+}

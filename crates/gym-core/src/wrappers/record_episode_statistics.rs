@@ -1,0 +1,151 @@
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
+
+/// Keeps the return, length and duration of each episode.
+///
+/// On the step that ends an episode, [`info`](Env::info) has an entry `episode` with `r` (return),
+/// `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
+/// are kept in [`episodes`](Self::episodes).
+#[derive(Clone, Debug)]
+pub struct RecordEpisodeStatistics<E> {
+    env: E,
+    buffer_length: usize,
+    record: Record,
+    /// When the running episode began; wall-clock time is no part of a snapshot.
+    started: Option<Instant>,
+}
+
+/// One finished episode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeStatistics {
+    /// The sum of rewards.
+    #[serde(rename = "r")]
+    pub episode_return: f64,
+    /// The number of steps.
+    #[serde(rename = "l")]
+    pub length: u64,
+    /// Seconds from reset to the end.
+    #[serde(rename = "t")]
+    pub seconds: f64,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Record {
+    episode_return: f64,
+    length: u64,
+    just_ended: bool,
+    episode_count: u64,
+    episodes: VecDeque<EpisodeStatistics>,
+}
+
+impl<E: Env> RecordEpisodeStatistics<E> {
+    /// Records the last 100 episodes of `env`.
+    pub fn new(env: E) -> Self {
+        Self { env, buffer_length: 100, record: Record::default(), started: None }
+    }
+
+    /// Records the last `buffer_length` episodes instead.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a length of 0.
+    pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
+        if buffer_length == 0 {
+            return Err(Error::argument(
+                "RecordEpisodeStatistics",
+                "buffer_length is 0: it must be at least 1",
+            ));
+        }
+        Ok(Self { buffer_length, ..self })
+    }
+
+    /// The last finished episodes, oldest first.
+    pub fn episodes(&self) -> impl ExactSizeIterator<Item = &EpisodeStatistics> {
+        self.record.episodes.iter()
+    }
+
+    /// How many episodes have ended, including those no longer kept.
+    pub fn episode_count(&self) -> u64 {
+        self.record.episode_count
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+}
+
+impl<E: Env> Env for RecordEpisodeStatistics<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)?;
+        let record = &mut self.record;
+        (record.episode_return, record.length, record.just_ended) = (0.0, 0, false);
+        // so that the step that ends an episode does not have to grow the buffer
+        record.episodes.reserve(self.buffer_length - record.episodes.len());
+        self.started = Some(Instant::now());
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let outcome = self.env.step_into(action, observation)?;
+        let record = &mut self.record;
+        record.episode_return += outcome.reward;
+        record.length += 1;
+        record.just_ended = outcome.done();
+        if record.just_ended {
+            record.episode_count += 1;
+            if record.episodes.len() == self.buffer_length {
+                record.episodes.pop_front();
+            }
+            let seconds = self.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
+            record.episodes.push_back(EpisodeStatistics {
+                episode_return: record.episode_return,
+                length: record.length,
+                seconds: (seconds * 1e6).round() / 1e6,
+            });
+        }
+        Ok(outcome)
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.env.info(visit);
+        if self.record.just_ended
+            && let Some(episode) = self.record.episodes.back()
+        {
+            let entries = [
+                ("r", Value::Float(episode.episode_return)),
+                ("l", Value::Int(episode.length as i64)),
+                ("t", Value::Float(episode.seconds)),
+            ];
+            visit("episode", Value::Dict(entries.map(|(key, value)| (key.to_owned(), value)).into()));
+        }
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.env.snapshot()?, &self.record))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (env, mut record): (_, Record) = snapshot.get()?;
+        self.env.restore(&env)?;
+        let surplus = record.episodes.len().saturating_sub(self.buffer_length);
+        record.episodes.drain(..surplus);
+        (self.record, self.started) = (record, Some(Instant::now()));
+        Ok(())
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        let wrapper = WrapperSpec::new("RecordEpisodeStatistics").arg("buffer_length", self.buffer_length);
+        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    }
+
+    crate::forward!(
+        env: observation_space, action_space, metadata, draw, ansi, render, base, close, describe
+    );
+}

@@ -1,0 +1,75 @@
+use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+
+/// Sets `truncated` once an episode has lasted a number of steps. `terminated` is left as it is:
+/// both can be set by the same step.
+#[derive(Clone, Debug)]
+pub struct TimeLimit<E> {
+    env: E,
+    max_episode_steps: u32,
+    elapsed_steps: u32,
+}
+
+impl<E: Env> TimeLimit<E> {
+    /// Limits the episodes of `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a limit of 0.
+    pub fn new(env: E, max_episode_steps: u32) -> Result<Self> {
+        if max_episode_steps == 0 {
+            return Err(Error::argument("TimeLimit", "max_episode_steps is 0: it must be at least 1"));
+        }
+        Ok(Self { env, max_episode_steps, elapsed_steps: 0 })
+    }
+
+    /// The limit.
+    pub fn max_episode_steps(&self) -> u32 {
+        self.max_episode_steps
+    }
+
+    /// The steps taken since the last reset.
+    pub fn elapsed_steps(&self) -> u32 {
+        self.elapsed_steps
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+}
+
+impl<E: Env> Env for TimeLimit<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)?;
+        self.elapsed_steps = 0;
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let mut outcome = self.env.step_into(action, observation)?;
+        self.elapsed_steps = self.elapsed_steps.saturating_add(1);
+        outcome.truncated |= self.elapsed_steps >= self.max_episode_steps;
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.env.snapshot()?, self.elapsed_steps))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (env, elapsed_steps) = snapshot.get()?;
+        self.env.restore(&env)?;
+        self.elapsed_steps = elapsed_steps;
+        Ok(())
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        self.env.spec().map(|spec| EnvSpec { max_episode_steps: Some(self.max_episode_steps), ..spec })
+    }
+
+    crate::forward!(
+        env: observation_space, action_space, info, metadata, draw, ansi, render, base, close, describe
+    );
+}

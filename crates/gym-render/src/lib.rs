@@ -1,0 +1,49 @@
+//! Drawing and recording of environments, without window, C or system fonts.
+//!
+//! Linking this crate gives every environment the render mode `rgb_array`: it submits
+//! [`Raster`] as the [`Painter`](gym_core::render::Painter) that `gym_core` looks for. The rest
+//! turns frames and drawings into files:
+//!
+//! | to get | use |
+//! |---|---|
+//! | one frame of a drawing | [`frame`] |
+//! | an animation | [`GifWriter`], [`write_gif`] |
+//! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
+//! | a vector picture | [`svg`], [`write_svg`] |
+//! | returns and lengths of training runs | [`Plot`] |
+//! | a drawing as text, to compare in tests | [`Recording`] |
+//!
+//! Every file is written under a temporary name and renamed when it is complete.
+//!
+//! ```
+//! use gym_core::canvas::{Canvas, Color};
+//!
+//! let frame = gym_render::frame((4, 4), |canvas| {
+//!     canvas.clear(Color::WHITE);
+//!     canvas.rect([1.0, 1.0], [2.0, 2.0], Color::rgb(255, 0, 0));
+//! });
+//! assert_eq!(frame.pixels()[..3], [255, 255, 255]);
+//! assert_eq!(frame.pixels()[(4 + 1) * 3..][..3], [255, 0, 0]);
+//! ```
+
+mod atomic;
+mod font;
+mod gif;
+mod number;
+mod outline;
+mod palette;
+mod pixels;
+mod plot;
+mod png;
+mod raster;
+mod record;
+mod svg;
+mod transforms;
+
+pub use font::text_width;
+pub use gif::{GifWriter, write_gif};
+pub use plot::Plot;
+pub use png::{contact_sheet, write_png, write_png_sequence};
+pub use raster::{Raster, frame};
+pub use record::Recording;
+pub use svg::{Svg, svg, write_svg};

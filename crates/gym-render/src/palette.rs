@@ -1,0 +1,133 @@
+//! Exact colour tables of a GIF.
+
+use std::collections::HashMap;
+
+use color_quant::NeuQuant;
+
+/// Red, green, blue.
+pub(crate) type Rgb = [u8; 3];
+
+/// Entries of a full colour table.
+pub(crate) const ENTRIES: usize = 256;
+/// The entry that leaves a pixel as it was; it is never a colour.
+pub(crate) const TRANSPARENT: u8 = 0;
+/// How many pixels a reduced colour table is trained on, about.
+const SAMPLE: usize = 24_000;
+
+/// Up to 255 colours in the order of their first use, numbered from 1.
+#[derive(Debug)]
+pub(crate) struct Palette {
+    table: Vec<Rgb>,
+    index: HashMap<Rgb, u8>,
+}
+
+impl Palette {
+    pub(crate) fn new() -> Self {
+        Self { table: vec![[0; 3]], index: HashMap::new() }
+    }
+
+    /// The bytes of the colour table: entry 0, then the colours.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        self.table.as_flattened()
+    }
+
+    /// Translates pixels into entries, `None` into [`TRANSPARENT`], and adds new colours. Returns
+    /// false, and adds none, if there is no room for all of them.
+    pub(crate) fn translate(&mut self, pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> bool {
+        let known = self.table.len();
+        entries.clear();
+        // Most pixels equal the one before.
+        let mut last = (None, TRANSPARENT);
+        for &pixel in pixels {
+            if pixel != last.0 {
+                let Some(entry) = pixel.map_or(Some(TRANSPARENT), |color| self.entry(color)) else {
+                    self.table.drain(known..).for_each(|color| {
+                        self.index.remove(&color);
+                    });
+                    return false;
+                };
+                last = (pixel, entry);
+            }
+            entries.push(last.1);
+        }
+        true
+    }
+
+    fn entry(&mut self, color: Rgb) -> Option<u8> {
+        if let Some(&entry) = self.index.get(&color) {
+            return Some(entry);
+        }
+        let entry = u8::try_from(self.table.len()).ok()?;
+        self.table.push(color);
+        self.index.insert(color, entry);
+        Some(entry)
+    }
+
+    /// A palette of 255 colours near those of the pixels, and the pixels in its entries.
+    pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
+        let rgba = |[r, g, b]: Rgb| [r, g, b, 255];
+        let sample: Vec<u8> = pixels.iter().flatten().copied().flat_map(rgba).collect();
+        // One in so many pixels, 1 to 30.
+        let factor = (pixels.len() / SAMPLE).clamp(1, 30) as i32;
+        let network = NeuQuant::new(factor, ENTRIES - 1, &sample);
+        let mut palette = Self::new();
+        palette.table.extend(network.color_map_rgb().as_chunks().0);
+        entries.clear();
+        entries.extend(pixels.iter().map(|pixel| {
+            pixel.map_or(TRANSPARENT, |color| {
+                *palette.index.entry(color).or_insert_with(|| network.index_of(&rgba(color)) as u8 + 1)
+            })
+        }));
+        palette
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shades(range: std::ops::Range<u16>) -> Vec<Option<Rgb>> {
+        range.map(|i| Some([(i >> 8) as u8, i as u8, 0])).collect()
+    }
+
+    #[test]
+    fn colours_are_numbered_as_they_come() {
+        let mut palette = Palette::new();
+        let mut entries = Vec::new();
+        let pixels = [Some([9, 9, 9]), None, Some([0, 0, 0]), Some([9, 9, 9])];
+        assert!(palette.translate(&pixels, &mut entries));
+        assert_eq!(entries, [1, 0, 2, 1]);
+        assert!(palette.translate(&[Some([5, 6, 7])], &mut entries));
+        assert_eq!(entries, [3]);
+        assert_eq!(palette.bytes(), [0, 0, 0, 9, 9, 9, 0, 0, 0, 5, 6, 7]);
+    }
+
+    #[test]
+    fn a_full_palette_takes_no_more_and_stays_as_it_was() {
+        let mut palette = Palette::new();
+        let mut entries = Vec::new();
+        assert!(palette.translate(&shades(0..200), &mut entries));
+        assert!(!palette.translate(&shades(150..256), &mut entries));
+        assert_eq!(palette.bytes().len(), 201 * 3);
+        assert!(palette.translate(&shades(150..255), &mut entries));
+        assert_eq!(entries, (151..=255).collect::<Vec<u8>>());
+        assert!(!palette.translate(&shades(255..256), &mut entries));
+    }
+
+    #[test]
+    fn a_reduced_palette_is_near() {
+        let pixels: Vec<_> =
+            (0..4096).map(|i| (i % 7 > 0).then_some([(i % 64 * 4) as u8, (i / 64 * 4) as u8, 40])).collect();
+        let mut entries = Vec::new();
+        let palette = Palette::reduce(&pixels, &mut entries);
+        assert_eq!(palette.bytes().len(), 256 * 3);
+        for (pixel, &entry) in pixels.iter().zip(&entries) {
+            let Some(color) = pixel else {
+                assert_eq!(entry, TRANSPARENT);
+                continue;
+            };
+            let near = palette.table[usize::from(entry)];
+            assert!(color.iter().zip(near).all(|(a, b)| a.abs_diff(b) < 40), "{color:?} {near:?}");
+        }
+    }
+}

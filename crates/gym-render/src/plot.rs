@@ -1,0 +1,488 @@
+//! Line plots of training runs, as SVG and PNG.
+//!
+//! They are drawn on the project's own [`Canvas`]: `plotters`, the usual library, writes text into
+//! pixels only with a font file, and here both formats come from one drawing.
+
+use std::path::Path;
+
+use gym_core::Result;
+use gym_core::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+use gym_core::render::{Frame, Painter};
+
+use crate::number::Decimal;
+use crate::{Raster, font, write_png, write_svg};
+
+/// Width of a plot.
+const WIDTH: u32 = 800;
+/// Height of the space between the axes.
+const AREA_HEIGHT: u32 = 310;
+/// Pixels of a PNG per unit of the drawing.
+const PNG_SCALE: u32 = 2;
+/// Space around the axes, and what title and legend add to it.
+const TOP: u32 = 20;
+const TITLE_HEIGHT: u32 = 34;
+const LEGEND_HEIGHT: u32 = 22;
+const RIGHT: f64 = 30.0;
+const BOTTOM: u32 = 60;
+const LEFT: f64 = 40.0;
+/// Heights of capital letters.
+const TITLE_SIZE: f64 = 14.0;
+const LABEL_SIZE: f64 = 10.0;
+const TICK_SIZE: f64 = 8.5;
+/// Between a tick label and its axis.
+const TICK_GAP: f64 = 10.0;
+/// Length of a line in the legend, and the space beside it.
+const LEGEND_SAMPLE: f64 = 22.0;
+const LEGEND_GAP: f64 = 8.0;
+/// About so many ticks along each axis.
+const TICKS: f64 = 6.0;
+/// The parts of the ranges that stay free beside the first and last value, and above and below.
+const PADDING: [f64; 2] = [0.015, 0.05];
+/// Values beyond this are left out, like those that are not numbers.
+const LARGEST: f64 = 1e300;
+
+const INK: Color = Color::rgb(50, 50, 50);
+const AXIS: Color = Color::rgb(130, 130, 130);
+const GRID: Color = Color::rgb(232, 232, 232);
+/// The colours of Okabe and Ito, "Color Universal Design" (2008), which colour-blind people can
+/// tell apart.
+const COLORS: [Color; 6] = [
+    Color::rgb(0, 114, 178),
+    Color::rgb(213, 94, 0),
+    Color::rgb(0, 158, 115),
+    Color::rgb(204, 121, 167),
+    Color::rgb(230, 159, 0),
+    Color::rgb(86, 180, 233),
+];
+/// Opacity of the values themselves where their average is drawn too.
+const FAINT: u8 = 70;
+
+/// A line plot of one value per episode (such as its return or its length) for one or more runs.
+///
+/// ```
+/// use gym_render::Plot;
+///
+/// # let path = std::env::temp_dir().join(format!("gym-render-doc-{}.svg", std::process::id()));
+/// let plot = Plot::new("CartPole-v1")
+///     .y_label("return")
+///     .series("seed 1", &[12.0, 30.0, 25.0, 60.0])
+///     .series("seed 2", &[9.0, 14.0, 41.0, 38.0])
+///     .moving_average(2);
+/// plot.write_svg(&path)?;
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), gym_core::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Plot {
+    title: String,
+    x_label: String,
+    y_label: String,
+    series: Vec<(String, Vec<f64>)>,
+    window: usize,
+    below: Option<Box<Plot>>,
+}
+
+impl Plot {
+    /// A plot without series.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            x_label: "episode".into(),
+            y_label: String::new(),
+            series: Vec::new(),
+            window: 1,
+            below: None,
+        }
+    }
+
+    /// What is counted from 1 along the horizontal axis; `episode` if not given.
+    #[must_use]
+    pub fn x_label(self, label: impl Into<String>) -> Self {
+        Self { x_label: label.into(), ..self }
+    }
+
+    /// What the values are.
+    #[must_use]
+    pub fn y_label(self, label: impl Into<String>) -> Self {
+        Self { y_label: label.into(), ..self }
+    }
+
+    /// Adds a run: its name for the legend (may be empty) and its values in order. Values that are
+    /// not finite are left out.
+    #[must_use]
+    pub fn series(mut self, name: impl Into<String>, values: &[f64]) -> Self {
+        self.series.push((name.into(), values.to_vec()));
+        self
+    }
+
+    /// Draws, above the faint values, the mean of the last `window` of them; 1 (or 0) draws the
+    /// values alone.
+    #[must_use]
+    pub fn moving_average(self, window: usize) -> Self {
+        Self { window, ..self }
+    }
+
+    /// Puts another plot below this one (and below those already there), in the same picture.
+    #[must_use]
+    pub fn below(mut self, plot: Self) -> Self {
+        self.below = Some(Box::new(match self.below.take() {
+            Some(first) => first.below(plot),
+            None => plot,
+        }));
+        self
+    }
+
+    /// Width and height of the drawing.
+    pub fn size(&self) -> (u32, u32) {
+        let below = self.below.as_ref().map_or(0, |plot| plot.size().1);
+        (WIDTH, self.height() + below)
+    }
+
+    /// Draws everything.
+    pub fn draw(&self, canvas: &mut dyn Canvas) {
+        canvas.clear(Color::WHITE);
+        let mut top = 0;
+        let mut next = Some(self);
+        while let Some(plot) = next {
+            canvas.push(Transform::translate(0.0, f64::from(top)));
+            plot.draw_one(canvas);
+            canvas.pop();
+            top += plot.height();
+            next = plot.below.as_deref();
+        }
+    }
+
+    /// Writes the plot to an SVG file.
+    ///
+    /// # Errors
+    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written.
+    pub fn write_svg(&self, path: impl AsRef<Path>) -> Result<()> {
+        write_svg(path, self.size(), |canvas| self.draw(canvas))
+    }
+
+    /// Writes the plot to a PNG file, at twice its [`size`](Plot::size) in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
+        let (width, height) = self.size();
+        let mut frame = Frame::new(width * PNG_SCALE, height * PNG_SCALE);
+        Raster::new().paint((width, height), &mut |canvas| self.draw(canvas), &mut frame);
+        write_png(path, &frame)
+    }
+
+    /// Height of this plot alone.
+    fn height(&self) -> u32 {
+        self.area_top() + AREA_HEIGHT + BOTTOM
+    }
+
+    fn area_top(&self) -> u32 {
+        let title = if self.title.is_empty() { 0 } else { TITLE_HEIGHT };
+        TOP + title + LEGEND_HEIGHT * self.legend().len() as u32
+    }
+
+    fn draw_one(&self, canvas: &mut dyn Canvas) {
+        let (top, bottom) = (f64::from(self.area_top()), f64::from(self.height()));
+        let area = self.area(top);
+        area.draw_axes(canvas);
+        for ((_, values), color) in self.series.iter().zip(colors()) {
+            if self.window > 1 {
+                area.draw_line(canvas, values, 1.0, color.alpha(FAINT));
+                area.draw_line(canvas, &moving_average(values, self.window), 2.0, color);
+            } else {
+                area.draw_line(canvas, values, 1.5, color);
+            }
+        }
+        let middle = |axis: usize| f64::midpoint(area.min[axis], area.max[axis]);
+        let title_line = f64::from(TOP) + TITLE_SIZE;
+        canvas.text(&self.title, [middle(0), title_line], TITLE_SIZE, Align::Center, INK);
+        canvas.text(&self.x_label, [middle(0), bottom - 16.0], LABEL_SIZE, Align::Center, INK);
+        // A quarter turn: the text runs upwards.
+        canvas.push(Transform { x: [0.0, -1.0], y: [1.0, 0.0], origin: [25.0, middle(1)] });
+        canvas.text(&self.y_label, [0.0, 0.0], LABEL_SIZE, Align::Center, INK);
+        canvas.pop();
+        for (row, line) in self.legend().iter().rev().zip(1_u32..) {
+            draw_legend_row(canvas, row, middle(0), top - f64::from(line * LEGEND_HEIGHT));
+        }
+    }
+
+    /// The ranges of both axes, and the space between them.
+    fn area(&self, top: f64) -> Area {
+        let count = self.series.iter().map(|(_, values)| values.len()).max().unwrap_or(0).max(2) as f64;
+        let space = PADDING[0] * (count - 1.0);
+        let x = Axis::new(1.0 - space, count + space, 1.0);
+        let (min, max) = padded(self.series.iter().flat_map(|(_, values)| values).copied());
+        let y = Axis::new(min, max, 0.0);
+        let labels = y.ticks().map(|tick| font::text_width(&y.label(tick), TICK_SIZE)).fold(0.0, f64::max);
+        // Whole numbers keep the grid lines sharp.
+        let left = (LEFT + labels + TICK_GAP).ceil();
+        Area { min: [left, top], max: [f64::from(WIDTH) - RIGHT, top + f64::from(AREA_HEIGHT)], x, y }
+    }
+
+    /// The names and colours of the series, in rows that fit the width.
+    fn legend(&self) -> Vec<Vec<(&str, Color)>> {
+        let mut rows: Vec<Vec<_>> = Vec::new();
+        let mut free = 0.0;
+        for ((name, _), color) in self.series.iter().zip(colors()).filter(|((name, _), _)| !name.is_empty()) {
+            free -= legend_width(name);
+            match rows.last_mut() {
+                Some(row) if free >= 0.0 => row.push((name.as_str(), color)),
+                _ => {
+                    free = f64::from(WIDTH) - LEFT - RIGHT - legend_width(name);
+                    rows.push(vec![(name.as_str(), color)]);
+                }
+            }
+        }
+        rows
+    }
+}
+
+fn colors() -> impl Iterator<Item = Color> {
+    COLORS.into_iter().cycle()
+}
+
+/// Width of a name in the legend: the sample of the line, the name, and space around.
+fn legend_width(name: &str) -> f64 {
+    LEGEND_SAMPLE + 3.0 * LEGEND_GAP + font::text_width(name, TICK_SIZE)
+}
+
+/// A row of the legend, centred.
+fn draw_legend_row(canvas: &mut dyn Canvas, row: &[(&str, Color)], middle: f64, top: f64) {
+    let total: f64 = row.iter().map(|(name, _)| legend_width(name)).sum();
+    let mut left = middle - total / 2.0 + LEGEND_GAP;
+    for &(name, color) in row {
+        let height = top + TICK_SIZE / 2.0;
+        canvas.line([left, height], [left + LEGEND_SAMPLE, height], 3.0, color);
+        let position = [left + LEGEND_SAMPLE + LEGEND_GAP, top + TICK_SIZE];
+        canvas.text(name, position, TICK_SIZE, Align::Left, INK);
+        left += legend_width(name);
+    }
+}
+
+/// The lowest and the highest finite value, and some space around them.
+fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (min, max) = values
+        .filter(|value| value.abs() <= LARGEST)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
+    if min > max {
+        return (0.0, 1.0);
+    }
+    let size = min.abs().max(max.abs());
+    // Values that differ only by rounding errors are one value.
+    let flat = max - min <= 1e-9 * size;
+    let space = if !flat {
+        PADDING[1] * (max - min)
+    } else if size > 0.0 {
+        0.5 * size
+    } else {
+        1.0
+    };
+    (min - space, max + space)
+}
+
+/// The mean of the last `window` finite values up to each one; NaN where there is none.
+fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
+    let mean = |end: usize| {
+        let last =
+            values[(end + 1).saturating_sub(window)..=end].iter().filter(|value| value.abs() <= LARGEST);
+        let (sum, count) = last.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+        sum / count
+    };
+    (0..values.len()).map(mean).collect()
+}
+
+/// A range of values with round ticks.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    min: f64,
+    max: f64,
+    step: f64,
+}
+
+impl Axis {
+    /// Ticks are at least `smallest` apart: 1, 2 or 5 times a power of ten.
+    fn new(min: f64, max: f64, smallest: f64) -> Self {
+        let wanted = (max - min) / TICKS;
+        let power = 10_f64.powf(wanted.log10().floor());
+        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= wanted).unwrap_or(10.0);
+        Self { min, max, step: (factor * power).max(smallest) }
+    }
+
+    fn ticks(self) -> impl Iterator<Item = f64> {
+        let (first, last) = ((self.min / self.step).ceil() as i64, (self.max / self.step).floor() as i64);
+        (first..=last).map(move |index| index as f64 * self.step)
+    }
+
+    /// Where a value lies between the ends, 0 to 1.
+    fn part(self, value: f64) -> f64 {
+        (value - self.min) / (self.max - self.min)
+    }
+
+    /// A tick's value, with as many digits as the step needs.
+    fn label(self, tick: f64) -> String {
+        let (order, step_order) = (tick.abs().log10().floor(), self.step.log10().floor());
+        if order >= 7.0 || (tick != 0.0 && step_order < -4.0) {
+            let digits = (order - step_order).max(0.0) as usize;
+            return format!("{tick:.digits$e}");
+        }
+        Decimal::<5>(tick).to_string()
+    }
+}
+
+/// The rectangle between the axes.
+struct Area {
+    min: Point,
+    max: Point,
+    x: Axis,
+    y: Axis,
+}
+
+impl Area {
+    fn place(&self, [x, y]: Point) -> Point {
+        let between = |axis: usize, part: f64| self.min[axis] + part * (self.max[axis] - self.min[axis]);
+        [between(0, self.x.part(x)), between(1, 1.0 - self.y.part(y))]
+    }
+
+    fn draw_axes(&self, canvas: &mut dyn Canvas) {
+        let (min, max) = (self.min, self.max);
+        for tick in self.y.ticks() {
+            let y = self.place([self.x.min, tick])[1].round();
+            canvas.line([min[0], y], [max[0], y], 1.0, GRID);
+            let position = [min[0] - TICK_GAP, y + TICK_SIZE / 2.0];
+            canvas.text(&self.y.label(tick), position, TICK_SIZE, Align::Right, INK);
+        }
+        let later = self.x.ticks().filter(|&tick| tick > 1.0);
+        for tick in std::iter::once(1.0).chain(later) {
+            let x = self.place([tick, self.y.min])[0].round();
+            canvas.line([x, max[1]], [x, max[1] + 4.0], 1.0, AXIS);
+            let position = [x, max[1] + TICK_GAP + TICK_SIZE];
+            canvas.text(&self.x.label(tick), position, TICK_SIZE, Align::Center, INK);
+        }
+        canvas.stroke(Shape::Polyline(&[min, [min[0], max[1]], max]), 1.0, AXIS);
+    }
+
+    /// Draws values in order, interrupted where they are not finite.
+    fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
+        let points: Vec<Point> = (1_u32..).zip(values).map(|(x, &y)| [f64::from(x), y]).collect();
+        for run in points.split(|[_, y]| !(y.abs() <= LARGEST)) {
+            let run: Vec<Point> = self.thin(run).into_iter().map(|point| self.place(point)).collect();
+            match run[..] {
+                [] => {}
+                [only] => canvas.circle(only, width, color),
+                _ => canvas.stroke(Shape::Polyline(&run), width, color),
+            }
+        }
+    }
+
+    /// Where points are much denser than pixels, keeps the lowest and the highest of neighbours.
+    fn thin(&self, points: &[Point]) -> Vec<Point> {
+        let columns = ((self.max[0] - self.min[0]) * f64::from(PNG_SCALE)) as usize;
+        let group = points.len() / columns;
+        if group <= 2 {
+            return points.to_vec();
+        }
+        let extremes = |group: &[Point]| {
+            let (mut low, mut high) = (group[0], group[0]);
+            for &point in group {
+                low = if point[1] < low[1] { point } else { low };
+                high = if point[1] > high[1] { point } else { high };
+            }
+            if low[0] < high[0] { [low, high] } else { [high, low] }
+        };
+        points.chunks(group).flat_map(extremes).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Recording;
+
+    fn ticks(min: f64, max: f64) -> Vec<String> {
+        let axis = Axis::new(min, max, 0.0);
+        axis.ticks().map(|tick| axis.label(tick)).collect()
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(ticks(-5.0, 525.0), ["0", "100", "200", "300", "400", "500"]);
+        assert_eq!(ticks(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+        assert_eq!(ticks(-0.02, 0.03), ["-0.02", "-0.01", "0", "0.01", "0.02", "0.03"]);
+        assert_eq!(ticks(1e7, 1.5e7), ["1.0e7", "1.1e7", "1.2e7", "1.3e7", "1.4e7", "1.5e7"]);
+        assert_eq!(ticks(0.0, 3e-6), ["0", "5e-7", "1.0e-6", "1.5e-6", "2.0e-6", "2.5e-6", "3.0e-6"]);
+        assert_eq!(Axis::new(1.0, 3.0, 1.0).ticks().collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn the_range_has_space_around_the_values() {
+        assert_eq!(padded([0.0, f64::NAN, 100.0, f64::INFINITY].into_iter()), (-5.0, 105.0));
+        assert_eq!(padded([4.0, 4.0].into_iter()), (2.0, 6.0));
+        assert_eq!(padded([0.0].into_iter()), (-1.0, 1.0));
+        assert_eq!(padded([f64::NAN].into_iter()), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_average_looks_back() {
+        assert_eq!(moving_average(&[1.0, 2.0, 6.0, f64::NAN, 4.0], 2), [1.0, 1.5, 4.0, 6.0, 4.0]);
+        assert!(moving_average(&[f64::NAN], 3)[0].is_nan());
+        assert_eq!(moving_average(&[], 3), [0.0; 0]);
+    }
+
+    #[test]
+    fn long_runs_are_thinned_but_keep_their_extremes() {
+        let area =
+            Area { min: [0.0; 2], max: [10.0; 2], x: Axis::new(0.0, 1.0, 0.0), y: Axis::new(0.0, 1.0, 0.0) };
+        let points: Vec<Point> =
+            (0..1000).map(|i| [f64::from(i), if i == 537 { 9.0 } else { f64::from(i % 2) }]).collect();
+        let thin = area.thin(&points);
+        assert_eq!(thin.len(), 40);
+        assert!(thin.contains(&[537.0, 9.0]) && thin.is_sorted_by(|a, b| a[0] < b[0]));
+        assert_eq!(area.thin(&points[..50]), points[..50]);
+    }
+
+    #[test]
+    fn plots_draw_their_series_in_their_places() {
+        let plot = Plot::new("t").series("a", &[0.0, 10.0, 5.0]).series("", &[1.0, f64::NAN, 2.0, 3.0]);
+        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        // The space between the axes starts at 20 + 34 + 22 and is 310 high, from 10.5 to -0.5.
+        let y = Decimal::<3>(76.0 + 310.0 * 0.5 / 11.0);
+        assert!(text.contains(&format!(",{y} ")), "{text}");
+        assert_eq!(text.matches("#0072b2").count(), 2, "line and legend");
+        assert_eq!(text.matches("#d55e00").count(), 2, "a dot and the rest of the line");
+        assert_eq!(text.matches("fill circle").count(), 1);
+        assert!(
+            text.contains("text \"episode\"")
+                && text.contains("text \"a\"")
+                && !text.contains("text \"\" 0,0 size=8.5")
+        );
+    }
+
+    #[test]
+    fn plots_stack() {
+        let plot = || Plot::new("").series("a", &[1.0]);
+        let (width, height) = plot().size();
+        assert_eq!(plot().below(plot()).below(plot()).size(), (width, 3 * height));
+        let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
+        assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
+    }
+
+    #[test]
+    fn the_legend_wraps_and_leaves_out_the_nameless() {
+        let plot = (0..30).fold(Plot::new(""), |plot, i| plot.series(format!("seed {i}"), &[1.0]));
+        let rows = plot.series("", &[1.0]).legend().iter().map(Vec::len).collect::<Vec<_>>();
+        assert_eq!(rows.iter().sum::<usize>(), 30);
+        assert!(rows.len() > 2 && rows[0] > 5, "{rows:?}");
+        assert_eq!(Plot::new("").series("", &[1.0]).legend().len(), 0);
+    }
+
+    #[test]
+    fn odd_plots_do_not_fail() {
+        for values in
+            [&[][..], &[f64::NAN], &[f64::MAX, f64::MIN], &[1e300, -1e300], &[1e17, 1e17 + 16.0], &[5e-324]]
+        {
+            let plot = Plot::new("").series("x", values).moving_average(0);
+            assert!(Recording::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000, "{values:?}");
+        }
+        Recording::of(|canvas| Plot::new("").draw(canvas));
+    }
+}

@@ -1,0 +1,135 @@
+//! Frames as PNG files, and many frames in one picture.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gym_core::render::Frame;
+use gym_core::{Error, Result};
+use png::{BitDepth, ColorType, Encoder, EncodingError};
+
+use crate::atomic::AtomicFile;
+
+/// Pixels between and around the pictures of a contact sheet.
+const GAP: u32 = 4;
+/// The shade of grey between the pictures of a contact sheet.
+const BACKGROUND: u8 = 128;
+
+/// Writes a frame to a PNG file.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for a frame without pixels, [`Error::Io`] if the file cannot be
+/// written.
+pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
+    let path = path.as_ref();
+    let mut file = AtomicFile::create(path)?;
+    let mut encoder = Encoder::new(&mut file, frame.width(), frame.height());
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(frame.pixels())?;
+        writer.finish()
+    });
+    written.map_err(|error| match error {
+        EncodingError::IoError(error) => Error::io(path, error),
+        other => Error::argument("write_png", format!("{frame:?} cannot be written as PNG: {other}")),
+    })?;
+    file.commit()
+}
+
+/// Writes frames to `frame-0000.png`, `frame-0001.png` and so on in a folder, which is made if it
+/// does not exist. Returns the paths.
+///
+/// # Errors
+/// As [`write_png`]; the frames before stay.
+pub fn write_png_sequence<'a>(
+    folder: impl AsRef<Path>,
+    frames: impl IntoIterator<Item = &'a Frame>,
+) -> Result<Vec<PathBuf>> {
+    let folder = folder.as_ref();
+    fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    let write = |(index, frame)| {
+        let path = folder.join(format!("frame-{index:04}.png"));
+        write_png(&path, frame).map(|()| path)
+    };
+    frames.into_iter().enumerate().map(write).collect()
+}
+
+/// All frames in one picture, row by row, `columns` in each row (at least one). Frames smaller
+/// than the largest lie in the top left of their place.
+pub fn contact_sheet(frames: &[Frame], columns: usize) -> Frame {
+    let columns = columns.clamp(1, frames.len().max(1)) as u32;
+    let rows = (frames.len() as u32).div_ceil(columns);
+    let cell_width = GAP + frames.iter().map(Frame::width).max().unwrap_or(0);
+    let cell_height = GAP + frames.iter().map(Frame::height).max().unwrap_or(0);
+    let mut sheet = Frame::new(GAP + columns * cell_width, GAP + rows * cell_height);
+    sheet.pixels_mut().fill(BACKGROUND);
+    let sheet_row = sheet.width() as usize * 3;
+    for (index, frame) in (0..).zip(frames) {
+        let left = (GAP + index % columns * cell_width) as usize * 3;
+        let top = (GAP + index / columns * cell_height) as usize;
+        let row = frame.width() as usize * 3;
+        for (y, pixels) in frame.pixels().chunks_exact(row.max(1)).enumerate() {
+            sheet.pixels_mut()[(top + y) * sheet_row + left..][..row].copy_from_slice(pixels);
+        }
+    }
+    sheet
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::atomic::testing::Folder;
+
+    fn plain(width: u32, height: u32, shade: u8) -> Frame {
+        let mut frame = Frame::new(width, height);
+        frame.pixels_mut().fill(shade);
+        frame
+    }
+
+    fn read(path: &Path) -> (u32, u32, Vec<u8>) {
+        let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.color_type, info.bit_depth), (ColorType::Rgb, BitDepth::Eight));
+        (info.width, info.height, pixels)
+    }
+
+    #[test]
+    fn a_sequence_reads_back() {
+        let folder = Folder::new("png");
+        let mut frames = [plain(5, 3, 7), plain(2, 2, 200)];
+        frames[0].pixels_mut()[4] = 99;
+        let paths = write_png_sequence(folder.join("run"), &frames).unwrap();
+        assert!(paths[1].ends_with("run/frame-0001.png"));
+        for (path, frame) in paths.iter().zip(&frames) {
+            assert_eq!(read(path), (frame.width(), frame.height(), frame.pixels().to_vec()));
+        }
+        assert_eq!(folder.names(), ["run"]);
+    }
+
+    #[test]
+    fn a_frame_without_pixels_is_refused_and_leaves_nothing() {
+        let folder = Folder::new("png-empty");
+        let error = write_png(folder.join("a.png"), &Frame::new(0, 3)).unwrap_err();
+        assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
+        assert!(matches!(write_png(folder.join("no/a.png"), &plain(1, 1, 0)), Err(Error::Io { .. })));
+        assert_eq!(folder.names(), [""; 0]);
+    }
+
+    #[test]
+    fn a_contact_sheet_places_frames_in_rows() {
+        let sheet = contact_sheet(&[plain(2, 1, 10), plain(1, 2, 20), plain(2, 2, 30)], 2);
+        assert_eq!((sheet.width(), sheet.height()), (4 + 2 * 6, 4 + 2 * 6));
+        let shade = |x: usize, y: usize| sheet.pixels()[(y * 16 + x) * 3];
+        assert_eq!([shade(4, 4), shade(5, 4), shade(4, 5)], [10, 10, 128]);
+        assert_eq!([shade(10, 4), shade(10, 5), shade(11, 4)], [20, 20, 128]);
+        assert_eq!([shade(4, 10), shade(5, 11), shade(10, 10)], [30, 30, 128]);
+    }
+
+    #[test]
+    fn odd_contact_sheets() {
+        assert_eq!(contact_sheet(&[], 3).pixels().len(), 8 * 4 * 3);
+        assert_eq!(contact_sheet(&[plain(1, 1, 0), Frame::new(0, 0)], 0).height(), 14);
+    }
+}

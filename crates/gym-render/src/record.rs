@@ -1,0 +1,176 @@
+//! Drawings as text, for tests.
+
+use std::fmt::{self, Write};
+
+use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+
+use crate::number::{Decimal, Pair, Rgb};
+
+/// Keeps a drawing's calls as lines of text, numbers rounded to 3 decimals: a test compares what
+/// an environment draws rather than pixels.
+///
+/// ```
+/// use gym_core::canvas::{Canvas, Color, Transform};
+/// use gym_render::Recording;
+///
+/// let recording = Recording::of(|canvas| {
+///     canvas.clear(Color::WHITE);
+///     canvas.push(Transform::translate(10.0, 0.0));
+///     canvas.line([0.0, 0.5], [1.0, 2.0 / 3.0], 2.0, Color::BLACK.alpha(128));
+///     canvas.pop();
+/// });
+/// assert_eq!(
+///     recording.to_string(),
+///     "clear #ffffff\n\
+///      push x=1,0 y=0,1 origin=10,0\n  \
+///        stroke polyline 0,0.5 1,0.667 width=2 #00000080\n\
+///      pop\n"
+/// );
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recording {
+    text: String,
+    depth: usize,
+}
+
+impl Recording {
+    /// The calls that `draw` makes.
+    pub fn of(draw: impl FnOnce(&mut dyn Canvas)) -> Self {
+        let mut recording = Self::default();
+        draw(&mut recording);
+        recording
+    }
+
+    fn line(&mut self, line: fmt::Arguments<'_>) {
+        // Writing to a string does not fail.
+        let _ = writeln!(self.text, "{:1$}{line}", "", 2 * self.depth);
+    }
+}
+
+impl fmt::Display for Recording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Canvas for Recording {
+    fn clear(&mut self, color: Color) {
+        self.line(format_args!("clear {}", Rgba(color)));
+    }
+
+    fn fill(&mut self, shape: Shape<'_>, color: Color) {
+        self.line(format_args!("fill {} {}", Geometry(shape), Rgba(color)));
+    }
+
+    fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
+        self.line(format_args!("stroke {} width={} {}", Geometry(shape), Decimal::<3>(width), Rgba(color)));
+    }
+
+    fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
+        let align = match align {
+            Align::Left => "left",
+            Align::Center => "center",
+            Align::Right => "right",
+        };
+        let (position, size) = (Pair(position), Decimal::<3>(size));
+        self.line(format_args!("text {text:?} {position} size={size} {align} {}", Rgba(color)));
+    }
+
+    fn push(&mut self, Transform { x, y, origin }: Transform) {
+        self.line(format_args!("push x={} y={} origin={}", Pair(x), Pair(y), Pair(origin)));
+        self.depth += 1;
+    }
+
+    fn pop(&mut self) {
+        self.depth = self.depth.saturating_sub(1);
+        self.line(format_args!("pop"));
+    }
+}
+
+/// `#rrggbb`, or `#rrggbbaa` if translucent.
+struct Rgba(Color);
+
+impl fmt::Display for Rgba {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let color = self.0;
+        write!(f, "{}", Rgb(color))?;
+        if color.a == 255 { Ok(()) } else { write!(f, "{:02x}", color.a) }
+    }
+}
+
+struct Geometry<'a>(Shape<'a>);
+
+impl fmt::Display for Geometry<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Shape::Polygon(points) => list(f, "polygon", points),
+            Shape::Polyline(points) => list(f, "polyline", points),
+            Shape::Circle { center, radius } => {
+                write!(f, "circle {} radius={}", Pair(center), Decimal::<3>(radius))
+            }
+            Shape::Rect { min, size, corner } => {
+                write!(f, "rect {} size={}", Pair(min), Pair(size))?;
+                if corner == 0.0 { Ok(()) } else { write!(f, " corner={}", Decimal::<3>(corner)) }
+            }
+            Shape::Path(segments) => {
+                f.write_str("path")?;
+                segments.iter().try_for_each(|segment| match *segment {
+                    Segment::Move(to) => write!(f, " move {}", Pair(to)),
+                    Segment::Line(to) => write!(f, " line {}", Pair(to)),
+                    Segment::Quad(control, to) => write!(f, " quad {} {}", Pair(control), Pair(to)),
+                    Segment::Cubic(a, b, to) => write!(f, " cubic {} {} {}", Pair(a), Pair(b), Pair(to)),
+                    Segment::Close => write!(f, " close"),
+                })
+            }
+        }
+    }
+}
+
+fn list(f: &mut fmt::Formatter<'_>, name: &str, points: &[Point]) -> fmt::Result {
+    f.write_str(name)?;
+    points.iter().try_for_each(|&point| write!(f, " {}", Pair(point)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_call_is_a_line() {
+        let recording = Recording::of(|canvas| {
+            canvas.clear(Color::WHITE);
+            canvas.push(Transform::y_up(400.0));
+            canvas.push(Transform::rotate(0.5));
+            canvas.polygon(&[[0.0, 0.0], [1.0, 0.000_49], [1.0, -0.000_49]], Color::rgb(129, 132, 203));
+            canvas.pop();
+            canvas.circle([1.5, 2.0], 3.0, Color::BLACK);
+            canvas.pop();
+            canvas.pop();
+            canvas.rect([0.0, 1.0], [2.0, 3.0], Color::BLACK.alpha(1));
+            canvas.round_rect([0.0, 1.0], [2.0, 3.0], 0.5, Color::BLACK);
+            canvas.text("a \"b\"\n", [1.0, 2.0], 12.0, Align::Right, Color::BLACK);
+            let path = [
+                Segment::Move([0.0, 0.0]),
+                Segment::Line([1.0, 0.0]),
+                Segment::Quad([2.0, 0.0], [2.0, 1.0]),
+                Segment::Cubic([2.0, 2.0], [1.0, 2.0], [0.0, 2.0]),
+                Segment::Close,
+            ];
+            canvas.stroke(Shape::Path(&path), 0.25, Color::BLACK);
+        });
+        let expected = r##"clear #ffffff
+push x=1,0 y=0,-1 origin=0,400
+  push x=0.878,0.479 y=-0.479,0.878 origin=0,0
+    fill polygon 0,0 1,0 1,0 #8184cb
+  pop
+  fill circle 1.5,2 radius=3 #000000
+pop
+pop
+fill rect 0,1 size=2,3 #00000001
+fill rect 0,1 size=2,3 corner=0.5 #000000
+text "a \"b\"\n" 1,2 size=12 right #000000
+stroke path move 0,0 line 1,0 quad 2,0 2,1 cubic 2,2 1,2 0,2 close width=0.25 #000000
+"##;
+        assert_eq!(recording.to_string(), expected);
+    }
+}

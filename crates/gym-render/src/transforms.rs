@@ -1,0 +1,59 @@
+//! The stack of transforms that every canvas keeps.
+
+use gym_core::canvas::Transform;
+
+/// Transforms pushed and not yet popped, composed.
+#[derive(Clone, Debug)]
+pub(crate) struct Transforms {
+    current: Transform,
+    outer: Vec<Transform>,
+}
+
+impl Transforms {
+    /// An empty stack.
+    pub(crate) const fn new() -> Self {
+        Self { current: Transform::IDENTITY, outer: Vec::new() }
+    }
+
+    /// Empties the stack and starts from `base`.
+    pub(crate) fn restart(&mut self, base: Transform) {
+        self.current = base;
+        self.outer.clear();
+    }
+
+    /// From the innermost coordinates to the outermost.
+    pub(crate) fn current(&self) -> Transform {
+        self.current
+    }
+
+    pub(crate) fn push(&mut self, inner: Transform) {
+        self.outer.push(self.current);
+        self.current = self.current.then(inner);
+    }
+
+    /// Does nothing on an empty stack.
+    pub(crate) fn pop(&mut self) {
+        if let Some(outer) = self.outer.pop() {
+            self.current = outer;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn push_composes_and_pop_restores() {
+        let mut transforms = Transforms::new();
+        transforms.restart(Transform::scale(2.0, 2.0));
+        transforms.push(Transform::translate(10.0, 0.0));
+        transforms.push(Transform::scale(3.0, 1.0));
+        assert_eq!(transforms.current().apply([1.0, 1.0]), [26.0, 2.0]);
+        transforms.pop();
+        assert_eq!(transforms.current().apply([1.0, 1.0]), [22.0, 2.0]);
+        transforms.pop();
+        transforms.pop();
+        assert_eq!(transforms.current(), Transform::scale(2.0, 2.0));
+    }
+}

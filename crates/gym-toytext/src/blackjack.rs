@@ -1,0 +1,476 @@
+//! Blackjack: come closer to 21 than the dealer without going over it.
+//!
+//! | | |
+//! |---|---|
+//! | observation | (the player's sum, the dealer's open card: 1 (ace) to 10, 1 if the player has a usable ace); `Tuple(Discrete(32), Discrete(11), Discrete(2))` |
+//! | action | [`Action`]: stick or hit; `Discrete(2)` |
+//! | dynamics | cards come from an endless deck; jack, queen and king count 10; an ace counts 11 while that does not go over 21 (it is then *usable*), else 1; after the player sticks, the dealer draws up to 17 or more |
+//! | reward | 1 for a win, -1 for a loss, 0 for a draw; see [`Config`] for naturals |
+//! | start | two cards each |
+//! | end | terminated when the player sticks or goes over 21 |
+//! | limit | none |
+//!
+//! Versions: v1 corrected what a natural is worth.
+//!
+//! After Example 5.1 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
+//! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
+
+use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::render::Metadata;
+use gym_core::spaces::TupleSpace;
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use serde::{Deserialize, Serialize};
+
+/// The environment.
+pub type Blackjack = Stateful<BlackjackDynamics>;
+
+/// Arguments. A natural is an ace and a ten as the first two cards.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
+    pub natural: bool,
+    /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
+    /// `Blackjack-v1` is registered with this set.
+    pub sab: bool,
+}
+
+const DECK: [u8; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
+
+gym_core::discrete! {
+    /// What the player does.
+    pub enum Action {
+        /// Takes no more cards.
+        Stick,
+        /// Takes a card.
+        Hit,
+    }
+}
+
+/// Some cards by value, 1 (an ace) to 10: at least two, and all but the last sum to at most 21.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
+pub struct Hand {
+    cards: [u8; Self::MAX_LEN],
+    len: usize,
+}
+
+impl Hand {
+    /// 21 aces and the card that goes over.
+    const MAX_LEN: usize = 22;
+
+    fn draw(rng: &mut Generator) -> Self {
+        let mut hand = Self { cards: [0; Self::MAX_LEN], len: 0 };
+        hand.draw_card(rng);
+        hand.draw_card(rng);
+        hand
+    }
+
+    fn draw_card(&mut self, rng: &mut Generator) {
+        if let Some(card) = self.cards.get_mut(self.len) {
+            *card = DECK[rng.choice(DECK.len())];
+            self.len += 1;
+        }
+    }
+
+    /// The cards, in the order drawn.
+    pub fn cards(&self) -> &[u8] {
+        &self.cards[..self.len]
+    }
+
+    /// Whether there is an ace that counts 11.
+    pub fn usable_ace(&self) -> bool {
+        self.cards().contains(&1) && self.hard_sum() + 10 <= 21
+    }
+
+    /// The sum, with a usable ace as 11.
+    pub fn sum(&self) -> u8 {
+        self.hard_sum() + if self.usable_ace() { 10 } else { 0 }
+    }
+
+    /// The sum with each ace as 1.
+    fn hard_sum(&self) -> u8 {
+        self.cards().iter().sum()
+    }
+
+    /// Whether the sum is over 21.
+    pub fn is_bust(&self) -> bool {
+        self.sum() > 21
+    }
+
+    /// The sum, or 0 of a bust hand.
+    fn score(&self) -> u8 {
+        if self.is_bust() { 0 } else { self.sum() }
+    }
+
+    /// Whether these are just an ace and a ten.
+    pub fn is_natural(&self) -> bool {
+        matches!(self.cards(), [1, 10] | [10, 1])
+    }
+}
+
+impl From<Hand> for Vec<u8> {
+    fn from(hand: Hand) -> Self {
+        hand.cards().to_vec()
+    }
+}
+
+impl TryFrom<Vec<u8>> for Hand {
+    type Error = String;
+
+    fn try_from(cards: Vec<u8>) -> Result<Self, String> {
+        let possible = cards.len() >= 2
+            && cards.iter().all(|card| (1..=10).contains(card))
+            && cards[..cards.len() - 1].iter().map(|card| usize::from(*card)).sum::<usize>() <= 21;
+        if !possible {
+            return Err(format!("{cards:?} is not a hand of blackjack"));
+        }
+        let mut hand = Self { cards: [0; Self::MAX_LEN], len: cards.len() };
+        hand.cards[..cards.len()].copy_from_slice(&cards);
+        Ok(hand)
+    }
+}
+
+/// The suit of the dealer's open card, for its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Suit {
+    Clubs,
+    Diamonds,
+    Hearts,
+    Spades,
+}
+
+const SUITS: [Suit; 4] = [Suit::Clubs, Suit::Diamonds, Suit::Hearts, Suit::Spades];
+
+/// What a dealer's open card of value 10 is, for its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Face {
+    Jack,
+    Queen,
+    King,
+}
+
+/// The cards on the table.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The dealer's; the first is open.
+    pub dealer: Hand,
+    /// The player's.
+    pub player: Hand,
+    /// The suit of the dealer's open card.
+    pub suit: Suit,
+    /// The face on the dealer's open card, if its value is 10.
+    pub face: Option<Face>,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Copy, Debug)]
+pub struct BlackjackDynamics {
+    config: Config,
+}
+
+impl Dynamics for BlackjackDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = (usize, usize, usize);
+    type Action = Action;
+
+    const NAME: &'static str = "Blackjack";
+
+    fn new(config: Config) -> Result<Self> {
+        Ok(Self { config })
+    }
+
+    fn observation_space(&self) -> Space {
+        TupleSpace::new([32, 11, 2].map(Space::discrete)).into()
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
+        let dealer = Hand::draw(rng);
+        let player = Hand::draw(rng);
+        // the picture takes part in the stream
+        let suit = SUITS[rng.choice(SUITS.len())];
+        let face = (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
+        Ok(State { dealer, player, suit, face })
+    }
+
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let mut state = *state;
+        if *action == Action::Hit {
+            // beyond the end of an episode there is no card to take
+            if !state.player.is_bust() {
+                state.player.draw_card(rng);
+            }
+            let terminated = state.player.is_bust();
+            return Ok(Transition { state, reward: if terminated { -1.0 } else { 0.0 }, terminated });
+        }
+        while state.dealer.sum() < 17 {
+            state.dealer.draw_card(rng);
+        }
+        let State { dealer, player, .. } = &state;
+        let reward = f64::from(player.score().cmp(&dealer.score()) as i8);
+        let reward = match self.config {
+            Config { sab: true, .. } if player.is_natural() && !dealer.is_natural() => 1.0,
+            Config { sab: false, natural: true } if player.is_natural() && reward == 1.0 => 1.5,
+            _ => reward,
+        };
+        Ok(Transition { state, reward, terminated: true })
+    }
+
+    fn observe(&self, state: &State) -> (usize, usize, usize) {
+        let State { dealer, player, .. } = state;
+        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        state.face.is_some() == (state.dealer.cards()[0] == 10)
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(4, (384, 376))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        let State { dealer, player, suit, face } = state;
+        canvas.clear(FELT);
+        let edge = Shape::Rect { min: [10.0, 10.0], size: [364.0, 356.0], corner: 16.0 };
+        canvas.stroke(edge, 2.0, FELT_LINE);
+
+        let open = dealer.cards()[0];
+        canvas.text("DEALER", [32.0, 46.0], 12.0, Align::Left, Color::WHITE);
+        card(canvas, [32.0, 58.0], open, *face, *suit);
+        back(canvas, [124.0, 58.0]);
+        canvas.text(&open.to_string(), [296.0, 134.0], 40.0, Align::Center, Color::WHITE);
+
+        canvas.text("PLAYER", [32.0, 210.0], 12.0, Align::Left, Color::WHITE);
+        let hidden = player.cards().len() - 1;
+        let shift = (92.0 / hidden as f64).min(23.0);
+        for (i, value) in player.cards().iter().enumerate() {
+            // their suits are not drawn: any will do
+            let suit = SUITS[(*suit as usize + 1 + i) % SUITS.len()];
+            card(canvas, [32.0 + shift * i as f64, 222.0], *value, None, suit);
+        }
+        canvas.text(&player.sum().to_string(), [296.0, 298.0], 40.0, Align::Center, Color::WHITE);
+        let note = match (player.is_bust(), player.usable_ace()) {
+            (true, _) => "bust",
+            (_, true) => "usable ace",
+            _ => "",
+        };
+        canvas.text(note, [296.0, 326.0], 12.0, Align::Center, Color::WHITE);
+    }
+}
+
+const FELT: Color = Color::rgb(36, 110, 76);
+const FELT_LINE: Color = Color::rgb(88, 152, 116);
+const CARD: [f64; 2] = [80.0, 112.0];
+const RED: Color = Color::rgb(204, 52, 56);
+const BLACK: Color = Color::rgb(38, 40, 52);
+const BACK: Color = Color::rgb(56, 84, 150);
+
+/// A card, open.
+fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, suit: Suit) {
+    let color = if matches!(suit, Suit::Hearts | Suit::Diamonds) { RED } else { BLACK };
+    let rank = match (value, face) {
+        (1, _) => "A".to_owned(),
+        (_, Some(Face::Jack)) => "J".to_owned(),
+        (_, Some(Face::Queen)) => "Q".to_owned(),
+        (_, Some(Face::King)) => "K".to_owned(),
+        _ => value.to_string(),
+    };
+    blank(canvas, corner);
+    canvas.push(Transform::translate(corner[0], corner[1]));
+    canvas.text(&rank, [11.0, 19.0], 11.0, Align::Center, color);
+    pip(canvas, suit, [11.0, 30.0], 10.0, color);
+    if face.is_some() {
+        canvas.text(&rank, [44.0, 76.0], 40.0, Align::Center, color);
+        pip(canvas, suit, [66.0, 96.0], 14.0, color);
+    } else if value == 1 {
+        pip(canvas, suit, [46.0, 56.0], 36.0, color);
+    } else {
+        let (outer, middle) = pips(value);
+        for (x, column) in [(31.0, outer), (46.0, middle), (61.0, outer)] {
+            for &y in column {
+                // those below the middle stand on their heads
+                let height = if y > 0.5 { -15.0 } else { 15.0 };
+                pip(canvas, suit, [x, 20.0 + 72.0 * y], height, color);
+            }
+        }
+    }
+    canvas.pop();
+}
+
+/// How far down, from 0 to 1, the pips of a number card are: in both outer columns, in the middle.
+fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
+    match value {
+        2 => (&[], &[0.0, 1.0]),
+        3 => (&[], &[0.0, 0.5, 1.0]),
+        4 => (&[0.0, 1.0], &[]),
+        5 => (&[0.0, 1.0], &[0.5]),
+        6 => (&[0.0, 0.5, 1.0], &[]),
+        7 => (&[0.0, 0.5, 1.0], &[0.25]),
+        8 => (&[0.0, 0.5, 1.0], &[0.25, 0.75]),
+        9 => (&[0.0, 0.33, 0.67, 1.0], &[0.5]),
+        10 => (&[0.0, 0.33, 0.67, 1.0], &[0.17, 0.83]),
+        _ => (&[], &[]),
+    }
+}
+
+/// A suit's sign of a height; of a negative one, on its head.
+fn pip(canvas: &mut dyn Canvas, suit: Suit, center: Point, height: f64, color: Color) {
+    let half = height / 2.0;
+    canvas.push(Transform { x: [half, 0.0], y: [0.0, half], origin: center });
+    match suit {
+        Suit::Diamonds => canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color),
+        Suit::Hearts => heart(canvas, color),
+        Suit::Spades => {
+            canvas.push(Transform { x: [1.0, 0.0], y: [0.0, -0.8], origin: [0.0, -0.2] });
+            heart(canvas, color);
+            canvas.pop();
+            stem(canvas, color);
+        }
+        Suit::Clubs => {
+            for center in [[0.0, -0.5], [-0.5, 0.2], [0.5, 0.2]] {
+                canvas.circle(center, 0.48, color);
+            }
+            canvas.polygon(&[[0.0, -0.4], [0.4, 0.3], [-0.4, 0.3]], color);
+            stem(canvas, color);
+        }
+    }
+    canvas.pop();
+}
+
+fn heart(canvas: &mut dyn Canvas, color: Color) {
+    let outline = [
+        Segment::Move([0.0, 1.0]),
+        Segment::Cubic([-0.4, 0.5], [-0.9, 0.2], [-0.9, -0.35]),
+        Segment::Cubic([-0.9, -1.05], [-0.15, -1.15], [0.0, -0.5]),
+        Segment::Cubic([0.15, -1.15], [0.9, -1.05], [0.9, -0.35]),
+        Segment::Cubic([0.9, 0.2], [0.4, 0.5], [0.0, 1.0]),
+        Segment::Close,
+    ];
+    canvas.fill(Shape::Path(&outline), color);
+}
+
+fn stem(canvas: &mut dyn Canvas, color: Color) {
+    let outline = [
+        Segment::Move([0.0, 0.1]),
+        Segment::Quad([0.05, 0.8], [0.45, 1.0]),
+        Segment::Line([-0.45, 1.0]),
+        Segment::Quad([-0.05, 0.8], [0.0, 0.1]),
+        Segment::Close,
+    ];
+    canvas.fill(Shape::Path(&outline), color);
+}
+
+/// A card, face down.
+fn back(canvas: &mut dyn Canvas, corner: Point) {
+    blank(canvas, corner);
+    let [x, y] = corner;
+    canvas.round_rect([x + 6.0, y + 6.0], [CARD[0] - 12.0, CARD[1] - 12.0], 4.0, BACK);
+    for row in 0..6 {
+        for col in 0..4 {
+            let center = [x + 16.0 + 16.0 * f64::from(col), y + 16.0 + 16.0 * f64::from(row)];
+            pip(canvas, Suit::Diamonds, center, 12.0, Color::WHITE);
+        }
+    }
+}
+
+fn blank(canvas: &mut dyn Canvas, corner: Point) {
+    canvas.round_rect([corner[0] - 1.0, corner[1] - 1.0], [CARD[0] + 2.0, CARD[1] + 2.0], 8.0, FELT_LINE);
+    canvas.round_rect(corner, CARD, 7.0, Color::WHITE);
+}
+
+gym_core::register!(
+    Registration::new::<Blackjack>("Blackjack-v1").kwargs(r#"{"sab": true, "natural": false}"#)
+);
+
+#[cfg(test)]
+mod tests {
+    use gym_core::{Env, Snapshot};
+
+    use super::*;
+
+    fn hand(cards: &[u8]) -> Hand {
+        Hand::try_from(cards.to_vec()).unwrap()
+    }
+
+    /// The cards that Gymnasium deals for these seeds.
+    #[test]
+    fn the_deal_is_gymnasiums() {
+        for (seed, dealer, player, suit, face) in [
+            (0, [10, 9], [7, 4], Suit::Diamonds, Some(Face::Jack)),
+            (42, [2, 10], [9, 6], Suit::Diamonds, None),
+            (123, [1, 9], [8, 1], Suit::Spades, None),
+        ] {
+            let mut env = Blackjack::new(Config::default()).unwrap();
+            env.reset(seed).unwrap();
+            let state = State { dealer: hand(&dealer), player: hand(&player), suit, face };
+            assert_eq!(env.state(), Some(&state));
+        }
+    }
+
+    #[test]
+    fn an_ace_counts_11_while_it_can() {
+        for (cards, sum, usable) in [
+            (&[1, 1][..], 12, true),
+            (&[1, 10], 21, true),
+            (&[1, 5, 5], 21, true),
+            (&[1, 5, 6], 12, false),
+            (&[10, 10, 1], 21, false),
+            (&[10, 10, 2], 22, false),
+        ] {
+            assert_eq!((hand(cards).sum(), hand(cards).usable_ace()), (sum, usable), "{cards:?}");
+        }
+    }
+
+    /// The reward of sticking with a hand, for a dealer who has enough.
+    fn reward(config: Config, player: &[u8], dealer: &[u8]) -> f64 {
+        let state =
+            State { dealer: hand(dealer), player: hand(player), suit: Suit::Clubs, face: Some(Face::King) };
+        let blackjack = BlackjackDynamics::new(config).unwrap();
+        blackjack.transition(&state, &Action::Stick, &mut Generator::from(0)).unwrap().reward
+    }
+
+    #[test]
+    fn naturals_pay_by_the_rules_chosen() {
+        let plain = Config::default();
+        let natural = Config { natural: true, ..plain };
+        let sab = Config { natural: true, sab: true };
+        for (player, dealer, rewards) in [
+            (&[10, 1], &[10, 9][..], [1.0, 1.5, 1.0]),
+            (&[10, 1], &[10, 5, 6], [0.0, 0.0, 1.0]),
+            (&[10, 1], &[10, 1], [0.0, 0.0, 0.0]),
+            (&[10, 9], &[10, 1], [-1.0, -1.0, -1.0]),
+            (&[10, 9], &[10, 6, 10], [1.0, 1.0, 1.0]),
+        ] {
+            assert_eq!([plain, natural, sab].map(|config| reward(config, player, dealer)), rewards);
+        }
+    }
+
+    #[test]
+    fn hits_after_a_bust_take_no_card() {
+        let blackjack = BlackjackDynamics::new(Config::default()).unwrap();
+        let rng = &mut Generator::from(0);
+        let mut state = blackjack.start(&Reset::default(), rng).unwrap();
+        while !state.player.is_bust() {
+            state = blackjack.transition(&state, &Action::Hit, rng).unwrap().state;
+        }
+        let again = blackjack.transition(&state, &Action::Hit, rng).unwrap();
+        assert_eq!((again.state, again.reward, again.terminated), (state, -1.0, true));
+    }
+
+    #[test]
+    fn a_stored_hand_must_be_possible() {
+        let longest = hand(&[1; Hand::MAX_LEN]);
+        assert_eq!(Snapshot::of(&longest).unwrap().get::<Hand>().unwrap(), longest);
+        for cards in [&[][..], &[5], &[0, 5], &[11, 5], &[10, 10, 2, 1], &[1; Hand::MAX_LEN + 1]] {
+            assert!(Hand::try_from(cards.to_vec()).is_err(), "{cards:?}");
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! CliffWalking: reach the goal along the edge of a cliff.
+//!
+//! | | |
+//! |---|---|
+//! | observation | the cell, `row * 12 + column` from the top left; `Discrete(48)` |
+//! | action | [`Action`]: up, right, down, left; `Discrete(4)` |
+//! | dynamics | the border stops a move; the cliff (bottom row, columns 1 to 10) throws it back to the start |
+//! | reward | -1 per step, -100 for one over the cliff |
+//! | start | bottom left, cell 36 |
+//! | end | terminated at the goal, bottom right, cell 47 |
+//! | limit | none |
+//! | info | `prob`: the probability of what happened |
+//!
+//! Versions: v1 added `is_slippery`; v0 takes no arguments.
+//!
+//! After Example 6.6 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
+//! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.
+
+use gym_core::canvas::{Canvas, Color};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use serde::{Deserialize, Serialize};
+
+use crate::art::{self, Facing};
+use crate::no_arguments::NoArguments;
+use crate::tabular::{Distribution, Outcome, Table};
+
+/// The environment.
+pub type CliffWalking = Stateful<CliffWalkingDynamics>;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Whether a move goes to either side of where it should with probability 1/3 each.
+    pub is_slippery: bool,
+}
+
+const ROWS: usize = 4;
+const COLUMNS: usize = 12;
+const CELLS: usize = ROWS * COLUMNS;
+const START: usize = 3 * COLUMNS;
+const GOAL: usize = CELLS - 1;
+
+const fn is_cliff(cell: usize) -> bool {
+    START < cell && cell < GOAL
+}
+
+gym_core::discrete! {
+    /// Which way to move.
+    #[derive(Serialize, Deserialize)]
+    pub enum Action {
+        /// One row up.
+        Up,
+        /// One column to the right.
+        Right,
+        /// One row down.
+        Down,
+        /// One column to the left.
+        Left,
+    }
+}
+
+/// Where the agent is, and how it came there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The cell, counted row by row from the top left.
+    pub cell: usize,
+    /// The last action; `None` at the start.
+    pub last_action: Option<Action>,
+    /// The probability of the last transition; 1 at the start.
+    pub probability: f64,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Debug)]
+pub struct CliffWalkingDynamics {
+    p: Table,
+    initial: Distribution,
+}
+
+impl CliffWalkingDynamics {
+    /// The transition table, Gymnasium's `P`.
+    pub fn p(&self) -> &Table {
+        &self.p
+    }
+
+    /// How likely each cell is at the start, Gymnasium's `initial_state_distrib`.
+    pub fn initial_state_distribution(&self) -> &[f64] {
+        self.initial.probabilities()
+    }
+}
+
+impl Dynamics for CliffWalkingDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = usize;
+    type Action = Action;
+
+    const NAME: &'static str = "CliffWalking";
+
+    fn new(config: Config) -> Result<Self> {
+        // by how much each outcome turns from the action
+        let turns: &[usize] = if config.is_slippery { &[3, 0, 1] } else { &[0] };
+        let probability = 1.0 / turns.len() as f64;
+        let p = Table::build(CELLS, Action::ALL.len(), |cell, action, outcomes| {
+            let (row, col) = (cell / COLUMNS, cell % COLUMNS);
+            outcomes.extend(turns.iter().map(|turn| {
+                let (row, col) = match Action::ALL[(action + turn) % 4] {
+                    Action::Up => (row.saturating_sub(1), col),
+                    Action::Right => (row, (col + 1).min(COLUMNS - 1)),
+                    Action::Down => ((row + 1).min(ROWS - 1), col),
+                    Action::Left => (row, col.saturating_sub(1)),
+                };
+                match row * COLUMNS + col {
+                    cell if is_cliff(cell) => {
+                        Outcome { probability, next: START, reward: -100.0, terminated: false }
+                    }
+                    next => Outcome { probability, next, reward: -1.0, terminated: next == GOAL },
+                }
+            }));
+        });
+        Ok(Self { p, initial: Distribution::uniform(CELLS, |cell| cell == START) })
+    }
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(CELLS as i64)
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
+        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.cell, *action as usize, rng)?;
+        let state = State { cell: next, last_action: Some(*action), probability };
+        Ok(Transition { state, reward, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        state.cell < CELLS && !is_cliff(state.cell) && (0.0..=1.0).contains(&state.probability)
+    }
+
+    fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
+        visit("prob", Value::Float(state.probability));
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn_and_text(4, (768, 256))
+    }
+
+    /// The grid: `x` is the agent, `T` the goal, `C` the cliff.
+    fn ansi(&self, state: &State) -> Option<String> {
+        let mut text = String::new();
+        for cell in 0..CELLS {
+            text.push(match cell {
+                cell if cell == state.cell => 'x',
+                GOAL => 'T',
+                cell if is_cliff(cell) => 'C',
+                _ => 'o',
+            });
+            text += if (cell + 1) % COLUMNS == 0 { "\n" } else { "  " };
+        }
+        text.push('\n');
+        Some(text)
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        let at = |cell: usize| [64.0 * (cell % COLUMNS) as f64, 64.0 * (cell / COLUMNS) as f64];
+        canvas.clear(GRASS);
+        for cell in 0..CELLS {
+            let [x, y] = at(cell);
+            let light = (cell / COLUMNS + cell % COLUMNS).is_multiple_of(2);
+            if is_cliff(cell) {
+                // the meadow above hangs over
+                rock(canvas, x, y, if light { GRASS } else { LIGHT_GRASS });
+                continue;
+            }
+            if light {
+                canvas.rect([x, y], [64.0, 64.0], LIGHT_GRASS);
+            }
+            if cell < START && cell % 7 % 3 == 1 {
+                tuft(canvas, x + 12.0 + (cell % 5 * 8) as f64, y + 20.0);
+            }
+        }
+        let [x, y] = at(START);
+        canvas.round_rect([x + 8.0, y + 40.0], [48.0, 18.0], 9.0, EARTH);
+        let [x, y] = at(GOAL);
+        canvas.round_rect([x + 6.0, y + 46.0], [52.0, 14.0], 7.0, EARTH);
+        art::flag(canvas, [x + 14.0, y + 54.0], RED);
+
+        let facing = match state.last_action {
+            Some(Action::Left) => Facing::Left,
+            Some(Action::Right) => Facing::Right,
+            Some(Action::Up) => Facing::Up,
+            Some(Action::Down) | None => Facing::Down,
+        };
+        let [x, y] = at(state.cell);
+        let aside = if state.cell == GOAL { 10.0 } else { 0.0 };
+        art::person(canvas, [x + 32.0 + aside, y + 57.0], facing, COAT);
+    }
+}
+
+const GRASS: Color = Color::rgb(140, 190, 92);
+const LIGHT_GRASS: Color = Color::rgb(154, 202, 104);
+const DARK_GRASS: Color = Color::rgb(116, 166, 76);
+const EARTH: Color = Color::rgb(196, 164, 112);
+const ROCK: Color = Color::rgb(158, 120, 84);
+const DARK_ROCK: Color = Color::rgb(118, 86, 62);
+const ABYSS: Color = Color::rgb(58, 46, 46);
+const RED: Color = Color::rgb(214, 62, 62);
+const COAT: Color = Color::rgb(58, 110, 186);
+
+/// Blades of grass.
+fn tuft(canvas: &mut dyn Canvas, x: f64, y: f64) {
+    for (dx, height) in [(0.0, 5.0), (4.0, 8.0), (8.0, 5.0)] {
+        canvas.rect([x + dx, y - height], [2.0, height], DARK_GRASS);
+    }
+}
+
+/// A cell of the cliff's face, darker with depth, under an edge of grass.
+fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
+    canvas.rect([x, y], [64.0, 34.0], ROCK);
+    canvas.rect([x, y + 34.0], [64.0, 16.0], DARK_ROCK);
+    canvas.rect([x, y + 50.0], [64.0, 14.0], ABYSS);
+    for (dx, dy, width) in [(6.0, 18.0, 14.0), (38.0, 14.0, 18.0), (22.0, 27.0, 20.0)] {
+        canvas.rect([x + dx, y + dy], [width, 3.0], DARK_ROCK);
+    }
+    for (dx, dy, width) in [(10.0, 41.0, 18.0), (44.0, 39.0, 12.0)] {
+        canvas.rect([x + dx, y + dy], [width, 3.0], ABYSS);
+    }
+    for i in 0..4 {
+        canvas.circle([x + 8.0 + 16.0 * f64::from(i), y], 8.0, grass);
+    }
+}
+
+gym_core::register!(Registration::new::<NoArguments<CliffWalking>>("CliffWalking-v0"));
+gym_core::register!(Registration::new::<CliffWalking>("CliffWalking-v1"));
+gym_core::register!(
+    Registration::new::<CliffWalking>("CliffWalkingSlippery-v1").kwargs(r#"{"is_slippery": true}"#)
+);
+
+#[cfg(test)]
+mod tests {
+    use gym_core::{Env, builder};
+
+    use super::*;
+
+    fn next(is_slippery: bool, cell: usize, action: Action) -> Vec<usize> {
+        let cliff = CliffWalkingDynamics::new(Config { is_slippery }).unwrap();
+        cliff.p().outcomes(cell, action as usize).iter().map(|outcome| outcome.next).collect()
+    }
+
+    #[test]
+    fn moves_stop_at_the_border_and_slip_to_both_sides() {
+        assert_eq!(Action::ALL.map(|action| next(false, 14, action)), [[2], [15], [26], [13]]);
+        assert_eq!(next(false, 0, Action::Up), [0]);
+        assert_eq!(next(false, 11, Action::Right), [11]);
+        assert_eq!(next(true, 14, Action::Up), [13, 2, 15]);
+    }
+
+    #[test]
+    fn the_cliff_throws_back_and_the_goal_ends() {
+        let cliff = CliffWalkingDynamics::new(Config::default()).unwrap();
+        let fall = Outcome { probability: 1.0, next: START, reward: -100.0, terminated: false };
+        assert_eq!(cliff.p().outcomes(START, Action::Right as usize), [fall]);
+        let goal = Outcome { probability: 1.0, next: GOAL, reward: -1.0, terminated: true };
+        assert_eq!(cliff.p().outcomes(35, Action::Down as usize), [goal]);
+    }
+
+    #[test]
+    fn rows_sum_to_one() {
+        for is_slippery in [false, true] {
+            let cliff = CliffWalkingDynamics::new(Config { is_slippery }).unwrap();
+            assert_eq!((cliff.p().states(), cliff.p().actions()), (48, 4));
+            for row in (0..48 * 4).map(|i| cliff.p().outcomes(i / 4, i % 4)) {
+                assert_eq!(row.iter().map(|o| o.probability).sum::<f64>(), 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn version_0_takes_no_arguments() {
+        let mut env = builder("CliffWalking-v0").build().unwrap();
+        assert_eq!(env.reset(0).unwrap().as_int(), Some(36));
+        assert!(env.unwrapped::<CliffWalking>().is_some());
+        let error = builder("CliffWalking-v0").arg("is_slippery", false).build().unwrap_err();
+        assert!(error.to_string().contains("unknown field `is_slippery`"), "{error}");
+        builder("CliffWalking-v1").arg("is_slippery", false).build().unwrap();
+    }
+
+    #[test]
+    fn ansi_is_gymnasiums() {
+        let mut env = CliffWalking::new(Config::default()).unwrap();
+        env.reset(0).unwrap();
+        let row = "o  o  o  o  o  o  o  o  o  o  o  o\n";
+        let last = "x  C  C  C  C  C  C  C  C  C  C  T\n\n";
+        assert_eq!(env.ansi().unwrap(), [row, row, row, last].concat());
+    }
+}

@@ -1,0 +1,572 @@
+//! FrozenLake: cross a frozen lake without falling into a hole, on ice that may be slippery.
+//!
+//! | | |
+//! |---|---|
+//! | observation | the cell, `row * columns + column` from the top left; `Discrete(cells)` |
+//! | action | [`Action`]: left, down, right, up; `Discrete(4)` |
+//! | dynamics | a move goes where it should with probability 1/3, to either side of that with 1/3 each; the shore stops it |
+//! | reward | 1 for reaching the goal, else 0; see [`Config::reward_schedule`] |
+//! | start | a cell `S`, each as likely as the other |
+//! | end | terminated at the goal `G` and in a hole `H` |
+//! | limit | 100 steps (`FrozenLake8x8-v1`: 200) |
+//! | info | `prob`: the probability of what happened |
+//!
+//! Versions: v1 corrected the rewards. Gymnasium 1.2.1 added `success_rate` and `reward_schedule` to it.
+//!
+//! Source: Gymnasium 1.4.0, `envs/toy_text/frozen_lake.py`.
+
+use std::sync::Arc;
+
+use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::render::Metadata;
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use serde::{Deserialize, Serialize};
+
+use crate::art::{self, Facing};
+use crate::tabular::{Distribution, Outcome, Table};
+
+/// The environment.
+pub type FrozenLake = Stateful<FrozenLakeDynamics>;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
+    /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
+    pub desc: Option<Vec<String>>,
+    /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
+    /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
+    /// itself and its clones alone.
+    pub map_name: Option<String>,
+    /// Whether a move can go astray.
+    pub is_slippery: bool,
+    /// The probability that a move on slippery ice goes where it should; the rest is shared by both
+    /// sides.
+    pub success_rate: f64,
+    /// The rewards of reaching the goal, a hole, and any other cell.
+    pub reward_schedule: [f64; 3],
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            desc: None,
+            map_name: Some("4x4".to_owned()),
+            is_slippery: true,
+            success_rate: 1.0 / 3.0,
+            reward_schedule: [1.0, 0.0, 0.0],
+        }
+    }
+}
+
+/// Gymnasium's `MAPS`.
+const MAPS: [(&str, &[&str]); 2] = [
+    ("4x4", &["SFFF", "FHFH", "FFFH", "HFFG"]),
+    (
+        "8x8",
+        &["SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF", "FFFHFFFG"],
+    ),
+];
+
+gym_core::discrete! {
+    /// Which way to move.
+    #[derive(Serialize, Deserialize)]
+    pub enum Action {
+        /// One column to the left.
+        Left,
+        /// One row down.
+        Down,
+        /// One column to the right.
+        Right,
+        /// One row up.
+        Up,
+    }
+}
+
+/// Where the agent is, and how it came there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The cell, counted row by row from the top left.
+    pub cell: usize,
+    /// The last action; `None` at the start.
+    pub last_action: Option<Action>,
+    /// The probability of the last transition; 1 at the start.
+    pub probability: f64,
+    /// Which map the cell is on: a hash of it, by which [`Dynamics::is_valid`] knows the states of
+    /// another map.
+    pub map: u32,
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Debug)]
+pub struct FrozenLakeDynamics {
+    desc: Arc<[String]>,
+    map: u32,
+    p: Table,
+    initial: Distribution,
+}
+
+impl FrozenLakeDynamics {
+    /// The map: a string for each row.
+    pub fn desc(&self) -> &[String] {
+        &self.desc
+    }
+
+    /// The transition table, Gymnasium's `P`.
+    pub fn p(&self) -> &Table {
+        &self.p
+    }
+
+    /// How likely each cell is at the start, Gymnasium's `initial_state_distrib`.
+    pub fn initial_state_distribution(&self) -> &[f64] {
+        self.initial.probabilities()
+    }
+
+    /// Rows and columns.
+    fn shape(&self) -> (usize, usize) {
+        (self.desc.len(), self.desc[0].len())
+    }
+}
+
+impl Dynamics for FrozenLakeDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = usize;
+    type Action = Action;
+
+    const NAME: &'static str = "FrozenLake";
+
+    fn new(config: Config) -> Result<Self> {
+        let Config { desc, map_name, is_slippery, success_rate, reward_schedule } = config;
+        let desc = match (desc, map_name) {
+            (Some(desc), _) => desc,
+            (None, Some(name)) => named_map(&name)?,
+            (None, None) => generate_random_map(8, 0.8, None)?,
+        };
+        check_map(&desc)?;
+        if !(0.0..=1.0).contains(&success_rate) {
+            return Err(invalid(format!("success_rate is {success_rate}: a probability is between 0 and 1")));
+        }
+        if !reward_schedule.iter().all(|reward| reward.is_finite()) {
+            return Err(invalid(format!(
+                "reward_schedule is {reward_schedule:?}: rewards are finite numbers"
+            )));
+        }
+
+        let (nrow, ncol) = (desc.len(), desc[0].len());
+        let letters = desc.concat().into_bytes();
+        let [goal, hole, other] = reward_schedule;
+        let fail_rate = (1.0 - success_rate) / 2.0;
+        // by how much each outcome turns from the action, and how likely it is
+        let turns: &[(usize, f64)] =
+            if is_slippery { &[(3, fail_rate), (0, success_rate), (1, fail_rate)] } else { &[(0, 1.0)] };
+        let p = Table::build(letters.len(), Action::ALL.len(), |cell, action, outcomes| {
+            if matches!(letters[cell], b'G' | b'H') {
+                outcomes.push(Outcome { probability: 1.0, next: cell, reward: 0.0, terminated: true });
+                return;
+            }
+            let (row, col) = (cell / ncol, cell % ncol);
+            outcomes.extend(turns.iter().map(|&(turn, probability)| {
+                let (row, col) = match Action::ALL[(action + turn) % 4] {
+                    Action::Left => (row, col.saturating_sub(1)),
+                    Action::Down => ((row + 1).min(nrow - 1), col),
+                    Action::Right => (row, (col + 1).min(ncol - 1)),
+                    Action::Up => (row.saturating_sub(1), col),
+                };
+                let next = row * ncol + col;
+                let (reward, terminated) = match letters[next] {
+                    b'G' => (goal, true),
+                    b'H' => (hole, true),
+                    _ => (other, false),
+                };
+                Outcome { probability, next, reward, terminated }
+            }));
+        });
+        let initial = Distribution::uniform(letters.len(), |cell| letters[cell] == b'S');
+        Ok(Self { map: hash(&desc), desc: desc.into(), p, initial })
+    }
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(self.p.states() as i64)
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
+        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0, map: self.map })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.cell, *action as usize, rng)?;
+        let state = State { cell: next, last_action: Some(*action), probability, map: state.map };
+        Ok(Transition { state, reward, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        state.map == self.map && state.cell < self.p.states() && (0.0..=1.0).contains(&state.probability)
+    }
+
+    fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
+        visit("prob", Value::Float(state.probability));
+    }
+
+    fn metadata(&self) -> Metadata {
+        let (nrow, ncol) = self.shape();
+        Metadata::drawn_and_text(4, ((64 * ncol).min(512) as u32, (64 * nrow).min(512) as u32))
+    }
+
+    /// The last action, and the map with the agent's cell on red.
+    fn ansi(&self, state: &State) -> Option<String> {
+        let mut text = state.last_action.map_or_else(String::new, |action| format!("  ({action:?})"));
+        text.push('\n');
+        let (_, ncol) = self.shape();
+        for (cell, letter) in self.desc.concat().char_indices() {
+            if cell == state.cell {
+                text += &format!("\x1b[41m{letter}\x1b[0m");
+            } else {
+                text.push(letter);
+            }
+            if (cell + 1) % ncol == 0 {
+                text.push('\n');
+            }
+        }
+        Some(text)
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        let (nrow, ncol) = self.shape();
+        let (width, height) = self.metadata().render_size;
+        let [w, h] = [f64::from(width) / ncol as f64, f64::from(height) / nrow as f64];
+        let scale = w.min(h) / 64.0;
+        canvas.clear(SHADE);
+        for (cell, letter) in self.desc.concat().bytes().enumerate() {
+            let (row, col) = (cell / ncol, cell % ncol);
+            let corner = [w * col as f64, h * row as f64];
+            canvas.rect([corner[0] + scale, corner[1] + scale], [w - 2.0 * scale, h - 2.0 * scale], ICE);
+            // from here on the cell's centre is the origin, and its shorter side 64
+            let center = Transform::translate(corner[0] + w / 2.0, corner[1] + h / 2.0);
+            canvas.push(center.then(Transform::scale(scale, scale)));
+            match letter {
+                b'S' => snow(canvas),
+                b'G' => art::flag(canvas, [-20.0, 26.0], FLAG),
+                b'H' => hole(canvas),
+                _ => scratches(canvas, 3 * row + 5 * col),
+            }
+            if cell == state.cell {
+                agent(canvas, state.last_action, letter);
+            }
+            canvas.pop();
+        }
+    }
+}
+
+const ICE: Color = Color::rgb(206, 230, 246);
+const SHADE: Color = Color::rgb(168, 204, 230);
+const WATER: Color = Color::rgb(44, 92, 148);
+const DEEP: Color = Color::rgb(30, 66, 114);
+const COAT: Color = Color::rgb(214, 62, 62);
+const FLAG: Color = Color::rgb(44, 150, 92);
+
+/// A drift, with some footprints.
+fn snow(canvas: &mut dyn Canvas) {
+    canvas.round_rect([-29.0, -26.0], [58.0, 55.0], 14.0, SHADE);
+    canvas.round_rect([-29.0, -29.0], [58.0, 55.0], 14.0, Color::WHITE);
+    for [x, y] in [[-22.0, -20.0], [14.0, -22.0], [18.0, 6.0], [-23.0, 12.0]] {
+        canvas.rect([x, y], [6.0, 2.0], SHADE);
+    }
+}
+
+/// The marks of skates, on some of the cells.
+fn scratches(canvas: &mut dyn Canvas, pattern: usize) {
+    let lines: &[[Point; 2]] = match pattern % 7 {
+        0 => &[[[-22.0, 10.0], [-8.0, -4.0]], [[-14.0, 12.0], [-4.0, 2.0]]],
+        2 => &[[[4.0, -20.0], [20.0, -8.0]], [[12.0, -22.0], [22.0, -14.0]]],
+        5 => &[[[6.0, 22.0], [22.0, 6.0]]],
+        _ => &[],
+    };
+    for [from, to] in lines {
+        canvas.line(*from, *to, 2.0, Color::WHITE);
+    }
+}
+
+/// The far edge of the ice, the water, and its depth.
+fn hole(canvas: &mut dyn Canvas) {
+    canvas.round_rect([-28.0, -28.0], [56.0, 56.0], 22.0, SHADE);
+    canvas.round_rect([-28.0, -20.0], [56.0, 48.0], 22.0, WATER);
+    canvas.round_rect([-22.0, -8.0], [44.0, 31.0], 15.0, DEEP);
+}
+
+/// Looking where the last move was meant to go; beside the flag; in a hole, up to the neck in water.
+fn agent(canvas: &mut dyn Canvas, last_action: Option<Action>, letter: u8) {
+    let facing = match last_action {
+        Some(Action::Left) => Facing::Left,
+        Some(Action::Right) => Facing::Right,
+        Some(Action::Up) => Facing::Up,
+        Some(Action::Down) | None => Facing::Down,
+    };
+    match letter {
+        b'H' => {
+            for side in [-1.0, 1.0] {
+                canvas.line([8.0 * side, 6.0], [17.0 * side, -12.0], 5.5, COAT);
+            }
+            art::person(canvas, [0.0, 22.0], Facing::Down, COAT);
+            canvas.round_rect([-22.0, 5.0], [44.0, 18.0], 8.0, DEEP);
+            canvas.round_rect([-20.0, 4.0], [40.0, 3.0], 1.5, SHADE);
+        }
+        b'G' => art::person(canvas, [12.0, 27.0], facing, COAT),
+        _ => art::person(canvas, [0.0, 25.0], facing, COAT),
+    }
+}
+
+fn invalid(reason: String) -> Error {
+    Error::argument(FrozenLakeDynamics::NAME, reason)
+}
+
+fn named_map(name: &str) -> Result<Vec<String>> {
+    let rows = MAPS.iter().find_map(|(known, rows)| (*known == name).then_some(*rows)).ok_or_else(|| {
+        let names = MAPS.map(|(name, _)| name).join(", ");
+        invalid(format!("unknown map_name `{name}`: the maps are {names}; others can be given as `desc`"))
+    })?;
+    Ok(rows.iter().map(|row| (*row).to_owned()).collect())
+}
+
+fn check_map(desc: &[String]) -> Result<()> {
+    let Some(ncol) = desc.first().map(String::len).filter(|ncol| *ncol > 0) else {
+        return Err(invalid("desc is empty: give a string for each row, as [\"SFFF\", \"FHFG\"]".to_owned()));
+    };
+    if let Some(letter) = desc.concat().chars().find(|letter| !"SFHG".contains(*letter)) {
+        return Err(invalid(format!(
+            "desc has the letter {letter:?}: use S (start), F (frozen), H (hole) and G (goal)"
+        )));
+    }
+    if let Some(row) = desc.iter().find(|row| row.len() != ncol) {
+        return Err(invalid(format!(
+            "desc has rows of different length: `{}` and `{row}`; make all equally long",
+            desc[0]
+        )));
+    }
+    if !desc.iter().any(|row| row.contains('S')) {
+        return Err(invalid("desc has no start: mark a cell with S".to_owned()));
+    }
+    Ok(())
+}
+
+/// FNV-1a, which stays the same from one build to the next.
+fn hash(desc: &[String]) -> u32 {
+    desc.join("\n").bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// The most cells that [`generate_random_map`] draws before it gives up: less than a second's work.
+const MAX_DRAWS: usize = 100_000_000;
+
+/// A random square map with a path from the start, top left, to the goal, bottom right. Any other
+/// cell is frozen with probability `p`, else a hole. The same seed gives the same map as Gymnasium's
+/// function of this name; without a seed the operating system gives one.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for a `size` below 2, a `p` that is not above 0 and at most 1, and
+/// where no map drawn has a path, because `p` is small or `size` large.
+pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec<String>> {
+    let invalid = |reason: String| Error::argument("generate_random_map", reason);
+    if size < 2 {
+        return Err(invalid(format!("size is {size}: the smallest map is 2 by 2")));
+    }
+    if !(p > 0.0 && p <= 1.0) {
+        return Err(invalid(format!("p is {p}: the probability of a frozen cell is above 0, at most 1")));
+    }
+    let mut rng = seed.map_or_else(Generator::from_os, |seed| Ok(Generator::from(seed)))?;
+    for _ in 0..MAX_DRAWS / size.saturating_mul(size) {
+        let mut board = vec![vec![b'F'; size]; size];
+        for cell in board.iter_mut().flatten() {
+            *cell = b"FH"[rng.choice_p(&[p, 1.0 - p])];
+        }
+        board[0][0] = b'S';
+        board[size - 1][size - 1] = b'G';
+        if has_path(&board) {
+            return Ok(board.into_iter().map(|row| row.into_iter().map(char::from).collect()).collect());
+        }
+    }
+    Err(invalid(format!("no map of size {size} with p {p} had a path: choose a larger p or a smaller size")))
+}
+
+/// Whether a square board can be crossed from the top left to the bottom right, by depth-first search.
+fn has_path(board: &[Vec<u8>]) -> bool {
+    let size = board.len();
+    let mut discovered = vec![false; size * size];
+    let mut frontier = vec![(0, 0)];
+    while let Some((row, col)) = frontier.pop() {
+        // stepping off the top or left wraps round and is out of range as well
+        let on_ice = row < size && col < size && board[row][col] != b'H';
+        if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
+            continue;
+        }
+        if board[row][col] == b'G' {
+            return true;
+        }
+        frontier.extend([
+            (row + 1, col),
+            (row, col + 1),
+            (row.wrapping_sub(1), col),
+            (row, col.wrapping_sub(1)),
+        ]);
+    }
+    false
+}
+
+gym_core::register!(
+    Registration::new::<FrozenLake>("FrozenLake-v1")
+        .kwargs(r#"{"map_name": "4x4"}"#)
+        .max_episode_steps(100)
+        .reward_threshold(0.70)
+);
+gym_core::register!(
+    Registration::new::<FrozenLake>("FrozenLake8x8-v1")
+        .kwargs(r#"{"map_name": "8x8"}"#)
+        .max_episode_steps(200)
+        .reward_threshold(0.85)
+);
+
+#[cfg(test)]
+mod tests {
+    use gym_core::Env;
+
+    use super::*;
+
+    fn lake(config: Config) -> FrozenLakeDynamics {
+        FrozenLakeDynamics::new(config).unwrap()
+    }
+
+    fn on(desc: &[&str]) -> Config {
+        Config { desc: Some(desc.iter().map(|row| (*row).to_owned()).collect()), ..Config::default() }
+    }
+
+    fn refusal(config: Config) -> String {
+        FrozenLakeDynamics::new(config).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_slippery_move_has_three_outcomes() {
+        let lake = lake(Config::default());
+        let rows = lake.p().outcomes(14, Action::Right as usize);
+        let expected = [(14, 0.0, false), (15, 1.0, true), (10, 0.0, false)];
+        assert_eq!(rows.iter().map(|o| (o.next, o.reward, o.terminated)).collect::<Vec<_>>(), expected);
+        let probabilities: Vec<f64> = rows.iter().map(|o| o.probability).collect();
+        // (1 - 1/3) / 2 is not 1/3
+        assert_eq!(probabilities, [0.33333333333333337, 1.0 / 3.0, 0.33333333333333337]);
+    }
+
+    #[test]
+    fn rows_sum_to_one_and_the_end_is_absorbing() {
+        for config in [
+            Config::default(),
+            Config { is_slippery: false, ..Config::default() },
+            Config { success_rate: 0.0, ..on(&["SFFG", "HFHF"]) },
+            Config { success_rate: 1.0, map_name: Some("8x8".to_owned()), ..Config::default() },
+        ] {
+            let lake = lake(config);
+            let letters = lake.desc().concat().into_bytes();
+            assert_eq!((lake.p().states(), lake.p().actions()), (letters.len(), 4));
+            for (cell, letter) in letters.into_iter().enumerate() {
+                for action in 0..4 {
+                    let row = lake.p().outcomes(cell, action);
+                    assert!((row.iter().map(|o| o.probability).sum::<f64>() - 1.0).abs() < 1e-15);
+                    if matches!(letter, b'G' | b'H') {
+                        let stay = Outcome { probability: 1.0, next: cell, reward: 0.0, terminated: true };
+                        assert_eq!(row, [stay]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rewards_follow_the_schedule() {
+        let config = Config { reward_schedule: [5.0, -2.0, -0.5], is_slippery: false, ..on(&["HSG", "FFF"]) };
+        let lake = lake(config);
+        let rewards = Action::ALL.map(|action| lake.p().outcomes(1, action as usize)[0].reward);
+        assert_eq!(rewards, [-2.0, -0.5, 5.0, -0.5]);
+    }
+
+    #[test]
+    fn all_starts_are_alike() {
+        let lake = lake(on(&["SFS", "SSG"]));
+        assert_eq!(lake.initial_state_distribution(), [0.25, 0.0, 0.25, 0.25, 0.25, 0.0]);
+    }
+
+    #[test]
+    fn bad_arguments_are_refused() {
+        for (desc, reason) in [
+            (&[][..], "desc is empty"),
+            (&["", ""], "desc is empty"),
+            (&["SF", "F"], "rows of different length: `SF` and `F`"),
+            (&["SF", "FX"], "the letter 'X': use S (start)"),
+            (&["SF", "Fé"], "the letter 'é'"),
+            (&["FF", "FG"], "no start: mark a cell with S"),
+        ] {
+            let error = refusal(on(desc));
+            assert!(
+                error.starts_with("invalid argument for FrozenLake: ") && error.contains(reason),
+                "{error}"
+            );
+        }
+        let error = refusal(Config { map_name: Some("5x5".to_owned()), ..Config::default() });
+        assert!(error.contains("unknown map_name `5x5`: the maps are 4x4, 8x8"), "{error}");
+        for success_rate in [-0.1, 1.1, f64::NAN] {
+            assert!(refusal(Config { success_rate, ..Config::default() }).contains("between 0 and 1"));
+        }
+        let reward_schedule = [1.0, f64::INFINITY, 0.0];
+        assert!(refusal(Config { reward_schedule, ..Config::default() }).contains("finite"));
+    }
+
+    /// Gymnasium's `generate_random_map(4, 0.8, seed)`.
+    #[test]
+    fn random_maps_are_gymnasiums() {
+        for (seed, map) in [
+            (0, ["SFFF", "HHFF", "FHHF", "HFFG"]),
+            (42, ["SFHF", "FHFF", "FFFH", "FHFG"]),
+            (123, ["SFFF", "FHHF", "HHFF", "HFFG"]),
+        ] {
+            assert_eq!(generate_random_map(4, 0.8, Some(seed)).unwrap(), map);
+        }
+        assert_eq!(generate_random_map(2, 1.0, None).unwrap(), ["SF", "FG"]);
+    }
+
+    #[test]
+    fn an_impossible_random_map_is_an_error() {
+        for (size, p) in
+            [(1, 0.8), (4, 0.0), (4, -1.0), (4, 1.5), (4, f64::NAN), (usize::MAX, 0.8), (50, 1e-9)]
+        {
+            assert!(generate_random_map(size, p, Some(0)).is_err(), "{size} {p}");
+        }
+    }
+
+    #[test]
+    fn a_snapshot_fits_its_own_map_alone() {
+        let random = || FrozenLake::new(Config { map_name: None, ..Config::default() }).unwrap();
+        let (mut one, mut other) = (random(), random());
+        one.reset(0).unwrap();
+        let snapshot = one.snapshot().unwrap();
+        one.clone().restore(&snapshot).unwrap();
+        let same_map = one.dynamics().desc() == other.dynamics().desc();
+        assert_eq!(other.restore(&snapshot).is_ok(), same_map);
+    }
+
+    #[test]
+    fn ansi_is_gymnasiums() {
+        let mut env = FrozenLake::new(Config { is_slippery: false, ..on(&["SF", "FG"]) }).unwrap();
+        env.reset(0).unwrap();
+        assert_eq!(env.ansi().unwrap(), "\n\x1b[41mS\x1b[0mF\nFG\n");
+        env.step(&Action::Right).unwrap();
+        assert_eq!(env.ansi().unwrap(), "  (Right)\nS\x1b[41mF\x1b[0m\nFG\n");
+    }
+}

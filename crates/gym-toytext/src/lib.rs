@@ -1,0 +1,26 @@
+//! The toy-text environments, bit for bit as Gymnasium's: the same seed gives the same episode.
+//!
+//! | id | task |
+//! |---|---|
+//! | `Blackjack-v1` | come closer to 21 than the dealer |
+//! | `CliffWalking-v0`, `CliffWalking-v1`, `CliffWalkingSlippery-v1` | reach the goal along a cliff |
+//! | `FrozenLake-v1`, `FrozenLake8x8-v1` | cross a lake with holes in its slippery ice |
+//! | `Taxi-v3`, `Taxi-v4` | fetch a passenger and drive to the destination |
+//!
+//! All but Blackjack are tables, open to planning: see [`tabular`].
+//!
+//! Linking this crate registers them; name it (`use gym_toytext as _;`) if nothing else of it is
+//! used.
+
+mod art;
+pub mod blackjack;
+pub mod cliff_walking;
+pub mod frozen_lake;
+mod no_arguments;
+pub mod tabular;
+pub mod taxi;
+
+pub use blackjack::Blackjack;
+pub use cliff_walking::CliffWalking;
+pub use frozen_lake::FrozenLake;
+pub use taxi::Taxi;

@@ -1,0 +1,568 @@
+//! Taxi: fetch a passenger at one of four stands and drop them off at another.
+//!
+//! | | |
+//! |---|---|
+//! | observation | [`encode`]`(row, column, passenger, destination)`; `Discrete(500)` |
+//! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
+//! | dynamics | walls and the border stop a move; see [`Config`] for rain and fickle passengers |
+//! | reward | -1 per step; 20 for a drop-off at the destination, -10 for a pick-up or drop-off where there is none to make |
+//! | start | any cell; the passenger waits at one stand and wants to another, all alike |
+//! | end | terminated with the drop-off at the destination |
+//! | limit | 200 steps |
+//! | info | `prob`: the probability of what happened; `action_mask`: [`action_mask`] of the state |
+//!
+//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, as of Gymnasium
+//! 0.29, takes none.
+//!
+//! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
+//! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.
+
+use gym_core::canvas::{Align, Canvas, Color, Point, Transform};
+use gym_core::render::Metadata;
+use gym_core::{
+    Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::art::{self, Facing, INK};
+use crate::no_arguments::NoArguments;
+use crate::tabular::{Distribution, Outcome, Table};
+
+/// The environment.
+pub type Taxi = Stateful<TaxiDynamics>;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Whether a move that is not blocked can drift to the left or right of the heading.
+    pub is_rainy: bool,
+    /// Whether a passenger may change the destination once, at the first move with them aboard.
+    pub fickle_passenger: bool,
+    /// In rain, the probability of going straight on; the rest is shared by left and right.
+    pub rainy_probability: f64,
+    /// The probability that a fickle passenger does change the destination.
+    pub fickle_probability: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { is_rainy: false, fickle_passenger: false, rainy_probability: 0.8, fickle_probability: 0.3 }
+    }
+}
+
+/// Cells `(r, c)` are at `MAP[1 + r][1 + 2 * c]`; beside them a `|` is a wall, a `:` is none.
+const MAP: [&str; 7] =
+    ["+---------+", "|R: | : :G|", "| : | : : |", "| : : : : |", "| | : | : |", "|Y| : |B: |", "+---------+"];
+const SIZE: usize = 5;
+/// Row and column of the stands: red, green, yellow, blue.
+const STANDS: [(usize, usize); 4] = [(0, 0), (0, 4), (4, 0), (4, 3)];
+/// The passenger's place when it is not a stand.
+const IN_TAXI: usize = 4;
+const STATES: usize = SIZE * SIZE * 5 * 4;
+
+gym_core::discrete! {
+    /// What the driver does.
+    #[derive(Serialize, Deserialize)]
+    pub enum Action {
+        /// One row down.
+        South,
+        /// One row up.
+        North,
+        /// One column to the right.
+        East,
+        /// One column to the left.
+        West,
+        /// Lets the passenger in.
+        Pickup,
+        /// Lets the passenger out.
+        Dropoff,
+    }
+}
+
+/// Taxi and passenger, and how they came there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Taxi, passenger and destination as one number; see [`decode`].
+    pub encoded: usize,
+    /// Whether the passenger will change the destination at the first move with them aboard.
+    pub fickle_step: bool,
+    /// The last action; `None` at the start.
+    pub last_action: Option<Action>,
+    /// The last move, which the taxi's front points to; south at the start.
+    pub heading: Action,
+    /// The probability of the last transition; 1 at the start.
+    pub probability: f64,
+}
+
+/// The number of a state: taxi's row and column (0 to 4), passenger (stand 0 to 3, or 4 in the
+/// taxi), destination (stand 0 to 3). The stands are red, green, yellow, blue.
+pub const fn encode(row: usize, col: usize, passenger: usize, destination: usize) -> usize {
+    ((row * SIZE + col) * 5 + passenger) * 4 + destination
+}
+
+/// The row, column, passenger and destination of a state's number, below 500.
+pub const fn decode(state: usize) -> (usize, usize, usize, usize) {
+    (state / 100, state / 20 % 5, state / 4 % 5, state % 4)
+}
+
+/// 1 for each action that changes the state of this number, 0 for those that do not.
+pub fn action_mask(state: usize) -> [i8; 6] {
+    let (row, col, passenger, _) = decode(state);
+    Action::ALL.map(|action| {
+        i8::from(match action {
+            Action::Pickup => STANDS.get(passenger) == Some(&(row, col)),
+            Action::Dropoff => passenger == IN_TAXI && STANDS.contains(&(row, col)),
+            heading => drive(row, col, heading) != (row, col),
+        })
+    })
+}
+
+/// The cell next to one, or the same where a wall or the border is between.
+fn drive(row: usize, col: usize, heading: Action) -> (usize, usize) {
+    let open = |column: usize| MAP.get(1 + row).is_some_and(|line| line.as_bytes()[column] == b':');
+    match heading {
+        Action::South => ((row + 1).min(SIZE - 1), col),
+        Action::North => (row.saturating_sub(1), col),
+        Action::East if open(2 * col + 2) => (row, col + 1),
+        Action::West if open(2 * col) => (row, col - 1),
+        _ => (row, col),
+    }
+}
+
+/// The headings to the left and right of one.
+const fn sides(heading: Action) -> [Action; 2] {
+    match heading {
+        Action::South => [Action::East, Action::West],
+        Action::North => [Action::West, Action::East],
+        Action::East => [Action::North, Action::South],
+        _ => [Action::South, Action::North],
+    }
+}
+
+/// The pure functions of the task.
+#[derive(Clone, Debug)]
+pub struct TaxiDynamics {
+    config: Config,
+    p: Table,
+    initial: Distribution,
+}
+
+impl TaxiDynamics {
+    /// The transition table, Gymnasium's `P`. A fickle passenger's change of mind is not in it.
+    pub fn p(&self) -> &Table {
+        &self.p
+    }
+
+    /// How likely each state is at the start, Gymnasium's `initial_state_distrib`.
+    pub fn initial_state_distribution(&self) -> &[f64] {
+        self.initial.probabilities()
+    }
+}
+
+impl Dynamics for TaxiDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = usize;
+    type Action = Action;
+
+    const NAME: &'static str = "Taxi";
+
+    fn new(config: Config) -> Result<Self> {
+        for (name, value) in [
+            ("rainy_probability", config.rainy_probability),
+            ("fickle_probability", config.fickle_probability),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                let reason = format!("{name} is {value}: a probability is between 0 and 1");
+                return Err(Error::argument(Self::NAME, reason));
+            }
+        }
+        let ahead = config.rainy_probability;
+        let aside = (1.0 - ahead) / 2.0;
+        let p = Table::build(STATES, Action::ALL.len(), |state, action, outcomes| {
+            let (row, col, passenger, destination) = decode(state);
+            let mut push = |probability, (row, col), passenger, reward, terminated| {
+                let next = encode(row, col, passenger, destination);
+                outcomes.push(Outcome { probability, next, reward, terminated });
+            };
+            let here = (row, col);
+            let stand = STANDS.iter().position(|stand| *stand == here);
+            match (Action::ALL[action], stand) {
+                (Action::Pickup, Some(stand)) if stand == passenger => push(1.0, here, IN_TAXI, -1.0, false),
+                (Action::Dropoff, Some(stand)) if passenger == IN_TAXI && stand == destination => {
+                    push(1.0, here, stand, 20.0, true);
+                }
+                (Action::Dropoff, Some(stand)) if passenger == IN_TAXI => push(1.0, here, stand, -1.0, false),
+                (Action::Pickup | Action::Dropoff, _) => push(1.0, here, passenger, -10.0, false),
+                (heading, _) if config.is_rainy => {
+                    let there = drive(row, col, heading);
+                    push(ahead, there, passenger, -1.0, false);
+                    for side in sides(heading) {
+                        let drift = if there == here { here } else { drive(row, col, side) };
+                        push(aside, drift, passenger, -1.0, false);
+                    }
+                }
+                (heading, _) => push(1.0, drive(row, col, heading), passenger, -1.0, false),
+            }
+        });
+        let initial = Distribution::uniform(STATES, |state| {
+            let (_, _, passenger, destination) = decode(state);
+            passenger != IN_TAXI && passenger != destination
+        });
+        Ok(Self { config, p, initial })
+    }
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(STATES as i64)
+    }
+
+    fn action_space(&self) -> Space {
+        Action::space()
+    }
+
+    fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
+        Ok(State {
+            encoded: self.initial.sample(rng),
+            // drawn only where it can matter, as the stream goes on from here
+            fickle_step: self.config.fickle_passenger && rng.random() < self.config.fickle_probability,
+            last_action: None,
+            heading: Action::South,
+            probability: 1.0,
+        })
+    }
+
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.encoded, *action as usize, rng)?;
+        let heading =
+            if matches!(action, Action::Pickup | Action::Dropoff) { state.heading } else { *action };
+        let (row, col, passenger, destination) = decode(state.encoded);
+        let (next_row, next_col, next_passenger, _) = decode(next);
+        let changes_mind = state.fickle_step && passenger == IN_TAXI && (row, col) != (next_row, next_col);
+        let encoded = if changes_mind {
+            let other = rng.choice(STANDS.len() - 1);
+            encode(next_row, next_col, next_passenger, other + usize::from(other >= destination))
+        } else {
+            next
+        };
+        let fickle_step = state.fickle_step && !changes_mind;
+        let state = State { encoded, fickle_step, last_action: Some(*action), heading, probability };
+        Ok(Transition { state, reward, terminated })
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.encoded
+    }
+
+    fn is_valid(&self, state: &State) -> bool {
+        state.encoded < STATES
+            && (self.config.fickle_passenger || !state.fickle_step)
+            && !matches!(state.heading, Action::Pickup | Action::Dropoff)
+            && (0.0..=1.0).contains(&state.probability)
+    }
+
+    fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
+        visit("prob", Value::Float(state.probability));
+        visit("action_mask", Value::Array(Array::from(action_mask(state.encoded))));
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn_and_text(4, (536, 456))
+    }
+
+    /// The map and the last action. The taxi is on yellow, or green with the passenger aboard; a
+    /// waiting passenger is blue, the destination magenta.
+    fn ansi(&self, state: &State) -> Option<String> {
+        let (row, col, passenger, destination) = decode(state.encoded);
+        let mut cells = MAP.map(|line| line.chars().map(String::from).collect::<Vec<_>>());
+        let mut colorize = |(row, col): (usize, usize), code: &str| {
+            if let Some(cell) = cells.get_mut(1 + row).and_then(|line| line.get_mut(1 + 2 * col)) {
+                if code == "42" && cell == " " {
+                    "_".clone_into(cell);
+                }
+                *cell = format!("\x1b[{code}m{cell}\x1b[0m");
+            }
+        };
+        if let Some(stand) = STANDS.get(passenger) {
+            colorize((row, col), "43");
+            colorize(*stand, "34;1");
+        } else {
+            colorize((row, col), "42");
+        }
+        colorize(STANDS[destination], "35");
+        let map = cells.map(|line| line.concat()).join("\n");
+        let action = state.last_action.map_or_else(String::new, |action| format!("  ({action:?})"));
+        Some(format!("{map}\n{action}\n"))
+    }
+
+    fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
+        let (row, col, passenger, destination) = decode(state.encoded);
+        streets(canvas);
+        for (stand, name) in ["R", "G", "Y", "B"].into_iter().enumerate() {
+            let [x, y] = corner(STANDS[stand]);
+            if stand == destination {
+                canvas.rect([x + 4.0, y + 4.0], [88.0, 72.0], Color::WHITE);
+            }
+            canvas.rect([x + 8.0, y + 8.0], [80.0, 64.0], COLORS[stand]);
+            canvas.rect([x + 8.0, y + 8.0], [22.0, 22.0], Color::WHITE);
+            canvas.text(name, [x + 19.0, y + 25.0], 12.0, Align::Center, INK);
+        }
+
+        let [x, y] = corner((row, col));
+        canvas.push(Transform { origin: [x + 48.0, y + 40.0], ..ahead(state.heading) });
+        car(canvas, passenger == IN_TAXI);
+        canvas.pop();
+
+        let [x, y] = corner(STANDS[destination]);
+        finish(canvas, [x + 10.0, y + 74.0]);
+        if let Some(stand) = STANDS.get(passenger) {
+            let [x, y] = corner(*stand);
+            art::person(canvas, [x + 76.0, y + 74.0], Facing::Down, COAT);
+        }
+    }
+}
+
+const GRASS: Color = Color::rgb(154, 202, 104);
+const ASPHALT: Color = Color::rgb(96, 102, 114);
+const LANE: Color = Color::rgb(150, 156, 168);
+const WALL: Color = Color::rgb(150, 84, 66);
+const COAT: Color = Color::rgb(124, 86, 160);
+const YELLOW: Color = Color::rgb(248, 196, 50);
+const GREEN: Color = Color::rgb(84, 220, 110);
+/// Of the stands.
+const COLORS: [Color; 4] =
+    [Color::rgb(214, 62, 62), Color::rgb(44, 150, 92), Color::rgb(226, 160, 40), Color::rgb(58, 110, 186)];
+/// Around the cells, which are 96 by 80.
+const MARGIN: f64 = 28.0;
+
+/// Where a cell is in the picture.
+fn corner((row, col): (usize, usize)) -> Point {
+    [MARGIN + 96.0 * col as f64, MARGIN + 80.0 * row as f64]
+}
+
+fn streets(canvas: &mut dyn Canvas) {
+    canvas.clear(GRASS);
+    canvas.rect([MARGIN - 8.0, MARGIN - 8.0], [496.0, 416.0], WALL);
+    canvas.rect([MARGIN, MARGIN], [480.0, 400.0], ASPHALT);
+    for (row, col) in (0..SIZE * SIZE).map(|cell| (cell / SIZE, cell % SIZE)) {
+        let [x, y] = corner((row, col));
+        if row + 1 < SIZE {
+            for dash in [8.0, 40.0, 72.0] {
+                canvas.rect([x + dash, y + 79.0], [16.0, 2.0], LANE);
+            }
+        }
+        if drive(row, col, Action::East) != (row, col) {
+            for dash in [8.0, 34.0, 60.0] {
+                canvas.rect([x + 95.0, y + dash], [2.0, 12.0], LANE);
+            }
+        } else if col + 1 < SIZE {
+            canvas.rect([x + 92.0, y], [8.0, 80.0], WALL);
+        }
+    }
+}
+
+/// Coordinates whose x axis points ahead. (The car looks the same from both sides.)
+fn ahead(heading: Action) -> Transform {
+    let (x, y) = match heading {
+        Action::South => ([0.0, 1.0], [1.0, 0.0]),
+        Action::North => ([0.0, -1.0], [1.0, 0.0]),
+        Action::West => ([-1.0, 0.0], [0.0, 1.0]),
+        _ => ([1.0, 0.0], [0.0, 1.0]),
+    };
+    Transform { x, y, origin: [0.0, 0.0] }
+}
+
+/// A taxi from above, its front to the right; the sign on its roof is green while it is taken.
+fn car(canvas: &mut dyn Canvas, taken: bool) {
+    for [x, y] in [[-24.0, -21.0], [13.0, -21.0], [-24.0, 16.0], [13.0, 16.0]] {
+        canvas.rect([x, y], [12.0, 5.0], INK);
+    }
+    canvas.round_rect([-36.0, -19.0], [72.0, 38.0], 10.0, YELLOW);
+    // windows all round, and the roof
+    canvas.round_rect([-26.0, -16.0], [45.0, 32.0], 8.0, INK);
+    canvas.round_rect([-18.0, -13.0], [26.0, 26.0], 5.0, YELLOW);
+    for y in [-14.0, 7.0] {
+        canvas.rect([32.0, y], [4.0, 7.0], Color::WHITE);
+        canvas.rect([-36.0, y], [3.0, 7.0], COLORS[0]);
+    }
+    canvas.rect([-13.0, -10.0], [15.0, 20.0], INK);
+    canvas.rect([-11.0, -8.0], [11.0, 16.0], if taken { GREEN } else { Color::WHITE });
+}
+
+/// A chequered flag.
+fn finish(canvas: &mut dyn Canvas, foot: Point) {
+    let [x, y] = foot;
+    canvas.rect([x, y - 42.0], [24.0, 18.0], Color::WHITE);
+    for (col, row) in [(0, 0), (2, 0), (1, 1), (3, 1), (0, 2), (2, 2)] {
+        canvas.rect([x + 6.0 * f64::from(col), y - 42.0 + 6.0 * f64::from(row)], [6.0, 6.0], INK);
+    }
+    canvas.rect([x - 3.0, y - 42.0], [3.0, 42.0], INK);
+}
+
+gym_core::register!(
+    Registration::new::<NoArguments<Taxi>>("Taxi-v3").max_episode_steps(200).reward_threshold(8.0)
+);
+gym_core::register!(Registration::new::<Taxi>("Taxi-v4").max_episode_steps(200).reward_threshold(8.0));
+
+#[cfg(test)]
+mod tests {
+    use gym_core::{Env, builder};
+
+    use super::*;
+
+    fn taxi(config: Config) -> TaxiDynamics {
+        TaxiDynamics::new(config).unwrap()
+    }
+
+    #[test]
+    fn decode_is_the_inverse_of_encode() {
+        for state in 0..STATES {
+            let (row, col, passenger, destination) = decode(state);
+            assert!(row < 5 && col < 5 && passenger < 5 && destination < 4);
+            assert_eq!(encode(row, col, passenger, destination), state);
+        }
+        assert_eq!(encode(4, 4, 4, 3), STATES - 1);
+    }
+
+    #[test]
+    fn the_mask_shows_what_changes_the_state() {
+        let taxi = taxi(Config::default());
+        for state in 0..STATES {
+            for (action, mask) in action_mask(state).into_iter().enumerate() {
+                assert_eq!(mask == 1, taxi.p().outcomes(state, action)[0].next != state, "{state} {action}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_sum_to_one() {
+        for is_rainy in [false, true] {
+            let taxi = taxi(Config { is_rainy, rainy_probability: 0.3, ..Config::default() });
+            assert_eq!((taxi.p().states(), taxi.p().actions()), (500, 6));
+            for row in (0..500 * 6).map(|i| taxi.p().outcomes(i / 6, i % 6)) {
+                assert!((row.iter().map(|o| o.probability).sum::<f64>() - 1.0).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn every_start_has_somewhere_to_go() {
+        let taxi = taxi(Config::default());
+        let starts = taxi.initial_state_distribution().iter().filter(|p| **p > 0.0).count();
+        assert_eq!((starts, taxi.initial_state_distribution()[encode(0, 0, 0, 0)]), (300, 0.0));
+    }
+
+    #[test]
+    fn pickup_and_dropoff() {
+        let taxi = taxi(Config { is_rainy: true, ..Config::default() });
+        let outcome = |state, action| {
+            let [outcome] = taxi.p().outcomes(state, action as usize) else { panic!("one outcome") };
+            (outcome.next, outcome.reward, outcome.terminated)
+        };
+        let (waiting, aboard) = (encode(0, 4, 1, 2), encode(0, 4, IN_TAXI, 2));
+        assert_eq!(outcome(waiting, Action::Pickup), (aboard, -1.0, false));
+        assert_eq!(outcome(aboard, Action::Dropoff), (waiting, -1.0, false));
+        assert_eq!(outcome(aboard, Action::Pickup), (aboard, -10.0, false));
+        assert_eq!(outcome(waiting, Action::Dropoff), (waiting, -10.0, false));
+        let arrived = encode(4, 0, IN_TAXI, 2);
+        assert_eq!(outcome(arrived, Action::Dropoff), (encode(4, 0, 2, 2), 20.0, true));
+    }
+
+    #[test]
+    fn rain_drifts_aside_unless_the_way_is_blocked() {
+        let taxi = taxi(Config { is_rainy: true, ..Config::default() });
+        let cells = |row, col, action| {
+            let outcomes = taxi.p().outcomes(encode(row, col, 0, 1), action as usize);
+            assert_eq!(
+                [0, 1, 2].map(|i| outcomes[i].probability),
+                [0.8, (1.0 - 0.8) / 2.0, (1.0 - 0.8) / 2.0]
+            );
+            [0, 1, 2].map(|i| (outcomes[i].next / 100, outcomes[i].next / 20 % 5))
+        };
+        assert_eq!(cells(2, 2, Action::South), [(3, 2), (2, 3), (2, 1)]);
+        assert_eq!(cells(2, 2, Action::West), [(2, 1), (3, 2), (1, 2)]);
+        // a wall to the left of the heading
+        assert_eq!(cells(3, 0, Action::South), [(4, 0), (3, 0), (3, 0)]);
+        // a wall ahead
+        assert_eq!(cells(0, 1, Action::East), [(0, 1); 3]);
+    }
+
+    /// Picks up at the red stand, waits, drives on, and returns the destinations on the way.
+    fn destinations(config: Config, seed: u64) -> [usize; 4] {
+        let taxi = taxi(config);
+        let mut rng = Generator::from(seed);
+        let mut state = taxi.start(&Reset::default(), &mut rng).unwrap();
+        state.encoded = encode(0, 0, 0, 1);
+        [Action::Pickup, Action::North, Action::South, Action::South].map(|action| {
+            state = taxi.transition(&state, &action, &mut rng).unwrap().state;
+            decode(state.encoded).3
+        })
+    }
+
+    #[test]
+    fn a_fickle_passenger_changes_the_destination_once() {
+        for seed in 0..50 {
+            let fickle = |fickle_probability| {
+                destinations(Config { fickle_passenger: true, fickle_probability, ..Config::default() }, seed)
+            };
+            assert_eq!(fickle(0.0), [1; 4]);
+            let [picked_up, waited, moved, later] = fickle(1.0);
+            assert_eq!((picked_up, waited), (1, 1));
+            assert!(moved != 1 && moved == later);
+        }
+    }
+
+    #[test]
+    fn probabilities_are_checked() {
+        for bad in [-0.1, 1.5, f64::NAN] {
+            let rainy = TaxiDynamics::new(Config { rainy_probability: bad, ..Config::default() });
+            let fickle = TaxiDynamics::new(Config { fickle_probability: bad, ..Config::default() });
+            assert!(rainy.unwrap_err().to_string().contains("rainy_probability is"));
+            assert!(fickle.unwrap_err().to_string().contains("fickle_probability is"));
+        }
+    }
+
+    #[test]
+    fn version_3_takes_no_arguments() {
+        let env = builder("Taxi-v3").build().unwrap();
+        assert!(env.unwrapped::<Taxi>().is_some());
+        assert!(builder("Taxi-v3").arg("is_rainy", false).build().is_err());
+        builder("Taxi-v4").arg("is_rainy", true).build().unwrap();
+    }
+
+    #[test]
+    fn states_of_another_task_are_refused() {
+        let taxi = taxi(Config::default());
+        let state = taxi.start(&Reset::default(), &mut Generator::from(0)).unwrap();
+        assert!(taxi.is_valid(&state));
+        for bad in [
+            State { encoded: 500, ..state },
+            State { fickle_step: true, ..state },
+            State { heading: Action::Pickup, ..state },
+            State { probability: 1.5, ..state },
+        ] {
+            assert!(!taxi.is_valid(&bad));
+        }
+        assert!(
+            taxi.transition(&State { encoded: 500, ..state }, &Action::North, &mut Generator::from(0))
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn ansi_is_gymnasiums() {
+        let taxi = taxi(Config::default());
+        let mut state = taxi.start(&Reset::default(), &mut Generator::from(0)).unwrap();
+        state.encoded = encode(0, 0, 0, 3);
+        let waiting = "+---------+\n|\x1b[34;1m\x1b[43mR\x1b[0m\x1b[0m: | : :G|\n| : | : : |\n| : : : : |\n\
+            | | : | : |\n|Y| : |\x1b[35mB\x1b[0m: |\n+---------+\n\n";
+        assert_eq!(taxi.ansi(&state).unwrap(), waiting);
+        state = State { encoded: encode(1, 0, IN_TAXI, 3), last_action: Some(Action::South), ..state };
+        let aboard = "+---------+\n|R: | : :G|\n|\x1b[42m_\x1b[0m: | : : |\n| : : : : |\n\
+            | | : | : |\n|Y| : |\x1b[35mB\x1b[0m: |\n+---------+\n  (South)\n";
+        assert_eq!(taxi.ansi(&state).unwrap(), aboard);
+    }
+}

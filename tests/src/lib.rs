@@ -1,0 +1,44 @@
+//! The references that Gymnasium's answers were recorded in, for the tests of this package.
+
+use std::path::{Path, PathBuf};
+
+/// A reference file, parsed.
+#[derive(Debug)]
+pub struct Reference {
+    /// Its name without `.json`.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+    /// Its content.
+    pub json: serde_json::Value,
+}
+
+impl Reference {
+    /// Whether it holds resets and steps.
+    pub fn is_trace(&self) -> bool {
+        self.json.get("events").is_some()
+    }
+}
+
+/// Every reference in the folder that the variable `GYM_REFERENCE` names, or in `tests/reference`.
+///
+/// # Panics
+/// If the folder is empty or a file in it is not JSON.
+pub fn references() -> Vec<Reference> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
+    let folder = std::env::var_os("GYM_REFERENCE").map_or(default, PathBuf::from);
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("readable folder").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    paths.sort();
+    assert!(!paths.is_empty(), "{} holds no reference", folder.display());
+    paths.into_iter().map(|path| read(&path)).collect()
+}
+
+fn read(path: &Path) -> Reference {
+    let show = |error: &dyn std::fmt::Display| -> ! { panic!("{}: {error}", path.display()) };
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| show(&error));
+    let json = serde_json::from_str(&text).unwrap_or_else(|error| show(&error));
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Reference { name, text, json }
+}

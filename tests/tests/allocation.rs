@@ -1,0 +1,52 @@
+//! A step allocates nothing, typed or through `make`.
+
+use gym::{Element, Env, Outcome, Value, registry};
+
+/// The number of allocations of `steps` steps into one buffer, with resets where episodes end left
+/// out of the count.
+fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
+    let mut actions = env.action_sampler(0).unwrap();
+    let actions: Vec<E::Action> = (0..steps).map(|_| actions.sample()).collect();
+    let mut observation = E::Observation::empty();
+    env.reset_into(&0.into(), &mut observation).unwrap();
+    // what is allocated once, such as by the passive checker, is not counted
+    env.step_into(&actions[0], &mut observation).unwrap();
+    env.reset_into(&0.into(), &mut observation).unwrap();
+    let mut total = 0;
+    for action in &actions {
+        let mut outcome = Outcome::default();
+        let count =
+            allocation_counter::measure(|| outcome = env.step_into(action, &mut observation).unwrap());
+        total += count.count_total;
+        if outcome.done() {
+            env.reset_into(&().into(), &mut observation).unwrap();
+        }
+    }
+    total
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(
+        allocation_counter::measure(|| drop(Value::from_value(&Value::Text("x".repeat(9))))).count_total > 0
+    );
+}
+
+#[test]
+fn erased_steps_do_not_allocate() {
+    for registration in registry::all() {
+        let mut env = gym::make(registration.id()).unwrap();
+        assert_eq!(allocations(&mut env, 1000), 0, "{}", registration.id());
+    }
+}
+
+#[test]
+fn typed_steps_do_not_allocate() {
+    use gym::wrappers::{RecordEpisodeStatistics, TimeLimit};
+    let env = gym::classic::CartPole::new(gym::classic::cartpole::Config::default()).unwrap();
+    assert_eq!(allocations(&mut env.clone(), 1000), 0);
+    let mut wrapped = RecordEpisodeStatistics::new(TimeLimit::new(env, 500).unwrap());
+    assert_eq!(allocations(&mut wrapped, 1000), 0);
+    let mut taxi = gym::toytext::Taxi::new(gym::toytext::taxi::Config::default()).unwrap();
+    assert_eq!(allocations(&mut taxi, 1000), 0);
+}

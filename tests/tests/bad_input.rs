@@ -1,0 +1,147 @@
+//! Bad input gives an `Err` that tells a newcomer what to do.
+
+use gym::render::RenderMode;
+use gym::{Array, Env, Error, Kwargs, Reset, Value};
+use serde_json::json;
+
+/// The message of an error, which must contain some words.
+fn says<T>(result: Result<T, Error>, words: &[&str]) {
+    let message = result.err().expect("an error").to_string();
+    for word in words {
+        assert!(message.contains(word), "`{word}` is missing in: {message}");
+    }
+}
+
+#[test]
+fn unknown_ids() {
+    says(gym::make("CartPole v1"), &["malformed", "[namespace/]name[-vN]"]);
+    says(gym::make(""), &["malformed"]);
+    says(gym::make("CartPole-v9"), &["no version 9", "`CartPole-v0`", "`CartPole-v1`"]);
+    says(gym::make("CartPoleee-v1"), &["did you mean `CartPole-v1`?", "gym-classic", "use its_name as _;"]);
+    says(gym::make("cartpole-v0"), &["did you mean `CartPole-v0`?"]);
+    says(gym::make("Pendulum-v0"), &["no longer provided", "use `Pendulum-v1`"]);
+    says(gym::make("Foo/CartPole-v1"), &["namespace `Foo` not found", "linked crates"]);
+    says(gym::make("Zzzzzzzzzzzzzz-v1"), &["unknown environment `Zzzzzzzzzzzzzz-v1`"]);
+}
+
+#[test]
+fn ids_without_a_version_or_out_of_date_work() {
+    assert_eq!(gym::make("CartPole").unwrap().spec().unwrap().id, "CartPole-v1");
+    assert_eq!(gym::make("CartPole-v01").unwrap().spec().unwrap().id, "CartPole-v1");
+    let note = |id: &str| gym::registry::resolve(id).unwrap().1;
+    assert!(note("CartPole").unwrap().contains("latest version `CartPole-v1`"));
+    assert!(note("CartPole-v0").unwrap().contains("out of date: consider upgrading to `CartPole-v1`"));
+    assert_eq!(note("CartPole-v1"), None);
+}
+
+#[test]
+fn unknown_and_bad_arguments() {
+    let make = |id: &str, kwargs: serde_json::Value| {
+        let kwargs: Kwargs = kwargs.as_object().cloned().unwrap();
+        gym::builder(id).args(kwargs).build()
+    };
+    says(
+        make("CartPole-v1", json!({"foo": 1})),
+        &["`CartPole-v1`", "unknown field `foo`", "sutton_barto_reward"],
+    );
+    says(make("CartPole-v1", json!({"sutton_barto_reward": 1})), &["expected a boolean"]);
+    says(make("Acrobot-v1", json!({"g": 1})), &["unknown field `g`", "no fields"]);
+    says(make("CliffWalking-v0", json!({"is_slippery": true})), &["takes no arguments"]);
+    says(make("Taxi-v3", json!({"is_rainy": true})), &["takes no arguments"]);
+    says(make("FrozenLake-v1", json!({"map_name": "5x5"})), &["4x4", "8x8"]);
+    says(make("FrozenLake-v1", json!({"desc": ["SF", "G"]})), &["desc"]);
+    says(make("FrozenLake-v1", json!({"desc": []})), &["desc"]);
+    says(make("FrozenLake-v1", json!({"desc": ["FG"]})), &["S"]);
+    says(make("FrozenLake-v1", json!({"success_rate": 1.5})), &["success_rate"]);
+    says(make("CartPole-v1", json!({"render_mode": "nope"})), &["render_mode", "rgb_array"]);
+    says(gym::builder("CartPole-v1").max_episode_steps(0).build(), &["at least 1"]);
+}
+
+#[test]
+fn render_modes_that_are_missing() {
+    says(gym::builder("CartPole-v1").render_mode(RenderMode::Ansi).build(), &["ansi", "human, rgb_array"]);
+    let mut env = gym::make("CartPole-v1").unwrap();
+    env.reset(0).unwrap();
+    says(env.render(), &["without a render mode", "RenderMode::RgbArray"]);
+    let builder = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray);
+    says(builder.render_size(0, 10).build(), &["between 1 and 16384"]);
+}
+
+#[test]
+fn calls_out_of_order() {
+    let mut env = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap();
+    says(env.step(&Value::Int(0)), &["`step` before `reset`", "env.reset"]);
+    says(env.render(), &["`render` before `reset`"]);
+    env.reset(0).unwrap();
+    env.close();
+    says(env.step(&Value::Int(0)), &["closed", "make a new one"]);
+    says(env.reset(0), &["closed"]);
+}
+
+#[test]
+fn actions_outside_the_space() {
+    for id in ["CartPole-v1", "Acrobot-v1", "Blackjack-v1", "FrozenLake-v1", "CliffWalking-v1", "Taxi-v4"] {
+        let mut env = gym::make(id).unwrap();
+        env.reset(0).unwrap();
+        let space = env.action_space().to_string();
+        for action in [Value::Int(-1), Value::Int(6), Value::Float(0.0), Value::Null, Value::Bool(true)] {
+            says(env.step(&action), &["invalid action", &action.to_string(), &space]);
+        }
+        env.step(&Value::Int(0)).unwrap();
+    }
+    for id in ["Pendulum-v1", "MountainCarContinuous-v0"] {
+        let mut env = gym::make(id).unwrap();
+        env.reset(0).unwrap();
+        let arrays: [Array; 5] =
+            [[f32::NAN].into(), [f32::INFINITY].into(), [0.0f32, 0.0].into(), [0.0f64].into(), [0i64].into()];
+        for array in arrays {
+            says(env.step(&Value::Array(array)), &["invalid action", "Box("]);
+        }
+        // beyond the bounds Gymnasium clips, and so do we
+        env.step(&Value::Array([100.0f32].into())).unwrap();
+    }
+}
+
+#[test]
+fn reset_options() {
+    let mut env = gym::make("CartPole-v1").unwrap();
+    let reset = || Reset::seed(0);
+    says(
+        env.reset(reset().option("low", 1.0).option("high", 0.0)),
+        &["lower bound (1.0)", "higher bound (0.0)"],
+    );
+    says(env.reset(reset().option("low", "a")), &["expected f64"]);
+    says(env.reset(reset().option("low", f64::NAN)), &["expected f64"]);
+    says(env.reset(reset().option("high", 1e300)), &["`high`", "must lie within"]);
+    env.reset(reset().option("colour", "blue")).expect("unknown options are ignored");
+    says("-1".parse::<gym::Seed>(), &["`-1`", "zero or greater"]);
+    says("1.5".parse::<gym::Seed>(), &["`1.5`"]);
+}
+
+#[test]
+fn files_that_cannot_be_written() {
+    use gym::rendering::{GifWriter, write_gif};
+    says(GifWriter::create("/nonexistent/folder/x.gif", 30), &["/nonexistent/folder"]);
+    says(write_gif("/nonexistent/folder/x.gif", 30, &[]), &["/nonexistent/folder"]);
+}
+
+#[test]
+fn damaged_snapshots() {
+    let mut env = gym::make("FrozenLake-v1").unwrap();
+    env.reset(0).unwrap();
+    let good = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
+    for text in ["null", "3", "[]", "{}"] {
+        says(env.restore(&serde_json::from_str(text).unwrap()), &["cannot restore"]);
+    }
+    // a state that no lake of this size has
+    let mut other = gym::builder("FrozenLake-v1").arg("map_name", "8x8").build().unwrap();
+    other.reset(0).unwrap();
+    let mut actions = other.action_sampler(0).unwrap();
+    while other.step(&actions.sample()).unwrap().observation.as_int() < Some(16) {
+        if other.step(&actions.sample()).unwrap().done() {
+            other.reset(()).unwrap();
+        }
+    }
+    says(env.restore(&other.snapshot().unwrap()), &["cannot restore", "other arguments"]);
+    env.restore(&serde_json::from_str(&good).unwrap()).unwrap();
+}

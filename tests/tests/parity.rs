@@ -1,0 +1,234 @@
+//! The same seed gives the same episode, sample and number as Gymnasium and numpy, to the last bit.
+
+use gym::spaces::{
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, Selection,
+    SequenceSpace, TextSpace, TupleSpace,
+};
+use gym::trace::Trace;
+use gym::{DType, Generator, Seed, Space};
+use gym_tests::{Reference, references};
+use serde::de::DeserializeOwned;
+use serde_json::{Value as Json, json};
+
+/// No file may be left out because nothing here knows what to do with it.
+#[test]
+fn every_reference_is_of_a_known_kind() {
+    for Reference { name, json, .. } in references() {
+        let known = ["events", "spaces", "raw_u64"].iter().any(|key| json.get(key).is_some());
+        assert!(known, "{name}: neither a trace, nor samples of spaces, nor random numbers");
+    }
+}
+
+#[test]
+fn traces() {
+    let mut count = 0;
+    for Reference { name, text, .. } in references().iter().filter(|reference| reference.is_trace()) {
+        let recorded: Trace = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let answered = recorded.replay().unwrap_or_else(|error| panic!("{name}: {error}"));
+        if let Some(difference) = recorded.first_difference(&answered) {
+            panic!("{name}: {difference}");
+        }
+        count += 1;
+    }
+    println!("{count} traces are equal");
+}
+
+/// What a spec says is part of a trace too.
+#[test]
+fn specs_and_spaces_of_traces() {
+    use gym::Env;
+    for Reference { name, json, .. } in references().iter().filter(|reference| reference.is_trace()) {
+        let id = json["id"].as_str().expect("an id");
+        let kwargs = json["kwargs"].as_object().cloned().unwrap_or_default();
+        let env = gym::builder(id).args(kwargs).build().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let spec = env.spec().expect("made by id");
+        let known = json!({
+            "max_episode_steps": spec.max_episode_steps,
+            "reward_threshold": spec.reward_threshold,
+            "observation_space": env.observation_space().to_string(),
+            "action_space": env.action_space().to_string(),
+        });
+        for (key, value) in known.as_object().expect("an object") {
+            if let Some(recorded) = json.get(key) {
+                let same = value == recorded || value.as_f64() == recorded.as_f64() && value.is_number();
+                assert!(same, "{name}: {key} is {value} for {recorded}");
+            }
+        }
+    }
+}
+
+#[test]
+fn random_numbers() {
+    for Reference { name, json, text } in references() {
+        if json.get("raw_u64").is_none() {
+            continue;
+        }
+        let seed = big_seed(&text);
+        for (key, recorded) in json.as_object().expect("an object") {
+            if key == "numpy" || key == "seed" {
+                continue;
+            }
+            let n = recorded.as_array().map_or(0, Vec::len);
+            let numbers = primitive(key, Generator::new(&seed), n);
+            let numbers = numbers.unwrap_or_else(|| panic!("{name}: nothing here draws `{key}`"));
+            assert_eq!(&numbers, recorded, "{name}: {key}");
+        }
+    }
+}
+
+/// The seed of a file, which may have more digits than JSON's numbers hold.
+fn big_seed(text: &str) -> Seed {
+    #[derive(serde::Deserialize)]
+    struct File<'a> {
+        #[serde(borrow)]
+        seed: &'a serde_json::value::RawValue,
+    }
+    let file: File<'_> = serde_json::from_str(text).expect("a seed");
+    file.seed.get().parse().expect("a whole number")
+}
+
+/// The first `n` numbers of the primitive that a reference file calls `key`.
+fn primitive(key: &str, mut rng: Generator, n: usize) -> Option<Json> {
+    use rand::Rng;
+    const CARDS: [i64; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
+    let mut draw =
+        |f: &mut dyn FnMut(&mut Generator) -> Json| Json::Array((0..n).map(|_| f(&mut rng)).collect());
+    Some(match key {
+        "raw_u64" => draw(&mut |rng| json!(rng.next_u64())),
+        "random" => draw(&mut |rng| json!(rng.random())),
+        "random_f32" => draw(&mut |rng| json!(f64::from(rng.random_f32()))),
+        "uniform(-0.05,0.05)" => draw(&mut |rng| json!(rng.uniform(-0.05, 0.05))),
+        "integers(0,5)" => draw(&mut |rng| json!(rng.integers(0, 5))),
+        "integers(0,10**12)" => draw(&mut |rng| json!(rng.integers(0, 1_000_000_000_000))),
+        "integers(0,2**40)x then random" => json!([rng.integers(0, 1 << 40), rng.random()]),
+        "scalar integers(0,4) x16" => draw(&mut |rng| json!(rng.integers(0, 4))),
+        "integers then random interleaved" => {
+            Json::Array((0..n / 2).flat_map(|_| [json!(rng.integers(0, 6)), json!(rng.random())]).collect())
+        }
+        "integers u8 [0,256)" => {
+            let mut bytes = vec![0; n];
+            rng.integers_u8(0, 255, &mut bytes);
+            json!(bytes)
+        }
+        "integers i32 [-7,9)" => draw(&mut |rng| json!(rng.integers(-7, 9))),
+        "normal" => draw(&mut |rng| json!(rng.standard_normal())),
+        "normal(1,0.5)" => draw(&mut |rng| json!(rng.normal(1.0, 0.5))),
+        "standard_normal_f32" => draw(&mut |rng| json!(f64::from(rng.standard_normal_f32()))),
+        "exponential" => draw(&mut |rng| json!(rng.exponential(1.0))),
+        "geometric(0.25)" => draw(&mut |rng| json!(rng.geometric(0.25))),
+        "choice([1,10) scalar)" => draw(&mut |rng| json!(CARDS[rng.choice(CARDS.len())])),
+        "choice(4,p)" => draw(&mut |rng| json!(rng.choice_p(&[0.1, 0.2, 0.3, 0.4]))),
+        "permutation(10)" => json!(rng.permutation(10)),
+        "shuffle(range(7))" => {
+            let mut items = [0, 1, 2, 3, 4, 5, 6];
+            rng.shuffle(&mut items);
+            json!(items)
+        }
+        _ => return None,
+    })
+}
+
+#[test]
+fn samples_of_spaces() {
+    for Reference { name, json, .. } in references() {
+        let (Some(spaces), Some(masked)) = (json["spaces"].as_object(), json["masked"].as_object()) else {
+            continue;
+        };
+        let seed = json["seed"].as_u64().expect("a seed");
+        for (case, recorded) in spaces {
+            let space = space(case).unwrap_or_else(|| panic!("{name}: no space is called `{case}` here"));
+            assert_eq!(space.to_string(), recorded["space"], "{name}: {case}");
+            let mut sampler = space.sampler(seed);
+            for (i, sample) in recorded["samples"].as_array().expect("a list").iter().enumerate() {
+                assert_eq!(&json!(sampler.sample()), sample, "{name}: {case}, sample {i}");
+            }
+        }
+        for (case, recorded) in masked {
+            let space =
+                masked_space(case).unwrap_or_else(|| panic!("{name}: no space is called `{case}` here"));
+            assert_eq!(space.to_string(), recorded["space"], "{name}: {case}");
+            let mut sampler = space.sampler(seed);
+            for (i, sample) in recorded["samples"].as_array().expect("a list").iter().enumerate() {
+                let drawn = match recorded.get("mask") {
+                    Some(mask) => sampler.sample_masked(&selection(mask)),
+                    None => sampler.sample_weighted(&selection(&recorded["probability"])),
+                };
+                assert_eq!(
+                    &json!(drawn.expect("a selection that fits")),
+                    sample,
+                    "{name}: {case}, sample {i}"
+                );
+            }
+        }
+    }
+}
+
+/// A list of entries, or a list of lists.
+fn selection<T: DeserializeOwned>(json: &Json) -> Selection<T> {
+    let values: Result<Vec<T>, _> = serde_json::from_value(json.clone());
+    values.map_or_else(
+        |_| Selection::Each(serde_json::from_value(json.clone()).expect("lists")),
+        Selection::Values,
+    )
+}
+
+/// The space of a masked case.
+fn masked_space(case: &str) -> Option<Space> {
+    Some(match case {
+        "discrete" => Space::discrete(5),
+        "multi_discrete" => MultiDiscrete::new([3, 2]).expect("sizes").into(),
+        "multi_binary" => MultiBinary::new([4]).expect("a shape").into(),
+        "discrete_probability" => Space::discrete(4),
+        _ => return None,
+    })
+}
+
+/// The space that the reference files call by this name.
+fn space(case: &str) -> Option<Space> {
+    const INF: f64 = f64::INFINITY;
+    let uniform =
+        |low, high, n: usize, dtype| Space::from(BoxSpace::uniform(low, high, [n], dtype).expect("bounds"));
+    Some(match case {
+        "discrete" => Space::discrete(5),
+        "discrete_start" => Discrete::new(7).and_then(|space| space.with_start(-3)).expect("bounds").into(),
+        "discrete_large" => Space::discrete(1_000_000_000_000),
+        "box_bounded_f32" => uniform(-2.0, 3.0, 3, DType::F32),
+        "box_bounded_f64" => BoxSpace::new([-1.0, 0.0], [1.0, 10.0]).expect("bounds").into(),
+        "box_unbounded" => uniform(-INF, INF, 4, DType::F64),
+        "box_below" => uniform(1.5, INF, 3, DType::F32),
+        "box_above" => uniform(-INF, 2.5, 3, DType::F32),
+        "box_mixed" => {
+            let inf = f32::INFINITY;
+            Space::boxed([-inf, 0.0, -1.0, -inf], [inf, inf, 1.0, 4.0])
+        }
+        "box_u8" => BoxSpace::uniform(0.0, 255.0, [2, 3], DType::U8).expect("bounds").into(),
+        "box_i64" => uniform(-5.0, 5.0, 4, DType::I64),
+        "multi_binary" => MultiBinary::new([6]).expect("a shape").into(),
+        "multi_binary_2d" => MultiBinary::new([2, 3]).expect("a shape").into(),
+        "multi_discrete" => MultiDiscrete::new([3, 5, 2]).expect("sizes").into(),
+        "multi_discrete_start" => {
+            MultiDiscrete::new([3, 4]).and_then(|space| space.with_start([10, -2])).expect("sizes").into()
+        }
+        "text" => TextSpace::new(1, 8).expect("lengths").into(),
+        "text_charset" => {
+            TextSpace::new(2, 5).and_then(|space| space.with_charset("abc")).expect("lengths").into()
+        }
+        "tuple" => TupleSpace::new([Space::discrete(3), Space::boxed([0.0; 2], [1.0; 2])]).into(),
+        "dict" => DictSpace::new([("b", Space::discrete(4)), ("a", uniform(-1.0, 1.0, 2, DType::F64))])
+            .expect("keys")
+            .into(),
+        "nested" => {
+            let x = TupleSpace::new([MultiBinary::new([2]).expect("a shape").into(), Space::discrete(9)]);
+            let y = MultiDiscrete::new([4, 4]).expect("sizes");
+            DictSpace::new([("x", x.into()), ("y", y.into())]).expect("keys").into()
+        }
+        "sequence" => SequenceSpace::new(Space::discrete(4)).into(),
+        "oneof" => {
+            OneOfSpace::new([Space::discrete(3), uniform(0.0, 1.0, 2, DType::F64)]).expect("spaces").into()
+        }
+        "graph" => GraphSpace::new(uniform(-1.0, 1.0, 2, DType::F64), Some(Space::discrete(3)))
+            .expect("spaces")
+            .into(),
+        _ => return None,
+    })
+}

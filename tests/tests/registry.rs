@@ -1,0 +1,107 @@
+//! Link-time and runtime registration, the listing, and specs.
+
+use gym::classic::{CartPole, Pendulum};
+use gym::toytext::FrozenLake;
+use gym::{Env, EnvSpec, Error, Registration, registry};
+
+// A second crate that claims a taken id, and one with broken arguments.
+gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").from_crate("first-crate") }
+gym::inventory::submit! { Registration::new::<Pendulum>("twice/CartPole-v0").from_crate("second-crate") }
+gym::register!(Registration::new::<CartPole>("broken/Arguments-v0").kwargs("[1"));
+
+#[test]
+fn every_family_is_linked() {
+    let ids: Vec<String> = registry::all().iter().map(|registration| registration.id().to_owned()).collect();
+    for id in [
+        "Acrobot-v1",
+        "Blackjack-v1",
+        "CartPole-v0",
+        "CartPole-v1",
+        "CliffWalking-v0",
+        "CliffWalking-v1",
+        "CliffWalkingSlippery-v1",
+        "FrozenLake-v1",
+        "FrozenLake8x8-v1",
+        "MountainCar-v0",
+        "MountainCarContinuous-v0",
+        "Pendulum-v1",
+        "Taxi-v3",
+        "Taxi-v4",
+    ] {
+        assert_eq!(ids.iter().filter(|other| *other == id).count(), 1, "{id}");
+    }
+}
+
+#[test]
+fn the_order_is_that_of_ids() {
+    let ids: Vec<registry::EnvId> =
+        registry::all().iter().map(|registration| registration.id().parse().unwrap()).collect();
+    assert!(ids.is_sorted());
+}
+
+#[test]
+fn duplicates_are_reported() {
+    let error = gym::make("twice/CartPole-v0").unwrap_err();
+    assert!(
+        matches!(&error, Error::Duplicate { crates, .. } if crates == "first-crate, second-crate"),
+        "{error}"
+    );
+}
+
+#[test]
+fn broken_arguments_are_reported() {
+    let error = gym::make("broken/Arguments-v0").unwrap_err();
+    assert!(error.to_string().contains("not a JSON object"), "{error}");
+}
+
+#[test]
+fn near_names_of_namespaces() {
+    let error = gym::make("twise/CartPole-v0").unwrap_err();
+    assert!(error.to_string().contains("did you mean `twice`?"), "{error}");
+    let error = gym::make("twice/CartPol-v0").unwrap_err();
+    assert!(error.to_string().contains("did you mean `twice/CartPole-v0`?"), "{error}");
+}
+
+#[test]
+fn runtime_registration() {
+    let lake = || Registration::dynamic::<FrozenLake>("runtime/Lake-v0").kwargs(r#"{"is_slippery": false}"#);
+    registry::register(lake().max_episode_steps(9)).unwrap();
+    let env = gym::make("runtime/Lake-v0").unwrap();
+    let spec = env.spec().unwrap();
+    assert_eq!(spec.max_episode_steps, Some(9));
+    assert_eq!(spec.kwargs["is_slippery"], false);
+    assert!(matches!(registry::register(lake()), Err(Error::Registration { .. })), "the id is taken");
+    let unversioned = Registration::dynamic::<FrozenLake>("runtime/Lake");
+    let error = registry::register(unversioned).unwrap_err();
+    assert!(error.to_string().contains("`runtime/Lake-v0` exists"), "{error}");
+    let malformed = Registration::dynamic::<FrozenLake>("a b");
+    assert!(matches!(registry::register(malformed), Err(Error::MalformedId(_))));
+}
+
+#[test]
+fn gymnasiums_own_spec_is_understood() {
+    let json = r#"{"id": "CartPole-v1", "entry_point": "gymnasium.envs.classic_control.cartpole:CartPoleEnv",
+        "reward_threshold": 475.0, "nondeterministic": false, "max_episode_steps": 500, "order_enforce": true,
+        "disable_env_checker": false, "kwargs": {}, "additional_wrappers": [],
+        "vector_entry_point": "gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"}"#;
+    let spec: EnvSpec = serde_json::from_str(json).unwrap();
+    assert_eq!(spec, gym::make("CartPole-v1").unwrap().spec().unwrap());
+    assert_eq!(spec.make().unwrap().spec(), Some(spec));
+}
+
+#[test]
+fn the_listing_groups_by_crate() {
+    let text = registry::pretty(3);
+    let (classic, rest) = text.split_once("===== gym-toytext =====").expect("a group per crate");
+    assert!(classic.contains("===== gym-classic =====\nAcrobot-v1"), "{text}");
+    assert!(rest.contains("Taxi-v4"), "{text}");
+}
+
+#[test]
+fn arguments_reach_the_environment() {
+    let env = gym::builder("FrozenLake-v1").arg("map_name", "8x8").build().unwrap();
+    assert_eq!(env.observation_space().to_string(), "Discrete(64)");
+    assert_eq!(env.unwrapped::<FrozenLake>().unwrap().dynamics().p().states(), 64);
+    assert!(env.unwrapped::<CartPole>().is_none());
+    assert_eq!(registry::find("FrozenLake8x8-v1").unwrap().spec().unwrap().kwargs["map_name"], "8x8");
+}

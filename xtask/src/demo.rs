@@ -1,0 +1,82 @@
+//! `cargo xtask demo`: the main job over every linked environment.
+
+use std::path::PathBuf;
+
+use gym::render::RenderMode;
+use gym::rendering::Plot;
+use gym::{Env, Error, Result, registry};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::gif::Recording;
+use crate::policy::{Episode, Policy};
+use crate::run::summary;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Episodes of each environment.
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..))]
+    episodes: u64,
+    /// Where the files go.
+    #[arg(long, default_value = "target/demo")]
+    out: PathBuf,
+    /// Frames of each GIF at most.
+    #[arg(long, default_value_t = 200)]
+    max_frames: u64,
+}
+
+/// Episodes of environments without a time limit are cut off here.
+const STEP_LIMIT: u32 = 10_000;
+
+pub(crate) fn demo(arguments: &Arguments) -> Result<()> {
+    std::fs::create_dir_all(&arguments.out).map_err(|error| Error::io(&arguments.out, error))?;
+    let registrations = registry::all();
+    let bar = ProgressBar::new(registrations.len() as u64 * arguments.episodes).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let mut table = Vec::new();
+    for registration in registrations {
+        let id = registration.id().to_owned();
+        bar.set_message(id.clone());
+        let episodes = play(&id, arguments, &bar)?;
+        plot(&id, &episodes, arguments)?;
+        table.push(format!("{id:28} {}", summary(&episodes)));
+    }
+    bar.finish_and_clear();
+    println!("Random policy, {} episodes each: mean [min, max]\n{}", arguments.episodes, table.join("\n"));
+    println!("\nOne GIF and two plots for each: {}", arguments.out.display());
+    Ok(())
+}
+
+/// Plays the episodes of one environment and records the first ones.
+fn play(id: &str, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
+    let mut builder = gym::builder(id).render_mode(RenderMode::RgbArray);
+    if registry::find(id)?.spec()?.max_episode_steps.is_none() {
+        builder = builder.max_episode_steps(STEP_LIMIT);
+    }
+    let mut env = builder.build()?;
+    let path = arguments.out.join(format!("{}.gif", crate::file_stem(id)));
+    let mut recording = Recording::create(&path, &env, arguments.max_frames)?;
+    let episodes = (0..arguments.episodes)
+        .map(|seed| {
+            bar.inc(1);
+            Policy::Random.play(&mut env, seed, |env| recording.watch(env))
+        })
+        .collect::<Result<_>>()?;
+    recording.finish()?;
+    env.close();
+    Ok(episodes)
+}
+
+/// Draws the returns of one environment.
+fn plot(id: &str, episodes: &[Episode], arguments: &Arguments) -> Result<()> {
+    let returns: Vec<f64> = episodes.iter().map(|episode| episode.episode_return).collect();
+    let plot = Plot::new(&format!("{id}, random policy"))
+        .x_label("episode")
+        .y_label("return")
+        .series("return", &returns)
+        .moving_average(10);
+    let file = |extension| arguments.out.join(format!("{}.returns.{extension}", crate::file_stem(id)));
+    plot.write_svg(&file("svg"))?;
+    plot.write_png(&file("png"))
+}

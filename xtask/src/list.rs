@@ -1,0 +1,31 @@
+//! `cargo xtask list`
+
+use gym::{Result, registry};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// One line per environment, with spaces, limit and threshold.
+    #[arg(long)]
+    long: bool,
+}
+
+pub(crate) fn list(arguments: &Arguments) -> Result<()> {
+    if !arguments.long {
+        print!("{}", registry::pretty(3));
+        return Ok(());
+    }
+    for registration in registry::all() {
+        use gym::Env;
+        let spec = registration.spec()?;
+        let env = spec.make()?;
+        let limit = spec.max_episode_steps.map_or("none".into(), |n| n.to_string());
+        let threshold = spec.reward_threshold.map_or("none".into(), |x| x.to_string());
+        println!(
+            "{:28} limit {limit:>5}  threshold {threshold:>6}  {} -> {}",
+            spec.id,
+            env.action_space(),
+            env.observation_space()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! Commands over every environment that is linked: `cargo xtask help`.
+
+mod conform;
+mod demo;
+mod gif;
+mod list;
+mod policy;
+mod replay;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Commands over every environment that is linked")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Lists the environments.
+    List(list::Arguments),
+    /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
+    Demo(demo::Arguments),
+    /// Records one episode as a GIF.
+    Gif(gif::Arguments),
+    /// Plays one episode per seed and prints returns and lengths.
+    Run(run::Arguments),
+    /// Repeats recorded traces and compares, or writes, the answers.
+    Replay(replay::Arguments),
+    /// Checks that environments keep the rules.
+    Conform(conform::Arguments),
+}
+
+fn main() -> ExitCode {
+    log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
+    let result = match Arguments::parse().command {
+        Command::List(arguments) => list::list(&arguments),
+        Command::Demo(arguments) => demo::demo(&arguments),
+        Command::Gif(arguments) => gif::gif(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Conform(arguments) => conform::conform(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Shows the library's warnings, such as that of an environment out of date.
+struct Stderr;
+
+impl log::Log for Stderr {
+    fn enabled(&self, _metadata: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+    }
+
+    fn flush(&self) {}
+}
+
+/// Arguments of an environment, as JSON on the command line.
+fn parse_kwargs(json: &str) -> Result<gym::Kwargs, String> {
+    serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))
+}
+
+/// An id as part of a file name.
+fn file_stem(id: &str) -> String {
+    id.replace('/', "_")
+}

@@ -1,0 +1,72 @@
+//! `cargo xtask run ID`
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use gym::rendering::write_file;
+use gym::{Error, Kwargs, Result};
+
+use crate::policy::{Episode, Policy};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The environment.
+    id: String,
+    /// Who acts.
+    #[arg(long, value_enum, default_value = "random")]
+    policy: Policy,
+    /// Seeds, as in 0..10 (10 excluded): each seeds a fresh environment and its action space.
+    #[arg(long, value_parser = parse_range, default_value = "0..10")]
+    seeds: Range<u64>,
+    /// Arguments of the environment, as a JSON object.
+    #[arg(long, value_parser = crate::parse_kwargs, default_value = "{}")]
+    kwargs: Kwargs,
+    /// Also writes the episodes to this file, as a JSON list.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+fn parse_range(text: &str) -> Result<Range<u64>, String> {
+    let (start, end) = text.split_once("..").ok_or("write A..B, as in 0..10")?;
+    let number = |text: &str| text.parse().map_err(|error| format!("`{text}`: {error}"));
+    let range = number(start)?..number(end)?;
+    if range.is_empty() { Err("the range is empty: write A..B with A < B".into()) } else { Ok(range) }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    println!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length");
+    let mut episodes = Vec::new();
+    for seed in arguments.seeds.clone() {
+        let mut env = gym::builder(&arguments.id).args(arguments.kwargs.clone()).build()?;
+        let episode = arguments.policy.play(&mut env, seed, |_| Ok(()))?;
+        let ended = match (episode.terminated, episode.truncated) {
+            (true, true) => "terminated and truncated",
+            (true, false) => "terminated",
+            _ => "truncated",
+        };
+        println!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length);
+        episodes.push(episode);
+    }
+    println!("{}", summary(&episodes));
+    if let Some(path) = &arguments.json {
+        let json = serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
+        write_file(path, &json)?;
+    }
+    Ok(())
+}
+
+/// Means and ranges, in one line.
+pub(crate) fn summary(episodes: &[Episode]) -> String {
+    let statistics = |value: fn(&Episode) -> f64| {
+        let values = episodes.iter().map(value);
+        let mean = values.clone().sum::<f64>() / episodes.len() as f64;
+        let min = values.clone().fold(f64::INFINITY, f64::min);
+        let max = values.fold(f64::NEG_INFINITY, f64::max);
+        format!("{mean:>10.2} [{min:.1}, {max:.1}]")
+    };
+    format!(
+        "return {:38} length {}",
+        statistics(|episode| episode.episode_return),
+        statistics(|episode| episode.length as f64)
+    )
+}

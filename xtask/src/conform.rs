@@ -1,6 +1,6 @@
 //! `cargo xtask conform [ID...]`
 
-use gym::{Error, Result, conform, registry};
+use gym::{EnvSpec, Error, Registration, Result, conform, registry};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -9,20 +9,21 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn conform(arguments: &Arguments) -> Result<()> {
-    let ids = match arguments.ids.is_empty() {
-        true => registry::all().iter().map(|registration| registration.id().to_owned()).collect(),
-        false => arguments.ids.clone(),
+    let specs: Vec<EnvSpec> = match &arguments.ids[..] {
+        [] => registry::all().iter().map(Registration::spec).collect::<Result<_>>()?,
+        ids => ids.iter().map(|id| gym::builder(id).spec()).collect::<Result<_>>()?,
     };
     let mut broken = 0;
-    for id in &ids {
-        let findings = conform::check(|| gym::make(id));
+    for spec in &specs {
+        let id = &spec.id;
+        let findings = conform::check(|| spec.make());
         println!("{} {id}", if findings.is_empty() { "ok    " } else { "BROKEN" });
         for finding in &findings {
             println!("       {finding}");
         }
         broken += usize::from(!findings.is_empty());
     }
-    println!("{} environments, {} checks each, {broken} broken", ids.len(), conform::CHECKS.len());
+    println!("{} environments, {} checks each, {broken} broken", specs.len(), conform::CHECKS.len());
     match broken {
         0 => Ok(()),
         _ => Err(Error::custom(format!("{broken} environments break the rules"))),

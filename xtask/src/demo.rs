@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use gym::render::RenderMode;
 use gym::rendering::Plot;
-use gym::{Env, Error, Result, registry};
+use gym::{EnvSpec, Error, Result, registry};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::gif::Recording;
@@ -36,9 +36,10 @@ pub(crate) fn demo(arguments: &Arguments) -> Result<()> {
     );
     let mut table = Vec::new();
     for registration in registrations {
-        let id = registration.id().to_owned();
+        let spec = registration.spec()?;
+        let id = spec.id.clone();
         bar.set_message(id.clone());
-        let episodes = play(&id, arguments, &bar)?;
+        let episodes = play(spec, arguments, &bar)?;
         plot(&id, &episodes, arguments)?;
         table.push(format!("{id:28} {}", summary(&episodes)));
     }
@@ -49,13 +50,10 @@ pub(crate) fn demo(arguments: &Arguments) -> Result<()> {
 }
 
 /// Plays the episodes of one environment and records the first ones.
-fn play(id: &str, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
-    let mut builder = gym::builder(id).render_mode(RenderMode::RgbArray);
-    if registry::find(id)?.spec()?.max_episode_steps.is_none() {
-        builder = builder.max_episode_steps(STEP_LIMIT);
-    }
-    let mut env = builder.build()?;
-    let path = arguments.out.join(format!("{}.gif", crate::file_stem(id)));
+fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
+    let path = arguments.out.join(format!("{}.gif", crate::file_stem(&spec.id)));
+    let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
+    let mut env = EnvSpec { max_episode_steps, render_mode: Some(RenderMode::RgbArray), ..spec }.make()?;
     let mut recording = Recording::create(&path, &env, arguments.max_frames)?;
     let episodes = (0..arguments.episodes)
         .map(|seed| {
@@ -64,19 +62,18 @@ fn play(id: &str, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episod
         })
         .collect::<Result<_>>()?;
     recording.finish()?;
-    env.close();
     Ok(episodes)
 }
 
 /// Draws the returns of one environment.
 fn plot(id: &str, episodes: &[Episode], arguments: &Arguments) -> Result<()> {
     let returns: Vec<f64> = episodes.iter().map(|episode| episode.episode_return).collect();
-    let plot = Plot::new(&format!("{id}, random policy"))
+    let plot = Plot::new(format!("{id}, random policy"))
         .x_label("episode")
         .y_label("return")
         .series("return", &returns)
         .moving_average(10);
     let file = |extension| arguments.out.join(format!("{}.returns.{extension}", crate::file_stem(id)));
-    plot.write_svg(&file("svg"))?;
-    plot.write_png(&file("png"))
+    plot.write_svg(file("svg"))?;
+    plot.write_png(file("png"))
 }

@@ -52,7 +52,7 @@ pub(crate) struct Recording {
 
 impl Recording {
     pub(crate) fn create(path: &std::path::Path, env: &BoxEnv, max_frames: u64) -> Result<Self> {
-        let gif = GifWriter::create(path, f64::from(env.metadata().render_fps))?;
+        let gif = GifWriter::create(path, env.metadata().render_fps)?;
         Ok(Self { gif, frames: 0, max_frames })
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gym::rendering::write_file;
+use gym::file;
 use gym::trace::Trace;
 use gym::{Error, Result};
 use serde_json::{Map, Value as Json};
@@ -63,15 +63,15 @@ fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
     let answers = parse(&text)?.replay()?;
-    let mut file: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
-    file.remove("events");
+    let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    rest.remove("events");
     #[derive(serde::Serialize)]
     struct File<'a> {
         #[serde(flatten)]
         rest: Map<String, Json>,
         events: &'a [gym::trace::Event],
     }
-    let json = serde_json::to_vec(&File { rest: file, events: &answers.events }).map_err(not_json)?;
+    let json = serde_json::to_vec(&File { rest, events: &answers.events }).map_err(not_json)?;
     let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
-    write_file(&out.join(name), &json)
+    file::write(out.join(name), &json)
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use gym::rendering::write_file;
+use gym::file;
 use gym::{Error, Kwargs, Result};
 
 use crate::policy::{Episode, Policy};
@@ -36,8 +36,9 @@ fn parse_range(text: &str) -> Result<Range<u64>, String> {
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     println!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length");
     let mut episodes = Vec::new();
+    let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
     for seed in arguments.seeds.clone() {
-        let mut env = gym::builder(&arguments.id).args(arguments.kwargs.clone()).build()?;
+        let mut env = spec.make()?;
         let episode = arguments.policy.play(&mut env, seed, |_| Ok(()))?;
         let ended = match (episode.terminated, episode.truncated) {
             (true, true) => "terminated and truncated",
@@ -50,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     println!("{}", summary(&episodes));
     if let Some(path) = &arguments.json {
         let json = serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
-        write_file(path, &json)?;
+        file::write(path, &json)?;
     }
     Ok(())
 }
@@ -62,11 +63,9 @@ pub(crate) fn summary(episodes: &[Episode]) -> String {
         let mean = values.clone().sum::<f64>() / episodes.len() as f64;
         let min = values.clone().fold(f64::INFINITY, f64::min);
         let max = values.fold(f64::NEG_INFINITY, f64::max);
-        format!("{mean:>10.2} [{min:.1}, {max:.1}]")
+        format!("{mean:>10.2} {:22}", format!("[{min:.1}, {max:.1}]"))
     };
-    format!(
-        "return {:38} length {}",
-        statistics(|episode| episode.episode_return),
-        statistics(|episode| episode.length as f64)
-    )
+    let returns = statistics(|episode| episode.episode_return);
+    let lengths = statistics(|episode| episode.length as f64);
+    format!("return {returns} length {lengths}").trim_end().to_owned()
 }

@@ -7,6 +7,7 @@ pub mod canvas;
 pub mod conform;
 mod env;
 mod error;
+pub mod file;
 mod functional;
 pub mod registry;
 pub mod render;

@@ -272,10 +272,11 @@ impl<T: Scalar, const N: usize> Element for [T; N] {
 
     fn write(&self, out: &mut Value) {
         if let Value::Array(array) = out
-            && array.shape() == [N]
+            && array.shape().len() == 1
             && let Some(slice) = array.as_mut_slice::<T>()
+            && let Ok(slice) = <&mut [T; N]>::try_from(slice)
         {
-            slice.copy_from_slice(self);
+            *slice = *self;
             return;
         }
         *out = Value::Array(Array::from(self.to_vec()));

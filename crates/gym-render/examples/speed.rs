@@ -13,7 +13,6 @@ const FRAMES: u32 = 500;
 const FPS: u32 = 50;
 
 /// The state of CartPole, balanced by a push towards the side where the pole falls.
-#[derive(Clone, Copy, Default)]
 struct CartPole {
     x: f64,
     x_dot: f64,
@@ -56,7 +55,7 @@ fn main() -> gym_core::Result<()> {
         std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("speed.gif"), PathBuf::from);
     let mut raster = Raster::new();
     let mut frame = Frame::new(SIZE.0, SIZE.1);
-    let mut env = CartPole::default();
+    let mut env = CartPole { x: 0.03, x_dot: -0.02, theta: 0.04, theta_dot: 0.01 };
     let mut paint = |frame: &mut Frame| {
         env.step();
         raster.paint(SIZE, &mut |canvas| env.draw(canvas), frame);

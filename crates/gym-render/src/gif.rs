@@ -202,7 +202,7 @@ impl<W: Write + Seek> Animation<W> {
         }
         // Otherwise the frame held back would be too short: this one takes its place.
         if now - self.since >= SHORTEST_DELAY {
-            self.flush(now)?;
+            self.write_pending(now)?;
             match &mut self.shown {
                 Some(shown) => std::mem::swap(shown, &mut self.pending),
                 None => self.shown = Some(self.pending.clone()),
@@ -214,7 +214,7 @@ impl<W: Write + Seek> Animation<W> {
     }
 
     fn finish(mut self) -> io::Result<W> {
-        self.flush(self.now().max(self.since + SHORTEST_DELAY))?;
+        self.write_pending(self.now().max(self.since + SHORTEST_DELAY))?;
         let mut writer = self.encoder.into_inner().map_err(io_error)?;
         writer.seek(SeekFrom::Start(TABLE_OFFSET))?;
         writer.write_all(self.palette.bytes())?;
@@ -229,7 +229,7 @@ impl<W: Write + Seek> Animation<W> {
     }
 
     /// Writes the frame held back, to be shown until that tick.
-    fn flush(&mut self, until: u64) -> io::Result<()> {
+    fn write_pending(&mut self, until: u64) -> io::Result<()> {
         let (columns, rows) = changed(self.shown.as_ref(), &self.pending);
         self.pixels.clear();
         gather(self.shown.as_ref(), &self.pending, columns.clone(), rows.clone(), &mut self.pixels);
@@ -326,5 +326,262 @@ fn io_error(error: EncodingError) -> io::Error {
     match error {
         EncodingError::Io(error) => error,
         other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+    use std::fs;
+    use std::io::Cursor;
+
+    use gif::{ColorOutput, DecodeOptions, DisposalMethod};
+
+    use super::*;
+    use crate::atomic::testing::Folder;
+
+    /// A picture of a file: what it brings, and the whole screen after it.
+    struct Picture {
+        delay: u16,
+        /// Left, top, width, height.
+        area: [u16; 4],
+        own_table: bool,
+        screen: Vec<u8>,
+    }
+
+    fn decode(bytes: &[u8]) -> Vec<Picture> {
+        let mut options = DecodeOptions::new();
+        options.set_color_output(ColorOutput::Indexed);
+        let mut decoder = options.read_info(Cursor::new(bytes)).unwrap();
+        let shared = decoder.global_palette().unwrap().to_vec();
+        let width = usize::from(decoder.width());
+        let mut screen = vec![0; width * usize::from(decoder.height()) * 3];
+        let mut pictures = Vec::new();
+        while let Some(picture) = decoder.read_next_frame().unwrap() {
+            assert_eq!(picture.dispose, DisposalMethod::Keep);
+            let table = picture.palette.as_deref().unwrap_or(&shared);
+            for (i, &entry) in picture.buffer.iter().enumerate() {
+                if Some(entry) != picture.transparent {
+                    let x = usize::from(picture.left) + i % usize::from(picture.width);
+                    let y = usize::from(picture.top) + i / usize::from(picture.width);
+                    let color = &table[usize::from(entry) * 3..][..3];
+                    screen[(y * width + x) * 3..][..3].copy_from_slice(color);
+                }
+            }
+            pictures.push(Picture {
+                delay: picture.delay,
+                area: [picture.left, picture.top, picture.width, picture.height],
+                own_table: picture.palette.is_some(),
+                screen: screen.clone(),
+            });
+        }
+        assert_eq!(decoder.repeat(), Repeat::Infinite);
+        pictures
+    }
+
+    fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
+        let size = screen_size(&frames[0]).unwrap();
+        let mut animation = Animation::start(Cursor::new(Vec::new()), size, fps, &frames[0]).unwrap();
+        frames[1..].iter().for_each(|frame| animation.write(frame).unwrap());
+        animation.finish().unwrap().into_inner()
+    }
+
+    fn delays(pictures: &[Picture]) -> Vec<u16> {
+        pictures.iter().map(|picture| picture.delay).collect()
+    }
+
+    /// A frame of that size whose pixels are given by position.
+    fn frame(width: u32, height: u32, color: impl Fn(u32, u32) -> Rgb) -> Frame {
+        let mut frame = Frame::new(width, height);
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        for (pixel, (x, y)) in frame.pixels_mut().chunks_exact_mut(3).zip(places) {
+            pixel.copy_from_slice(&color(x, y));
+        }
+        frame
+    }
+
+    /// A square that moves over a ground of several colours, with a new colour in each frame.
+    fn moving(count: u32) -> Vec<Frame> {
+        let color = |step: u32, x: u32, y: u32| match (x.wrapping_sub(step), y.wrapping_sub(3)) {
+            (0..4, 0..4) => [255, step as u8, 0],
+            _ => [0, (x / 5) as u8, (y / 5) as u8],
+        };
+        (0..count).map(|step| frame(60, 10, |x, y| color(step, x, y))).collect()
+    }
+
+    #[test]
+    fn frames_come_back_exactly_from_the_rectangles_that_changed() {
+        let frames = moving(40);
+        let bytes = encode(50, &frames);
+        let pictures = decode(&bytes);
+        assert_eq!(pictures.len(), frames.len());
+        for (picture, frame) in pictures.iter().zip(&frames) {
+            assert_eq!(picture.screen, frame.pixels());
+            assert_eq!((picture.delay, picture.own_table), (2, false));
+        }
+        assert_eq!(pictures[0].area, [0, 0, 60, 10]);
+        assert_eq!(pictures[1].area, [0, 3, 5, 4]);
+        assert_eq!(pictures[9].area, [8, 3, 5, 4]);
+        assert_eq!(bytes, encode(50, &frames), "the same frames give the same file");
+    }
+
+    #[test]
+    fn the_shared_table_holds_the_colours_in_order_and_no_others() {
+        let frames = [frame(2, 1, |x, _| [x as u8, 9, 9]), frame(2, 1, |_, _| [7, 7, 7])];
+        let bytes = encode(10, &frames);
+        let table = &bytes[TABLE_OFFSET as usize..][..ENTRIES * 3];
+        assert_eq!(table[..12], [0, 0, 0, 0, 9, 9, 1, 9, 9, 7, 7, 7]);
+        assert!(table[12..].iter().all(|&byte| byte == 0));
+    }
+
+    #[test]
+    fn pictures_bring_their_own_table_when_the_shared_one_is_full() {
+        let ramp = |green: u8| frame(16, 10, move |x, y| [(y * 16 + x) as u8, green, 0]);
+        let frames = [ramp(0), ramp(1), ramp(0)];
+        let pictures = decode(&encode(10, &frames));
+        let own: Vec<bool> = pictures.iter().map(|picture| picture.own_table).collect();
+        assert_eq!(own, [false, true, false]);
+        pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
+    }
+
+    #[test]
+    fn more_than_255_colours_are_reduced_to_similar_ones() {
+        let frames = [frame(64, 64, |x, y| [(x * 4) as u8, (y * 4) as u8, 128])];
+        let pictures = decode(&encode(10, &frames));
+        let screen = &pictures[0].screen;
+        assert!(screen.chunks_exact(3).collect::<HashSet<_>>().len() <= 255);
+        let differences = screen.iter().zip(frames[0].pixels()).map(|(a, b)| u64::from(a.abs_diff(*b)));
+        let mean = differences.sum::<u64>() as f64 / screen.len() as f64;
+        assert!(mean < 8.0, "{mean}");
+    }
+
+    #[test]
+    fn times_are_true_on_average() {
+        let frames = moving(31);
+        assert_eq!(delays(&decode(&encode(30, &frames[..6]))), [3, 4, 3, 3, 4, 3]);
+        let total = |fps| {
+            delays(&decode(&encode(fps, &frames[..30]))).iter().map(|&delay| u64::from(delay)).sum::<u64>()
+        };
+        assert_eq!([30, 24, 7, 1].map(total), [100, 125, 429, 3000]);
+    }
+
+    #[test]
+    fn above_50_frames_per_second_some_are_left_out() {
+        let frames = moving(60);
+        let pictures = decode(&encode(60, &frames));
+        let delays = delays(&pictures);
+        assert!(delays.iter().all(|&delay| delay >= 2), "{delays:?}");
+        assert_eq!(delays.iter().sum::<u16>(), 100);
+        assert_eq!(pictures.last().unwrap().screen, frames[59].pixels());
+        let shown = |picture: &Picture| frames.iter().any(|frame| frame.pixels() == picture.screen);
+        assert!(pictures.iter().all(shown));
+    }
+
+    #[test]
+    fn a_frame_that_changes_nothing_prolongs_the_one_before() {
+        let [a, b] = [0, 9].map(|red| frame(3, 3, |_, _| [red, 0, 0]));
+        let run = [a.clone(), a.clone(), a.clone(), b.clone(), b.clone(), a.clone()];
+        assert_eq!(delays(&decode(&encode(20, &run))), [15, 10, 5]);
+        // A change that is undone before it could be seen.
+        assert_eq!(delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))), [2, 2]);
+    }
+
+    #[test]
+    fn long_times_are_split() {
+        let still = frame(2, 2, |_, _| [1, 2, 3]);
+        let pictures = decode(&encode(1, &vec![still; 700]));
+        assert_eq!(delays(&pictures), [65535, 4465], "70000 in all");
+        assert_eq!(pictures[1].area, [0, 0, 1, 1]);
+        assert_eq!(pictures[1].screen, [1, 2, 3].repeat(4));
+    }
+
+    #[test]
+    fn files_appear_when_finished_or_dropped() {
+        let folder = Folder::new("gif");
+        let path = folder.join("a.gif");
+        let mut writer = GifWriter::create(&path, 50).unwrap();
+        moving(3).iter().for_each(|frame| writer.write(frame).unwrap());
+        assert!(!path.exists());
+        writer.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), encode(50, &moving(3)));
+
+        let mut dropped = GifWriter::create(folder.join("b.gif"), 50).unwrap();
+        moving(3).iter().for_each(|frame| dropped.write(frame).unwrap());
+        drop(dropped);
+        write_gif(folder.join("c.gif"), 50, &moving(3)).unwrap();
+        assert_eq!(folder.names(), ["a.gif", "b.gif", "c.gif"]);
+        assert_eq!(fs::read(folder.join("b.gif")).unwrap(), fs::read(folder.join("c.gif")).unwrap());
+    }
+
+    #[test]
+    fn mistakes_are_errors_and_leave_no_file() {
+        let folder = Folder::new("gif-mistakes");
+        let path = folder.join("a.gif");
+        let refused = |result: Result<()>| matches!(result, Err(Error::InvalidArgument { .. }));
+        let mixed = [Frame::new(2, 2), Frame::new(3, 2)];
+        assert!(refused(GifWriter::create(&path, 0).map(|_| ())));
+        assert!(refused(GifWriter::create(&path, 1).unwrap().finish()));
+        assert!(refused(write_gif(&path, 1, &[])));
+        assert!(refused(write_gif(&path, 1, &mixed)));
+        assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2)])));
+        assert!(refused(write_gif(&path, 1, &[Frame::new(65536, 1)])));
+        assert!(matches!(GifWriter::create(folder.join("no/a.gif"), 1), Err(Error::Io { .. })));
+        drop(GifWriter::create(&path, 1).unwrap());
+        assert_eq!(folder.names(), [""; 0]);
+
+        let mut writer = GifWriter::create(&path, 1).unwrap();
+        assert!(refused(writer.write(&Frame::new(0, 0))));
+        writer.write(&mixed[0]).unwrap();
+        assert!(refused(writer.write(&mixed[1])));
+        writer.finish().unwrap();
+        assert_eq!(decode(&fs::read(&path).unwrap()).len(), 1);
+    }
+
+    /// Room for some bytes, then a full disk.
+    struct Full(Cursor<Vec<u8>>, usize);
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let end = self.0.position() as usize + bytes.len();
+            if end > self.1 { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Full {
+        fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+            self.0.seek(position)
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error_wherever_it_strikes() {
+        let frames = moving(20);
+        let size = encode(50, &frames).len();
+        let write = |room: usize| {
+            let writer = Full(Cursor::new(Vec::new()), room);
+            let mut animation = Animation::start(writer, (60, 10), 50, &frames[0])?;
+            frames[1..].iter().try_for_each(|frame| animation.write(frame))?;
+            animation.finish().map(|_| ())
+        };
+        for room in 0..size {
+            assert_eq!(write(room).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+        }
+        write(size).unwrap();
+    }
+
+    #[test]
+    fn after_a_failure_there_is_no_file_and_every_call_fails() {
+        let folder = Folder::new("gif-failure");
+        let mut writer = GifWriter::create(folder.join("a.gif"), 50).unwrap();
+        writer.write(&Frame::new(2, 2)).unwrap();
+        // The folder is gone when the file is to get its name.
+        fs::remove_dir_all(&folder.0).unwrap();
+        assert!(matches!(writer.end(), Err(Error::Io { .. })));
+        assert!(matches!(writer.write(&Frame::new(2, 2)), Err(Error::Io { .. })));
+        assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }
 }

@@ -185,13 +185,14 @@ impl Plot {
         let (top, bottom) = (f64::from(self.area_top()), f64::from(self.height()));
         let area = self.area(top);
         area.draw_axes(canvas);
-        for ((_, values), color) in self.series.iter().zip(colors()) {
-            if self.window > 1 {
-                area.draw_line(canvas, values, 1.0, color.alpha(FAINT));
+        let series = || self.series.iter().map(|(_, values)| values).zip(colors());
+        if self.window > 1 {
+            series().for_each(|(values, color)| area.draw_line(canvas, values, 1.0, color.alpha(FAINT)));
+            for (values, color) in series() {
                 area.draw_line(canvas, &moving_average(values, self.window), 2.0, color);
-            } else {
-                area.draw_line(canvas, values, 1.5, color);
             }
+        } else {
+            series().for_each(|(values, color)| area.draw_line(canvas, values, 1.5, color));
         }
         let middle = |axis: usize| f64::midpoint(area.min[axis], area.max[axis]);
         let title_line = f64::from(TOP) + TITLE_SIZE;
@@ -259,10 +260,14 @@ fn draw_legend_row(canvas: &mut dyn Canvas, row: &[(&str, Color)], middle: f64, 
     }
 }
 
+fn is_drawn(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// The lowest and the highest finite value, and some space around them.
 fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (min, max) = values
-        .filter(|value| value.abs() <= LARGEST)
+        .filter(|&value| is_drawn(value))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
     if min > max {
         return (0.0, 1.0);
@@ -283,8 +288,7 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// The mean of the last `window` finite values up to each one; NaN where there is none.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let mean = |end: usize| {
-        let last =
-            values[(end + 1).saturating_sub(window)..=end].iter().filter(|value| value.abs() <= LARGEST);
+        let last = values[(end + 1).saturating_sub(window)..=end].iter().filter(|&&value| is_drawn(value));
         let (sum, count) = last.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
         sum / count
     };
@@ -364,7 +368,7 @@ impl Area {
     /// Draws values in order, interrupted where they are not finite.
     fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
         let points: Vec<Point> = (1_u32..).zip(values).map(|(x, &y)| [f64::from(x), y]).collect();
-        for run in points.split(|[_, y]| !(y.abs() <= LARGEST)) {
+        for run in points.split(|&[_, y]| !is_drawn(y)) {
             let run: Vec<Point> = self.thin(run).into_iter().map(|point| self.place(point)).collect();
             match run[..] {
                 [] => {}

@@ -123,7 +123,7 @@ impl Surface<'_> {
 
     /// Strokes a path given in inner coordinates. A line thinner than a pixel is drawn a pixel
     /// wide and fainter, so that it does not fall between the samples.
-    fn stroke_path(&mut self, path: Path, width: f64, cap: LineCap, color: Color) {
+    fn stroke_path(&mut self, path: &Path, width: f64, cap: LineCap, color: Color) {
         let transform = self.raster.transforms.current();
         let scale = (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt();
         let pixels = width * scale;
@@ -135,8 +135,8 @@ impl Surface<'_> {
         let stroke =
             Stroke { width: width as f32, line_cap: cap, line_join: LineJoin::Round, ..Stroke::default() };
         let resolution = PathStroker::compute_resolution_scale(&skia_transform(transform));
-        if within_reach(&path, resolution)
-            && let Some(outline) = self.raster.stroker.stroke(&path, &stroke, resolution)
+        if within_reach(path, resolution)
+            && let Some(outline) = self.raster.stroker.stroke(path, &stroke, resolution)
         {
             self.fill_path(outline, color);
         }
@@ -163,13 +163,13 @@ impl Canvas for Surface<'_> {
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
         if let Some(path) = self.path(|mut emit| outline(shape, &mut emit)) {
-            self.stroke_path(path, width, LineCap::Butt, color);
+            self.stroke_path(&path, width, LineCap::Butt, color);
         }
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         if let Some(path) = self.path(|mut emit| font::outline(text, position, size, align, &mut emit)) {
-            self.stroke_path(path, size * font::WEIGHT, LineCap::Round, color);
+            self.stroke_path(&path, size * font::WEIGHT, LineCap::Round, color);
         }
     }
 
@@ -213,4 +213,204 @@ fn append(builder: &mut PathBuilder, segment: Segment) {
 fn skia_transform(Transform { x, y, origin }: Transform) -> tiny_skia::Transform {
     let [sx, ky, kx, sy, tx, ty] = [x[0], x[1], y[0], y[1], origin[0], origin[1]].map(|v| v as f32);
     tiny_skia::Transform::from_row(sx, ky, kx, sy, tx, ty)
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_core::canvas::TURN;
+
+    use super::*;
+
+    const RED: Color = Color::rgb(200, 0, 0);
+
+    /// The red of each pixel of a row.
+    fn row(frame: &Frame, y: u32) -> Vec<u8> {
+        let width = frame.width() as usize * 3;
+        frame.pixels()[y as usize * width..][..width].iter().step_by(3).copied().collect()
+    }
+
+    fn pixel(frame: &Frame, x: u32, y: u32) -> [u8; 3] {
+        let at = (y * frame.width() + x) as usize * 3;
+        [frame.pixels()[at], frame.pixels()[at + 1], frame.pixels()[at + 2]]
+    }
+
+    #[test]
+    fn shapes_are_solid_inside_and_leave_the_rest_alone() {
+        let square = [[10.0, 10.0], [30.0, 10.0], [30.0, 30.0], [10.0, 30.0]];
+        let shapes: [Shape<'_>; 3] = [
+            Shape::Polygon(&square),
+            Shape::Circle { center: [20.0, 20.0], radius: 10.0 },
+            Shape::Rect { min: [10.0, 10.0], size: [20.0, 20.0], corner: 3.0 },
+        ];
+        for shape in shapes {
+            let frame = frame((40, 40), |canvas| {
+                canvas.clear(Color::WHITE);
+                canvas.fill(shape, RED);
+            });
+            for (x, y) in [(20, 20), (20, 10), (11, 20), (29, 20), (15, 24)] {
+                assert_eq!(pixel(&frame, x, y), [200, 0, 0], "{shape:?} {x} {y}");
+            }
+            for (x, y) in [(20, 9), (9, 20), (30, 20), (20, 30), (0, 0), (39, 39)] {
+                assert_eq!(pixel(&frame, x, y), [255; 3], "{shape:?} {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn edges_are_anti_aliased() {
+        let frame = frame((6, 3), |canvas| {
+            canvas.polygon(&[[1.5, 0.0], [4.25, 0.0], [4.25, 3.0], [1.5, 3.0]], Color::WHITE);
+        });
+        assert_eq!(row(&frame, 1), [0, 128, 255, 255, 64, 0]);
+    }
+
+    #[test]
+    fn the_winding_rule_is_nonzero() {
+        let square = |min: f64, max: f64| {
+            let corners = [[min, min], [max, min], [max, max], [min, max]];
+            std::array::from_fn::<_, 4, _>(|i| {
+                if i == 0 { Segment::Move(corners[0]) } else { Segment::Line(corners[i]) }
+            })
+        };
+        let [outer, inner] = [square(0.0, 9.0), square(3.0, 6.0)];
+        let both = [&outer[..], &inner[..]].concat();
+        let image = frame((9, 9), |canvas| canvas.fill(Shape::Path(&both), Color::WHITE));
+        assert_eq!(row(&image, 4), [255; 9]);
+    }
+
+    #[test]
+    fn strokes_have_their_width_butt_ends_and_round_joins() {
+        let image = frame((20, 20), |canvas| {
+            canvas.stroke(Shape::Polyline(&[[4.0, 15.0], [12.0, 15.0], [12.0, 4.0]]), 4.0, Color::WHITE);
+        });
+        assert_eq!([12, 13, 16, 17].map(|y| pixel(&image, 6, y)[0]), [0, 255, 255, 0]);
+        assert_eq!([3, 4].map(|x| pixel(&image, x, 15)[0]), [0, 255]);
+        // The outer corner of a round join is cut off, but not as far as a bevel's.
+        assert!(pixel(&image, 13, 16)[0] < 128 && pixel(&image, 12, 16)[0] > 200);
+    }
+
+    #[test]
+    fn thin_lines_fade_instead_of_breaking() {
+        let image = frame((8, 3), |canvas| canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE));
+        assert_eq!(row(&image, 1), [51; 8]);
+        assert_eq!(row(&image, 0), [0; 8]);
+    }
+
+    #[test]
+    fn drawings_scale_to_the_frame() {
+        let draw = |canvas: &mut dyn Canvas| {
+            canvas.rect([1.0, 0.0], [1.0, 1.0], Color::WHITE);
+            canvas.polygon(&[[2.0, 0.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0]], RED);
+        };
+        let mut image = Frame::new(12, 2);
+        Raster::new().paint((4, 1), &mut |canvas| draw(canvas), &mut image);
+        assert_eq!(row(&image, 1), [0, 0, 0, 255, 255, 255, 200, 200, 200, 0, 0, 0]);
+    }
+
+    #[test]
+    fn transforms_nest() {
+        let image = frame((20, 20), |canvas| {
+            canvas.push(Transform::y_up(20.0));
+            canvas.push(Transform::translate(10.0, 5.0));
+            canvas.push(Transform::rotate(TURN / 4.0));
+            // Along x, which now points up in the picture.
+            canvas.polygon(&[[0.0, -1.0], [8.0, -1.0], [8.0, 1.0], [0.0, 1.0]], Color::WHITE);
+            canvas.pop();
+            canvas.rect([0.0, -2.0], [3.0, 1.0], RED);
+            canvas.pop();
+            canvas.pop();
+            canvas.rect([0.0, 0.0], [1.0, 1.0], RED);
+        });
+        assert_eq!([6, 7, 14, 15].map(|y| pixel(&image, 10, y)[0]), [0, 255, 255, 0]);
+        assert_eq!(row(&image, 16), [[0; 10].as_slice(), &[200; 3], &[0; 7]].concat());
+        assert_eq!(pixel(&image, 0, 0), [200, 0, 0]);
+    }
+
+    #[test]
+    fn text_stands_on_its_baseline() {
+        let image = frame((40, 40), |canvas| {
+            canvas.text("I", [20.0, 30.0], 16.0, Align::Center, Color::WHITE);
+        });
+        assert_eq!([12, 15, 29, 32].map(|y| pixel(&image, 20, y)[0]), [0, 255, 255, 0]);
+        assert_eq!([18, 19, 20, 21].map(|x| pixel(&image, x, 20)[0]), [0, 255, 255, 0]);
+    }
+
+    #[test]
+    fn translucent_shapes_mix_once() {
+        let image = frame((10, 10), |canvas| {
+            canvas.clear(Color::WHITE);
+            // The stroke crosses itself.
+            let zigzag = [[0.0, 5.0], [10.0, 5.0], [0.0, 5.0], [10.0, 5.0]];
+            canvas.stroke(Shape::Polyline(&zigzag), 4.0, Color::BLACK.alpha(51));
+        });
+        assert_eq!(pixel(&image, 5, 5), [204; 3]);
+    }
+
+    #[test]
+    fn a_used_painter_gives_the_same_picture() {
+        let draw = |canvas: &mut dyn Canvas| {
+            canvas.clear(Color::WHITE);
+            canvas.circle([3.3, 4.1], 2.7, RED);
+            canvas.text("a", [1.0, 9.0], 5.0, Align::Left, Color::BLACK);
+            canvas.push(Transform::scale(2.0, 2.0));
+        };
+        let mut raster = Raster::new();
+        for size in [(10, 10), (7, 30), (10, 10)] {
+            let mut image = Frame::new(size.0, size.1);
+            raster.paint((10, 10), &mut |canvas| draw(canvas), &mut image);
+            let mut fresh = Frame::new(size.0, size.1);
+            Raster::new().paint((10, 10), &mut |canvas| draw(canvas), &mut fresh);
+            assert_eq!(image.pixels(), fresh.pixels());
+        }
+    }
+
+    /// A fingerprint of a picture with all kinds of shapes. It must not depend on the processor.
+    #[test]
+    fn the_bytes_are_the_same_everywhere() {
+        let image = frame((64, 48), |canvas| {
+            canvas.clear(Color::rgb(240, 240, 250));
+            canvas.push(Transform { x: [0.8, 0.6], y: [-0.6, 0.8], origin: [20.0, 5.0] });
+            canvas.rect([1.0, 2.0], [20.0, 9.0], RED.alpha(100));
+            canvas.stroke(Shape::Circle { center: [15.0, 15.0], radius: 9.5 }, 2.5, Color::BLACK);
+            canvas.pop();
+            let curve = [Segment::Move([2.0, 40.0]), Segment::Cubic([20.0, 0.0], [30.0, 60.0], [60.0, 8.0])];
+            canvas.stroke(Shape::Path(&curve), 0.7, Color::rgb(0, 90, 0));
+            canvas.text("Gym 0.1", [4.0, 44.0], 8.0, Align::Left, Color::BLACK.alpha(200));
+        });
+        let hash = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0xe042_ae4f_d295_ac5b);
+    }
+
+    #[test]
+    fn odd_numbers_draw_nothing_and_do_not_fail() {
+        for odd in [f64::NAN, f64::INFINITY, 1e30, 1e9, -1e6] {
+            let image = frame((8, 8), |canvas| {
+                canvas.circle([4.0, 4.0], odd, RED);
+                canvas.circle([odd, 4.0], 1.0, RED);
+                canvas.polygon(&[[0.0, 0.0], [odd, 8.0], [8.0, 0.0]], RED);
+                canvas.line([0.0, 0.0], [odd, 0.0], 1.0, RED);
+                canvas.text("a", [4.0, odd], 5.0, Align::Left, RED);
+                canvas.push(Transform::translate(odd, 0.0));
+                canvas.circle([4.0, 4.0], 1.0, RED);
+                canvas.line([0.0, 0.0], [8.0, 8.0], 1.0, RED);
+            });
+            assert!(image.pixels().iter().all(|&byte| byte == 0), "{odd}");
+        }
+        let image = frame((8, 8), |canvas| {
+            canvas.line([0.0, 0.0], [8.0, 8.0], -1.0, RED);
+            canvas.line([0.0, 0.0], [8.0, 8.0], f64::NAN, RED);
+            canvas.polygon(&[], RED);
+            canvas.polygon(&[[1.0, 1.0]], RED);
+            canvas.pop();
+            canvas.push(Transform::scale(0.0, 0.0));
+            canvas.line([0.0, 0.0], [8.0, 8.0], 1.0, RED);
+        });
+        assert!(image.pixels().iter().all(|&byte| byte == 0));
+        assert_eq!(frame((0, 5), |canvas| canvas.clear(RED)).pixels().len(), 0);
+    }
+
+    #[test]
+    fn the_painter_is_registered() {
+        assert!(gym_core::render::painter().is_some());
+    }
 }

@@ -16,7 +16,6 @@ mod art;
 pub mod blackjack;
 pub mod cliff_walking;
 pub mod frozen_lake;
-mod no_arguments;
 pub mod tabular;
 pub mod taxi;
 

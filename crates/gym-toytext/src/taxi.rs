@@ -25,7 +25,6 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing, INK};
-use crate::no_arguments::NoArguments;
 use crate::tabular::{Distribution, Outcome, Table};
 
 /// The environment.
@@ -403,7 +402,7 @@ fn finish(canvas: &mut dyn Canvas, foot: Point) {
 }
 
 gym_core::register!(
-    Registration::new::<NoArguments<Taxi>>("Taxi-v3").max_episode_steps(200).reward_threshold(8.0)
+    Registration::new::<Taxi>("Taxi-v3").without_arguments().max_episode_steps(200).reward_threshold(8.0)
 );
 gym_core::register!(Registration::new::<Taxi>("Taxi-v4").max_episode_steps(200).reward_threshold(8.0));
 

@@ -146,17 +146,13 @@ impl EnvBuilder {
     /// # Errors
     /// What is wrong with the id, an argument, or the render mode.
     pub fn build(self) -> Result<BoxEnv> {
-        let EnvSpec {
-            render_mode,
-            render_size,
-            max_episode_steps,
-            disable_env_checker,
-            order_enforce,
-            additional_wrappers,
-            ..
-        } = self.clone().spec()?;
-        let spec = EnvSpec { additional_wrappers: Vec::new(), ..self.spec()? };
-        let mut env = find(&spec.id)?.construct(spec)?;
+        let spec = self.spec()?;
+        let EnvSpec { render_mode, render_size, max_episode_steps, .. } = spec;
+        let EnvSpec { disable_env_checker, order_enforce, .. } = spec;
+        // the wrappers add themselves to the spec again
+        let additional_wrappers = spec.additional_wrappers.clone();
+        let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec };
+        let mut env = find(&bare.id)?.construct(bare)?;
         if let Some(mode) = render_mode {
             let mut render = Render::new(env, mode.single())?;
             if let Some((width, height)) = render_size {

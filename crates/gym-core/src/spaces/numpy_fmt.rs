@@ -3,6 +3,9 @@
 //!
 //! After numpy's `arrayprint.py` (v2.4.6) with its default `set_printoptions`.
 
+use std::fmt::LowerExp;
+use std::str::FromStr;
+
 use crate::array::{Array, Data};
 
 use super::number::Number;
@@ -70,22 +73,24 @@ pub(super) fn quoted(text: &str) -> String {
 
 /// numpy's `str` of one number: the fewest digits that tell it from its neighbours.
 fn scalar(data: &Data, index: usize) -> String {
-    // numpy writes a real number with an exponent from 10^digits on that the type surely holds
-    // (f64: 16, by tradition), and below 1e-4.
-    let (shortest, scientific, end) = match data {
-        Data::F32(values) => (values[index].to_string(), format!("{:e}", values[index]), 1e6),
-        Data::F64(values) => (values[index].to_string(), format!("{:e}", values[index]), 1e16),
+    // From here on numpy writes an exponent: 10^6 has all the digits that float32 surely holds;
+    // 10^16 is the tradition of C for float64.
+    let end = match data {
+        Data::F32(_) => 1e6,
+        Data::F64(_) => 1e16,
         _ => return integer(data, index).to_string(),
     };
-    let size = data.get_f64(index).abs();
-    if !size.is_finite() {
-        shortest.to_lowercase()
-    } else if size == 0.0 || (1e-4..end).contains(&size) {
-        if shortest.contains('.') { shortest } else { shortest + ".0" }
-    } else {
-        let (mantissa, exponent) = split_exponent(&scientific);
-        format!("{mantissa}{}", pad_exponent(exponent, 2))
+    let x = data.get_f64(index);
+    if !x.is_finite() {
+        return non_finite(x).to_owned();
     }
+    if x == 0.0 || (1e-4..end).contains(&x.abs()) {
+        let text = positional(data, index, usize::MAX);
+        return if text.ends_with('.') { text + "0" } else { text };
+    }
+    let text = scientific(data, index, usize::MAX);
+    let (mantissa, exponent) = split_exponent(&text);
+    format!("{}{}", mantissa.trim_end_matches('.'), pad_exponent(exponent, 2))
 }
 
 fn integer(data: &Data, index: usize) -> i128 {
@@ -141,7 +146,11 @@ impl Style {
             shown.iter().partition(|&&i| data.get_f64(i).is_finite());
         let needs_exponent = needs_exponent(data, &finite);
         let parts = |i: &usize| {
-            let text = if needs_exponent { scientific(data, *i) } else { positional(data, *i) };
+            let text = if needs_exponent {
+                scientific(data, *i, PRECISION)
+            } else {
+                positional(data, *i, PRECISION)
+            };
             let (number, exponent) = split_exponent(&text);
             let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
             (whole.len(), fraction.len(), pad_exponent(exponent, 2).len() - 2)
@@ -172,12 +181,14 @@ impl Style {
         }
         let text = match *self {
             Self::Scientific { digits, exponent, .. } => {
-                let text = format!("{x:.digits$e}");
+                let text = shortest(data, index);
+                let is_exact = fraction_len(&text) == digits;
+                let text = if is_exact { text } else { format!("{x:.digits$e}") };
                 let (mantissa, power) = split_exponent(&text);
                 let point = if digits == 0 { "." } else { "" };
                 format!("{mantissa}{point}{}", pad_exponent(power, exponent))
             }
-            _ => positional(data, index),
+            _ => positional(data, index, PRECISION),
         };
         let indent = left.saturating_sub(text.find('.').unwrap_or(text.len()));
         format!("{:<total$}", format!("{:indent$}{text}", ""))
@@ -211,35 +222,47 @@ fn non_finite(x: f64) -> &'static str {
     }
 }
 
-/// The shortest digits with a decimal point, at most 8 after it: `0.1`, `3.`, `-0.41887903`.
-fn positional(data: &Data, index: usize) -> String {
-    let shortest = match data {
-        Data::F32(values) => values[index].to_string(),
-        _ => data.get_f64(index).to_string(),
-    };
-    match shortest.split_once('.') {
-        None => shortest + ".",
-        Some((_, fraction)) if fraction.len() <= PRECISION => shortest,
-        Some(_) => format!("{:.PRECISION$}", data.get_f64(index)).trim_end_matches('0').to_owned(),
+/// With a decimal point and the fewest digits, at most `places` after it: `0.1`, `3.`, `-0.41887903`.
+fn positional(data: &Data, index: usize, places: usize) -> String {
+    let text = shortest(data, index);
+    let exponent: i32 = split_exponent(&text).1.parse().unwrap_or(0);
+    let shortest_places = usize::try_from(fraction_len(&text) as i32 - exponent).unwrap_or(0);
+    if shortest_places > places {
+        return format!("{:.places$}", data.get_f64(index)).trim_end_matches('0').to_owned();
+    }
+    let point = if shortest_places == 0 { "." } else { "" };
+    format!("{:.shortest_places$}{point}", text.parse::<f64>().unwrap_or(f64::NAN))
+}
+
+/// With an exponent and the fewest digits, at most `places` after the point: `1.5e-5`, `3.e10`.
+fn scientific(data: &Data, index: usize, places: usize) -> String {
+    let text = shortest(data, index);
+    let is_cut = fraction_len(&text) > places;
+    let text = if is_cut { format!("{:.places$e}", data.get_f64(index)) } else { text };
+    let (mantissa, exponent) = split_exponent(&text);
+    let mantissa = if is_cut { mantissa.trim_end_matches('0') } else { mantissa };
+    let point = if mantissa.contains('.') { "" } else { "." };
+    format!("{mantissa}{point}e{exponent}")
+}
+
+/// The fewest digits that read back as this number, in the form `-1.5e-5`.
+fn shortest(data: &Data, index: usize) -> String {
+    /// Of two such decimals that are equally near, numpy takes the even one, as the exact value rounded
+    /// to so many digits does.
+    fn even<T: LowerExp + FromStr + PartialEq + Copy>(x: T, exact: f64) -> String {
+        let text = format!("{x:e}");
+        let rounded = format!("{exact:.*e}", fraction_len(&text));
+        if rounded.parse().is_ok_and(|rounded: T| rounded == x) { rounded } else { text }
+    }
+    match data {
+        Data::F32(values) => even(values[index], values[index].into()),
+        _ => even(data.get_f64(index), data.get_f64(index)),
     }
 }
 
-/// The shortest digits with an exponent, at most 8 after the point: `1.5e-5`, `3.e10`.
-fn scientific(data: &Data, index: usize) -> String {
-    let shortest = match data {
-        Data::F32(values) => format!("{:e}", values[index]),
-        _ => format!("{:e}", data.get_f64(index)),
-    };
-    let (mantissa, exponent) = split_exponent(&shortest);
-    match mantissa.split_once('.') {
-        None => format!("{mantissa}.e{exponent}"),
-        Some((_, fraction)) if fraction.len() <= PRECISION => shortest,
-        Some(_) => {
-            let rounded = format!("{:.PRECISION$e}", data.get_f64(index));
-            let (mantissa, exponent) = split_exponent(&rounded);
-            format!("{}e{exponent}", mantissa.trim_end_matches('0'))
-        }
-    }
+/// How many digits there are between the point and the exponent.
+fn fraction_len(text: &str) -> usize {
+    split_exponent(text).0.split_once('.').map_or(0, |(_, fraction)| fraction.len())
 }
 
 fn split_exponent(text: &str) -> (&str, &str) {
@@ -389,6 +412,8 @@ mod tests {
         assert_eq!(text(1e6), "1e+06");
         assert_eq!(text(f32::MAX), "3.4028235e+38");
         assert_eq!(text(0.1), "0.1");
+        // Half way between two decimals of 8 digits.
+        assert_eq!(text(3_077_606.25), "3.0776062e+06");
     }
 
     #[test]

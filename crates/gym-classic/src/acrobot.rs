@@ -22,7 +22,7 @@ use gym_core::{Dynamics, Generator, NoArguments, Registration, Reset, Result, Sp
 use serde::{Deserialize, Serialize};
 
 use crate::numpy::{modulo, sin_cos_f32, square};
-use crate::reset;
+use crate::{pixels, reset};
 
 /// The environment.
 pub type Acrobot = Stateful<AcrobotDynamics>;
@@ -141,12 +141,13 @@ impl Dynamics for AcrobotDynamics {
         const RADIUS: f64 = 0.1 * SCALE;
 
         canvas.clear(Color::WHITE);
-        canvas.push(Transform::translate(250.0, 0.0).then(Transform::y_up(250.0)));
-        canvas.line([-BOUND * SCALE, SCALE], [BOUND * SCALE, SCALE], 1.0, Color::BLACK);
+        canvas.push(pixels::flipped(500.0).then(Transform::translate(250.0, 250.0)));
+        let goal = SCALE.floor(); // a line lies on whole pixels
+        canvas.line([-BOUND * SCALE, goal], [BOUND * SCALE, goal], 1.0, Color::BLACK);
         canvas.push(Transform::rotate(state.theta1 - PI / 2.0));
         for (length, bend) in [(LINK_LENGTH_1 * SCALE, state.theta2), (LINK_LENGTH_2 * SCALE, 0.0)] {
-            canvas.rect([0.0, -RADIUS], [length, 2.0 * RADIUS], Color::rgb(0, 204, 204));
-            canvas.circle([0.0, 0.0], RADIUS, Color::rgb(204, 204, 0));
+            pixels::rect(canvas, [0.0, -RADIUS], [length, 2.0 * RADIUS], Color::rgb(0, 204, 204));
+            pixels::circle(canvas, [0.0, 0.0], RADIUS, Color::rgb(204, 204, 0));
             canvas.push(Transform::translate(length, 0.0).then(Transform::rotate(bend)));
         }
         for _ in 0..4 {

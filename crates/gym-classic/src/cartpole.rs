@@ -20,7 +20,7 @@ use gym_core::render::Metadata;
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::{pixels, reset};
 
 /// The environment.
 pub type CartPole = Stateful<CartPoleDynamics>;
@@ -157,14 +157,14 @@ impl Dynamics for CartPoleDynamics {
         const CART_Y: f64 = 100.0;
 
         canvas.clear(Color::WHITE);
-        canvas.push(Transform::y_up(400.0));
+        canvas.push(pixels::flipped(400.0));
         canvas.line([0.0, CART_Y], [600.0, CART_Y], 1.0, Color::BLACK);
         canvas.push(Transform::translate(state.x * SCALE + 300.0, CART_Y));
-        canvas.rect([-CART[0] / 2.0, -CART[1] / 2.0], CART, Color::BLACK);
+        pixels::rect(canvas, [-CART[0] / 2.0, -CART[1] / 2.0], CART, Color::BLACK);
         canvas.push(Transform::translate(0.0, CART[1] / 4.0).then(Transform::rotate(-state.theta)));
         let foot = [-POLE_WIDTH / 2.0, -POLE_WIDTH / 2.0];
-        canvas.rect(foot, [POLE_WIDTH, POLE_LENGTH], Color::rgb(202, 152, 101));
-        canvas.circle([0.0, 0.0], POLE_WIDTH / 2.0, Color::rgb(129, 132, 203));
+        pixels::rect(canvas, foot, [POLE_WIDTH, POLE_LENGTH], Color::rgb(202, 152, 101));
+        pixels::circle(canvas, [0.0, 0.0], POLE_WIDTH / 2.0, Color::rgb(129, 132, 203));
         canvas.pop();
         canvas.pop();
         canvas.pop();

@@ -17,6 +17,7 @@ pub mod mountain_car;
 pub mod mountain_car_continuous;
 mod numpy;
 pub mod pendulum;
+mod pixels;
 mod reset;
 
 pub use acrobot::Acrobot;

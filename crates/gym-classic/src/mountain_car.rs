@@ -12,12 +12,12 @@
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
-use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::canvas::{Canvas, Color, Point, Shape, Transform};
 use gym_core::render::Metadata;
 use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::{pixels, reset};
 
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;
@@ -142,19 +142,19 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
     let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
 
     canvas.clear(Color::WHITE);
-    canvas.push(Transform::y_up(400.0));
+    canvas.push(pixels::flipped(400.0));
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
         pixel(MIN_POSITION + (MAX_POSITION - MIN_POSITION) * i as f64 / (POINTS - 1) as f64)
     });
-    canvas.stroke(gym_core::canvas::Shape::Polyline(&hill), 1.0, Color::BLACK);
+    canvas.stroke(Shape::Polyline(&hill), 1.0, Color::BLACK);
 
     let [x, y] = pixel(position);
     // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
     let slope = Transform::rotate((3.0 * position).cos());
     canvas.push(Transform::translate(x, y + CLEARANCE).then(slope));
-    canvas.rect([-CAR[0] / 2.0, 0.0], CAR, Color::BLACK);
+    pixels::rect(canvas, [-CAR[0] / 2.0, 0.0], CAR, Color::BLACK);
     for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
-        canvas.circle([wheel, 0.0], WHEEL_RADIUS, Color::rgb(128, 128, 128));
+        pixels::circle(canvas, [wheel, 0.0], WHEEL_RADIUS, Color::rgb(128, 128, 128));
     }
     canvas.pop();
 

@@ -20,7 +20,7 @@ use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, S
 use serde::{Deserialize, Serialize};
 
 use crate::numpy::{modulo, square, square_f32};
-use crate::reset;
+use crate::{pixels, reset};
 
 /// The environment.
 pub type Pendulum = Stateful<PendulumDynamics>;
@@ -144,32 +144,32 @@ impl Dynamics for PendulumDynamics {
         const ROD: Color = Color::rgb(204, 77, 77);
 
         canvas.clear(Color::WHITE);
-        canvas.push(Transform::translate(250.0, 0.0).then(Transform::y_up(250.0)));
+        canvas.push(pixels::flipped(500.0).then(Transform::translate(250.0, 250.0)));
         canvas.push(Transform::rotate(state.theta + PI / 2.0));
-        canvas.rect([0.0, -ROD_RADIUS], [SCALE, 2.0 * ROD_RADIUS], ROD);
-        canvas.circle([0.0, 0.0], ROD_RADIUS, ROD);
-        canvas.circle([SCALE, 0.0], ROD_RADIUS, ROD);
+        pixels::rect(canvas, [0.0, -ROD_RADIUS], [SCALE, 2.0 * ROD_RADIUS], ROD);
+        pixels::circle(canvas, [0.0, 0.0], ROD_RADIUS, ROD);
+        pixels::circle(canvas, [SCALE, 0.0], ROD_RADIUS, ROD);
         canvas.pop();
         if let Some(torque) = state.last_torque {
             draw_torque(f64::from(torque), SCALE, canvas);
         }
-        canvas.circle([0.0, 0.0], 0.05 * SCALE, Color::BLACK);
+        pixels::circle(canvas, [0.0, 0.0], 0.05 * SCALE, Color::BLACK);
         canvas.pop();
     }
 }
 
 /// An arrow around the axle, as large as the torque and in its direction.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    const THICKNESS: f64 = 0.06;
-    const HEAD: [Point; 3] = [[0.84, 0.0], [1.16, 0.0], [1.0, 0.34]];
-    let size = scale * torque.abs() / 2.0 / 2.0; // its radius: half of it is the picture's width
+    const WIDTH: f64 = 0.065; // of the line, for a radius of 1
+    const HEAD: [Point; 4] = [[0.86, -0.1], [1.0, -0.02], [1.14, -0.1], [1.0, 0.3]];
+    let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole picture is twice as wide
     if size < 1.0 {
         return;
     }
     // drawn counterclockwise; a negative torque turns the other way
-    canvas.push(Transform::scale(size * torque.signum() * 0.82, size * 0.82));
+    canvas.push(Transform::scale(size * torque.signum(), size));
     let line: [Point; 33] = arc([0.0, 0.0], 1.0, -1.5 * PI, 0.0);
-    canvas.stroke(Shape::Polyline(&line), 2.0 * THICKNESS, Color::BLACK);
+    canvas.stroke(Shape::Polyline(&line), WIDTH, Color::BLACK);
     canvas.polygon(&HEAD, Color::BLACK);
     canvas.pop();
 }

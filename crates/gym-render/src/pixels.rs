@@ -7,6 +7,9 @@ use gym_core::render::Frame;
 
 /// Bytes of a pixel.
 const RGB: usize = 3;
+/// Edges lie on parts of a pixel, as in `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit
+/// together, and the few shades along edges fit into a GIF's colour table.
+const SUBPIXELS: f64 = 4.0;
 /// Pixels that are looked at together.
 const GROUP: usize = 8;
 
@@ -16,7 +19,7 @@ pub(crate) fn clear(frame: &mut Frame, color: Color) {
 }
 
 /// Lays colour over the part of the frame between two corners. A pixel that is only partly inside
-/// takes its share.
+/// takes its share, in sixteenths.
 pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let columns = shares(min[0], max[0], width);
@@ -32,9 +35,11 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
 }
 
 /// Cuts the pixels that an interval touches into three runs (the first pixel, the whole ones, the
-/// last one), each with the share of each of its pixels that lies inside.
+/// last one), each with the share of each of its pixels that lies inside. The ends move to the
+/// nearest [`SUBPIXELS`] part of a pixel.
 fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
-    let [min, max] = [min.min(max), min.max(max)].map(|at| at.clamp(0.0, count as f64));
+    let snap = |at: f64| ((at * SUBPIXELS).round() / SUBPIXELS).clamp(0.0, count as f64);
+    let (min, max) = (snap(min.min(max)), snap(min.max(max)));
     let (first, last) = (min as usize, max as usize);
     if first == last {
         // A NaN ends here too, as 0..0.
@@ -120,6 +125,12 @@ mod tests {
         let mut frame = Frame::new(4, 3);
         fill_box(&mut frame, [0.5, 1.0], [2.75, 2.5], Color::WHITE);
         assert_eq!(red(&frame), [0, 0, 0, 0, 128, 255, 191, 0, 64, 128, 96, 0]);
+    }
+
+    #[test]
+    fn edges_move_to_quarters_of_a_pixel() {
+        assert_eq!(shares(0.6, 2.1, 4), [(0..1, 0.5), (1..2, 1.0), (2..3, 0.0)]);
+        assert_eq!(shares(1.9, -0.3, 4), [(0..1, 1.0), (1..2, 1.0), (2..3, 0.0)]);
     }
 
     #[test]

@@ -48,7 +48,7 @@ impl Space {
         match self {
             Self::Box(space) => expect_array(value, space.shape(), space.dtype()).map(|_| ()),
             Self::MultiDiscrete(space) => expect_array(value, space.shape(), space.dtype()).map(|_| ()),
-            Self::MultiBinary(space) => expect_array(value, space.shape(), MultiBinary::DTYPE).map(|_| ()),
+            Self::MultiBinary(space) => space.expect_array(value).map(|_| ()),
             Self::Discrete(_) => match value {
                 Value::Int(_) => Ok(()),
                 _ => Err(Fault::kind("a whole number", value)),

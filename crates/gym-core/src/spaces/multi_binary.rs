@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{DType, Error, Generator, Result, Value};
+use crate::{Array, DType, Error, Generator, Result, Value};
 
-use super::fault::Fault;
+use super::fault::{self, Fault};
 use super::number::{Number, Numeric, with_numbers};
 use super::selection::Selection;
 use super::weight::Weight;
@@ -59,16 +59,18 @@ impl MultiBinary {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        let Value::Array(array) = value else { return Err(Fault::kind("an array", value)) };
-        if array.shape() != self.shape {
-            let [actual, expected] = [array.shape(), &self.shape].map(numpy_fmt::shape);
-            return Err(Fault::new(format!("the shape is {actual} and should be {expected}")));
-        }
+        let array = self.expect_array(value)?;
         let is_binary = |x: Number| x == Number::Int(0) || x == Number::Int(1);
         match Number::all(array.data()).enumerate().find(|(_, x)| !is_binary(*x)) {
             None => Ok(()),
             Some((i, x)) => Err(Fault::new(format!("{x} is neither 0 nor 1")).at_element(i, &self.shape)),
         }
+    }
+
+    /// The array of a value, if it has the shape of the elements.
+    pub(super) fn expect_array<'a>(&self, value: &'a Value) -> Result<&'a Array, Fault> {
+        let own_type = value.as_array().map_or(Self::DTYPE, Array::dtype);
+        fault::expect_array(value, &self.shape, own_type)
     }
 
     pub(super) fn draw<T: Weight>(&self, rng: &mut Generator, selection: &Selection<T>, out: &mut Value) {
@@ -123,7 +125,6 @@ impl TryFrom<Description> for MultiBinary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Array;
 
     #[test]
     fn constructor_refuses_empty_axes() {

@@ -4,6 +4,7 @@ mod conform;
 mod demo;
 mod gif;
 mod list;
+mod pictures;
 mod policy;
 mod replay;
 mod run;
@@ -31,6 +32,8 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
+    /// Draws the pictures of the documents.
+    Pictures(pictures::Arguments),
     /// Checks that environments keep the rules.
     Conform(conform::Arguments),
 }
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::Gif(arguments) => gif::gif(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Pictures(arguments) => pictures::pictures(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
     };
     match result {

@@ -1,4 +1,4 @@
-//! The rules of [`Env`](crate::Env) as checks that run against any environment.
+//! The rules of [`Env`] as checks that run against any environment.
 //!
 //! A plugin's own test suite runs them in one line; `cargo xtask conform` runs them over everything
 //! that is linked.

@@ -14,10 +14,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use gif::{Encoder, EncodingError, Repeat};
+use gym_core::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 
-use crate::atomic::AtomicFile;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
 
 /// Where the shared colour table lies in the file: behind signature and screen descriptor (GIF89a
@@ -338,7 +338,9 @@ mod tests {
     use gif::{ColorOutput, DecodeOptions, DisposalMethod};
 
     use super::*;
-    use crate::atomic::testing::Folder;
+    use tempfile::TempDir;
+
+    use crate::testing::names;
 
     /// A picture of a file: what it brings, and the whole screen after it.
     struct Picture {
@@ -497,26 +499,29 @@ mod tests {
 
     #[test]
     fn files_appear_when_finished_or_dropped() {
-        let folder = Folder::new("gif");
-        let path = folder.join("a.gif");
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("a.gif");
         let mut writer = GifWriter::create(&path, 50).unwrap();
         moving(3).iter().for_each(|frame| writer.write(frame).unwrap());
         assert!(!path.exists());
         writer.finish().unwrap();
         assert_eq!(fs::read(&path).unwrap(), encode(50, &moving(3)));
 
-        let mut dropped = GifWriter::create(folder.join("b.gif"), 50).unwrap();
+        let mut dropped = GifWriter::create(folder.path().join("b.gif"), 50).unwrap();
         moving(3).iter().for_each(|frame| dropped.write(frame).unwrap());
         drop(dropped);
-        write_gif(folder.join("c.gif"), 50, &moving(3)).unwrap();
-        assert_eq!(folder.names(), ["a.gif", "b.gif", "c.gif"]);
-        assert_eq!(fs::read(folder.join("b.gif")).unwrap(), fs::read(folder.join("c.gif")).unwrap());
+        write_gif(folder.path().join("c.gif"), 50, &moving(3)).unwrap();
+        assert_eq!(names(&folder), ["a.gif", "b.gif", "c.gif"]);
+        assert_eq!(
+            fs::read(folder.path().join("b.gif")).unwrap(),
+            fs::read(folder.path().join("c.gif")).unwrap()
+        );
     }
 
     #[test]
     fn mistakes_are_errors_and_leave_no_file() {
-        let folder = Folder::new("gif-mistakes");
-        let path = folder.join("a.gif");
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("a.gif");
         let refused = |result: Result<()>| matches!(result, Err(Error::InvalidArgument { .. }));
         let mixed = [Frame::new(2, 2), Frame::new(3, 2)];
         assert!(refused(GifWriter::create(&path, 0).map(|_| ())));
@@ -525,9 +530,9 @@ mod tests {
         assert!(refused(write_gif(&path, 1, &mixed)));
         assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2)])));
         assert!(refused(write_gif(&path, 1, &[Frame::new(65536, 1)])));
-        assert!(matches!(GifWriter::create(folder.join("no/a.gif"), 1), Err(Error::Io { .. })));
+        assert!(matches!(GifWriter::create(folder.path().join("no/a.gif"), 1), Err(Error::Io { .. })));
         drop(GifWriter::create(&path, 1).unwrap());
-        assert_eq!(folder.names(), [""; 0]);
+        assert_eq!(names(&folder), [""; 0]);
 
         let mut writer = GifWriter::create(&path, 1).unwrap();
         assert!(refused(writer.write(&Frame::new(0, 0))));
@@ -575,8 +580,8 @@ mod tests {
 
     #[test]
     fn after_a_failure_there_is_no_file_and_every_call_fails() {
-        let folder = Folder::new("gif-failure");
-        let mut writer = GifWriter::create(folder.join("a.gif"), 50).unwrap();
+        let folder = TempDir::new().unwrap();
+        let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
         writer.write(&Frame::new(2, 2)).unwrap();
         // The folder is gone when the file is to get its name.
         fs::remove_dir_all(&folder.0).unwrap();

@@ -26,7 +26,6 @@
 //! assert_eq!(frame.pixels()[(4 + 1) * 3..][..3], [255, 0, 0]);
 //! ```
 
-mod atomic;
 mod font;
 mod gif;
 mod number;
@@ -38,6 +37,8 @@ mod png;
 mod raster;
 mod record;
 mod svg;
+#[cfg(test)]
+mod testing;
 mod transforms;
 
 pub use font::text_width;

@@ -3,16 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use gym_core::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
-use crate::atomic::AtomicFile;
-
 /// Pixels between and around the pictures of a contact sheet.
 const GAP: u32 = 4;
 /// The shade of grey between the pictures of a contact sheet.
-const BACKGROUND: u8 = 128;
+const BACKGROUND: u8 = 232;
 
 /// Writes a frame to a PNG file.
 ///
@@ -55,21 +54,23 @@ pub fn write_png_sequence<'a>(
 }
 
 /// All frames in one picture, row by row, `columns` in each row (at least one). Frames smaller
-/// than the largest lie in the top left of their place.
+/// than the largest lie in the middle of their place.
 pub fn contact_sheet(frames: &[Frame], columns: usize) -> Frame {
     let columns = columns.clamp(1, frames.len().max(1)) as u32;
     let rows = (frames.len() as u32).div_ceil(columns);
-    let cell_width = GAP + frames.iter().map(Frame::width).max().unwrap_or(0);
-    let cell_height = GAP + frames.iter().map(Frame::height).max().unwrap_or(0);
+    let width = frames.iter().map(Frame::width).max().unwrap_or(0);
+    let height = frames.iter().map(Frame::height).max().unwrap_or(0);
+    let (cell_width, cell_height) = (GAP + width, GAP + height);
     let mut sheet = Frame::new(GAP + columns * cell_width, GAP + rows * cell_height);
     sheet.pixels_mut().fill(BACKGROUND);
     let sheet_row = sheet.width() as usize * 3;
     for (index, frame) in (0..).zip(frames) {
-        let left = (GAP + index % columns * cell_width) as usize * 3;
-        let top = (GAP + index / columns * cell_height) as usize;
+        let left = GAP + index % columns * cell_width + (width - frame.width()) / 2;
+        let top = GAP + index / columns * cell_height + (height - frame.height()) / 2;
         let row = frame.width() as usize * 3;
         for (y, pixels) in frame.pixels().chunks_exact(row.max(1)).enumerate() {
-            sheet.pixels_mut()[(top + y) * sheet_row + left..][..row].copy_from_slice(pixels);
+            sheet.pixels_mut()[(top as usize + y) * sheet_row + left as usize * 3..][..row]
+                .copy_from_slice(pixels);
         }
     }
     sheet
@@ -78,7 +79,9 @@ pub fn contact_sheet(frames: &[Frame], columns: usize) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::atomic::testing::Folder;
+    use tempfile::TempDir;
+
+    use crate::testing::names;
 
     fn plain(width: u32, height: u32, shade: u8) -> Frame {
         let mut frame = Frame::new(width, height);
@@ -97,24 +100,24 @@ mod tests {
 
     #[test]
     fn a_sequence_reads_back() {
-        let folder = Folder::new("png");
+        let folder = TempDir::new().unwrap();
         let mut frames = [plain(5, 3, 7), plain(2, 2, 200)];
         frames[0].pixels_mut()[4] = 99;
-        let paths = write_png_sequence(folder.join("run"), &frames).unwrap();
+        let paths = write_png_sequence(folder.path().join("run"), &frames).unwrap();
         assert!(paths[1].ends_with("run/frame-0001.png"));
         for (path, frame) in paths.iter().zip(&frames) {
             assert_eq!(read(path), (frame.width(), frame.height(), frame.pixels().to_vec()));
         }
-        assert_eq!(folder.names(), ["run"]);
+        assert_eq!(names(&folder), ["run"]);
     }
 
     #[test]
     fn a_frame_without_pixels_is_refused_and_leaves_nothing() {
-        let folder = Folder::new("png-empty");
-        let error = write_png(folder.join("a.png"), &Frame::new(0, 3)).unwrap_err();
+        let folder = TempDir::new().unwrap();
+        let error = write_png(folder.path().join("a.png"), &Frame::new(0, 3)).unwrap_err();
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
-        assert!(matches!(write_png(folder.join("no/a.png"), &plain(1, 1, 0)), Err(Error::Io { .. })));
-        assert_eq!(folder.names(), [""; 0]);
+        assert!(matches!(write_png(folder.path().join("no/a.png"), &plain(1, 1, 0)), Err(Error::Io { .. })));
+        assert_eq!(names(&folder), [""; 0]);
     }
 
     #[test]
@@ -122,9 +125,9 @@ mod tests {
         let sheet = contact_sheet(&[plain(2, 1, 10), plain(1, 2, 20), plain(2, 2, 30)], 2);
         assert_eq!((sheet.width(), sheet.height()), (4 + 2 * 6, 4 + 2 * 6));
         let shade = |x: usize, y: usize| sheet.pixels()[(y * 16 + x) * 3];
-        assert_eq!([shade(4, 4), shade(5, 4), shade(4, 5)], [10, 10, 128]);
-        assert_eq!([shade(10, 4), shade(10, 5), shade(11, 4)], [20, 20, 128]);
-        assert_eq!([shade(4, 10), shade(5, 11), shade(10, 10)], [30, 30, 128]);
+        assert_eq!([shade(4, 4), shade(5, 4), shade(4, 5)], [10, 10, 232]);
+        assert_eq!([shade(10, 4), shade(10, 5), shade(11, 4)], [20, 20, 232]);
+        assert_eq!([shade(4, 10), shade(5, 11), shade(10, 10)], [30, 30, 232]);
     }
 
     #[test]

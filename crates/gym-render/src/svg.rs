@@ -3,12 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gym_core::Result;
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::{Result, file};
 
+use crate::font;
 use crate::number::{Decimal, Pair, Rgb};
 use crate::transforms::Transforms;
-use crate::{atomic, font};
 
 /// Writes a drawing as a standalone SVG document.
 ///
@@ -104,7 +104,7 @@ pub fn svg(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> String {
 /// # Errors
 /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written.
 pub fn write_svg(path: impl AsRef<Path>, size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<()> {
-    atomic::write(path.as_ref(), svg(size, draw).as_bytes())
+    file::write(path, svg(size, draw).as_bytes())
 }
 
 /// Element name and geometry of a shape.

@@ -88,7 +88,7 @@ pub fn find(id: &str) -> Result<Registration> {
     })
 }
 
-/// An id as [`make`](crate::make) understands it: without a version, the newest of that name.
+/// An id as [`make`] understands it: without a version, the newest of that name.
 /// The second part says what the user should know about the choice.
 ///
 /// # Errors

@@ -504,6 +504,7 @@ mod tests {
             r#"{"low":2,"high":1,"shape":[2],"dtype":"float32"}"#,
             r#"{"low":null,"high":1,"shape":[2],"dtype":"float32"}"#,
             r#"{"low":0,"high":"inf","shape":[2],"dtype":"uint8"}"#,
+            r#"{"low":["inf"],"high":[1],"shape":[0],"dtype":"float32"}"#,
         ] {
             assert!(serde_json::from_str::<BoxSpace>(bad).is_err(), "{bad}");
         }

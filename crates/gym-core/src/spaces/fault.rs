@@ -58,6 +58,8 @@ impl Fault {
             .iter()
             .rev()
             .map(|&n| {
+                // A number too many for its shape may be at fault, and the shape empty.
+                let n = n.max(1);
                 let i = rest % n;
                 rest /= n;
                 i

@@ -21,6 +21,8 @@ mod one_of;
 mod sampler;
 mod selection;
 mod sequence;
+#[cfg(test)]
+mod tests;
 mod text;
 mod tuple;
 mod weight;

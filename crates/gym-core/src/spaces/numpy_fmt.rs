@@ -412,8 +412,8 @@ mod tests {
         assert_eq!(text(1e6), "1e+06");
         assert_eq!(text(f32::MAX), "3.4028235e+38");
         assert_eq!(text(0.1), "0.1");
-        // Half way between two decimals of 8 digits.
-        assert_eq!(text(3_077_606.25), "3.0776062e+06");
+        // Exactly 3077606.25, half way between two decimals of 8 digits.
+        assert_eq!(text(3_077_606.3), "3.0776062e+06");
     }
 
     #[test]

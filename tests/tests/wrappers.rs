@@ -149,6 +149,14 @@ fn the_passive_checker_sees_the_first_step() {
 }
 
 #[test]
+fn options_may_ask_for_states_beyond_the_space() {
+    let mut env = gym::make("CartPole-v1").unwrap();
+    let observation = env.reset(Reset::seed(0).option("low", 20.0).option("high", 30.0)).unwrap();
+    assert!(!env.observation_space().contains(&observation));
+    env.step(&Value::Int(0)).unwrap();
+}
+
+#[test]
 fn stacks_read_as_gymnasiums() {
     let env = gym::make("CartPole-v1").unwrap();
     assert_eq!(env.to_string(), "<TimeLimit<OrderEnforcing<PassiveEnvChecker<CartPole<CartPole-v1>>>>>");

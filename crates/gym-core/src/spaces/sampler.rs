@@ -222,7 +222,9 @@ fn corner(space: &Space, high: bool) -> Value {
             space.spaces().iter().map(|(key, space)| (key.clone(), corner(space, high))).collect(),
         ),
         Space::Sequence(space) => {
-            space.collect(vec![corner(space.feature_space(), high)]).unwrap_or_default()
+            // Two lengths, so that a type of one length does not pass.
+            let items = vec![corner(space.feature_space(), high); 1 + usize::from(high)];
+            space.collect(items).unwrap_or_default()
         }
         Space::Graph(space) => {
             let row = |space: &Space| batch_space(space, 1).ok().map(|batch| corner(&batch, high));
@@ -327,6 +329,9 @@ mod tests {
         let square = || Space::boxed([0.0; 2], [1.0; 2]).sampler(0);
         assert!(square().typed::<[f32; 2]>().is_ok());
         assert!(square().typed::<[f32; 3]>().is_err() && square().typed::<[f64; 2]>().is_err());
+        let stacked = || Space::from(SequenceSpace::stacked(Space::discrete(3))).sampler(0);
+        assert!(stacked().typed::<Array>().is_ok());
+        assert!(stacked().typed::<[i64; 1]>().is_err() && stacked().typed::<[i64; 2]>().is_err());
     }
 
     #[test]

@@ -584,7 +584,7 @@ mod tests {
         let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
         writer.write(&Frame::new(2, 2)).unwrap();
         // The folder is gone when the file is to get its name.
-        fs::remove_dir_all(&folder.0).unwrap();
+        fs::remove_dir_all(folder.path()).unwrap();
         assert!(matches!(writer.end(), Err(Error::Io { .. })));
         assert!(matches!(writer.write(&Frame::new(2, 2)), Err(Error::Io { .. })));
         assert!(matches!(writer.finish(), Err(Error::Io { .. })));

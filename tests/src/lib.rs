@@ -42,3 +42,16 @@ fn read(path: &Path) -> Reference {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Reference { name, text, json }
 }
+
+/// The snippets of the documents, compiled and run as doc tests.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+
+    #[doc = include_str!("../../docs/first-steps.md")]
+    struct FirstSteps;
+
+    #[doc = include_str!("../../docs/plugins.md")]
+    struct Plugins;
+}

@@ -3,7 +3,7 @@
 //! A plugin's own test suite runs them in one line; `cargo xtask conform` runs them over everything
 //! that is linked.
 //!
-//! ```ignore
+//! ```text
 //! let findings = conform::check(|| gym_core::make("my_envs/Corridor-v0"));
 //! assert!(findings.is_empty(), "{findings:#?}");
 //! ```

@@ -37,6 +37,11 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), temporary, file: Some(BufWriter::new(file)) })
     }
 
+    /// Where the file lies until it has its name, for a program that writes it in our place.
+    pub fn temporary_path(&self) -> &Path {
+        &self.temporary
+    }
+
     /// Gives the file its name; one of that name is replaced.
     ///
     /// # Errors

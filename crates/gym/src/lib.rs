@@ -6,15 +6,16 @@
 //! # fn main() -> gym::Result<()> {
 //! let mut env = gym::make("CartPole-v1")?;
 //! let mut actions = env.action_sampler(42)?;
-//! let mut observation = env.reset(42)?;
+//! env.reset(42)?;
+//! let mut episode_return = 0.0;
 //! loop {
 //!     let step = env.step(&actions.sample())?;
-//!     observation = step.observation;
+//!     episode_return += step.reward;
 //!     if step.done() {
 //!         break;
 //!     }
 //! }
-//! # let _ = observation;
+//! assert_eq!(episode_return, 30.0);
 //! # Ok(())
 //! # }
 //! ```

@@ -22,7 +22,7 @@ pub fn make(id: &str) -> Result<BoxEnv> {
 
 /// Makes an environment with arguments, a render mode or another stack of wrappers.
 ///
-/// ```ignore
+/// ```text
 /// let env = gym::builder("FrozenLake-v1")
 ///     .arg("map_name", "8x8")
 ///     .render_mode(RenderMode::RgbArrayList)

@@ -189,7 +189,7 @@ fn construct<E: Configure>(spec: EnvSpec) -> Result<BoxEnv> {
 
 /// Registers an environment when its crate is linked.
 ///
-/// ```ignore
+/// ```text
 /// gym_core::register!(
 ///     Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
 /// );

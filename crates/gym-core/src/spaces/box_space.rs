@@ -325,9 +325,12 @@ impl From<BoxSpace> for Description {
             let number = |(number, &bounded)| {
                 json::write_number(if bounded { number } else { Number::Float(infinity) })
             };
+            // Equal numbers, except that the sign of zero survives.
+            let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
+            let same = |a: &Json, b: &Json| a == b && sign(a) == sign(b);
             let mut all: Vec<Json> = Number::all(bounds.data()).zip(bounded).map(number).collect();
             match all.pop() {
-                Some(last) if all.iter().all(|bound| *bound == last) => last,
+                Some(last) if all.iter().all(|bound| same(bound, &last)) => last,
                 last => {
                     all.extend(last);
                     Json::Array(all)

@@ -83,6 +83,10 @@ impl Dynamics for AcrobotDynamics {
         Ok(Self)
     }
 
+    fn config(&self) -> &NoArguments {
+        &NoArguments {}
+    }
+
     fn observation_space(&self) -> Space {
         let high = [1.0, 1.0, 1.0, 1.0, MAX_VEL_1 as f32, MAX_VEL_2 as f32];
         Space::boxed(high.map(|x| -x), high)

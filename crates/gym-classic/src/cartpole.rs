@@ -88,6 +88,10 @@ impl Dynamics for CartPoleDynamics {
         Ok(Self { config })
     }
 
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
     fn observation_space(&self) -> Space {
         // twice the thresholds, so that the last observation of an episode is still inside
         let high = [(X_THRESHOLD * 2.0) as f32, f32::INFINITY, (THETA_THRESHOLD * 2.0) as f32, f32::INFINITY];

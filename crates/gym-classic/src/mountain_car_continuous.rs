@@ -59,6 +59,10 @@ impl Dynamics for MountainCarContinuousDynamics {
         Ok(Self { config })
     }
 
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
     fn observation_space(&self) -> Space {
         Space::boxed([MIN_POSITION as f32, -MAX_SPEED as f32], [MAX_POSITION as f32, MAX_SPEED as f32])
     }

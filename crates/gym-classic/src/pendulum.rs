@@ -89,6 +89,10 @@ impl Dynamics for PendulumDynamics {
         Ok(Self { config })
     }
 
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
     fn observation_space(&self) -> Space {
         let high = [1.0, 1.0, MAX_SPEED as f32];
         Space::boxed(high.map(|x| -x), high)

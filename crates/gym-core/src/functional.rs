@@ -21,7 +21,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// Nothing but the arguments and the generator decides a result.
 pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
-    type Config: Default + Serialize + DeserializeOwned;
+    type Config: Default + PartialEq + Serialize + DeserializeOwned;
     /// All that changes from step to step.
     type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
     /// What the agent sees.
@@ -37,6 +37,9 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn new(config: Self::Config) -> Result<Self>;
+
+    /// The arguments, with what was left to chance decided.
+    fn config(&self) -> &Self::Config;
 
     /// The space that every observation lies in.
     fn observation_space(&self) -> Space;
@@ -174,19 +177,19 @@ impl<D: Dynamics> Env for Stateful<D> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&self.episode)
+        Snapshot::of(&(self.dynamics.config(), &self.episode))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode<D::State>> = snapshot.get()?;
-        if let Some(episode) = &episode
-            && !self.dynamics.is_valid(&episode.state)
+        let (config, episode): (D::Config, Option<Episode<D::State>>) = snapshot.get()?;
+        if config != *self.dynamics.config() {
+            let reason = format!("it was taken from a {} with other arguments", D::NAME);
+            return Err(Error::Snapshot(reason));
+        }
+        if let Some(Episode { state, .. }) = &episode
+            && !self.dynamics.is_valid(state)
         {
-            return Err(Error::Snapshot(format!(
-                "{:?} is not a state of this {}: was it taken from one with other arguments?",
-                episode.state,
-                D::NAME
-            )));
+            return Err(Error::Snapshot(format!("{state:?} is not a state of this {}", D::NAME)));
         }
         self.episode = episode;
         Ok(())

@@ -183,6 +183,10 @@ impl Dynamics for BlackjackDynamics {
         Ok(Self { config })
     }
 
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
     fn observation_space(&self) -> Space {
         TupleSpace::new([32, 11, 2].map(Space::discrete)).into()
     }

@@ -74,6 +74,7 @@ pub struct State {
 /// The pure functions of the task.
 #[derive(Clone, Debug)]
 pub struct CliffWalkingDynamics {
+    config: Config,
     p: Table,
     initial: Distribution,
 }
@@ -119,7 +120,11 @@ impl Dynamics for CliffWalkingDynamics {
                 }
             }));
         });
-        Ok(Self { p, initial: Distribution::uniform(CELLS, |cell| cell == START) })
+        Ok(Self { config, p, initial: Distribution::uniform(CELLS, |cell| cell == START) })
+    }
+
+    fn config(&self) -> &Config {
+        &self.config
     }
 
     fn observation_space(&self) -> Space {

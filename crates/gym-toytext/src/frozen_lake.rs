@@ -93,16 +93,13 @@ pub struct State {
     pub last_action: Option<Action>,
     /// The probability of the last transition; 1 at the start.
     pub probability: f64,
-    /// Which map the cell is on: a hash of it, by which [`Dynamics::is_valid`] knows the states of
-    /// another map.
-    pub map: u32,
 }
 
 /// The pure functions of the task.
 #[derive(Clone, Debug)]
 pub struct FrozenLakeDynamics {
+    config: Arc<Config>,
     desc: Arc<[String]>,
-    map: u32,
     p: Table,
     initial: Distribution,
 }
@@ -138,12 +135,15 @@ impl Dynamics for FrozenLakeDynamics {
     const NAME: &'static str = "FrozenLake";
 
     fn new(config: Config) -> Result<Self> {
-        let Config { desc, map_name, is_slippery, success_rate, reward_schedule } = config;
-        let desc = match (desc, map_name) {
-            (Some(desc), _) => desc,
-            (None, Some(name)) => named_map(&name)?,
+        let desc = match (&config.desc, &config.map_name) {
+            (Some(desc), _) => desc.clone(),
+            (None, Some(name)) => named_map(name)?,
             (None, None) => generate_random_map(8, 0.8, None)?,
         };
+        // a random map becomes part of the arguments, so that they say what this lake is
+        let config =
+            Config { desc: config.map_name.is_none().then(|| desc.clone()).or(config.desc), ..config };
+        let Config { is_slippery, success_rate, reward_schedule, .. } = config;
         check_map(&desc)?;
         if !(0.0..=1.0).contains(&success_rate) {
             return Err(invalid(format!("success_rate is {success_rate}: a probability is between 0 and 1")));
@@ -184,7 +184,11 @@ impl Dynamics for FrozenLakeDynamics {
             }));
         });
         let initial = Distribution::uniform(letters.len(), |cell| letters[cell] == b'S');
-        Ok(Self { map: hash(&desc), desc: desc.into(), p, initial })
+        Ok(Self { config: config.into(), desc: desc.into(), p, initial })
+    }
+
+    fn config(&self) -> &Config {
+        &self.config
     }
 
     fn observation_space(&self) -> Space {
@@ -196,14 +200,14 @@ impl Dynamics for FrozenLakeDynamics {
     }
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
-        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0, map: self.map })
+        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
     }
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
         let Outcome { probability, next, reward, terminated } =
             self.p.sample(state.cell, *action as usize, rng)?;
-        let state = State { cell: next, last_action: Some(*action), probability, map: state.map };
+        let state = State { cell: next, last_action: Some(*action), probability };
         Ok(Transition { state, reward, terminated })
     }
 
@@ -213,7 +217,7 @@ impl Dynamics for FrozenLakeDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        state.map == self.map && state.cell < self.p.states() && (0.0..=1.0).contains(&state.probability)
+        state.cell < self.p.states() && (0.0..=1.0).contains(&state.probability)
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
@@ -359,11 +363,6 @@ fn check_map(desc: &[String]) -> Result<()> {
         return Err(invalid("desc has no start: mark a cell with S".to_owned()));
     }
     Ok(())
-}
-
-/// FNV-1a, which stays the same from one build to the next.
-fn hash(desc: &[String]) -> u32 {
-    desc.join("\n").bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 /// The most cells that [`generate_random_map`] draws before it gives up: less than a second's work.

@@ -212,6 +212,10 @@ impl Dynamics for TaxiDynamics {
         Ok(Self { config, p, initial })
     }
 
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
     fn observation_space(&self) -> Space {
         Space::discrete(STATES as i64)
     }

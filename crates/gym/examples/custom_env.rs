@@ -1,70 +1,63 @@
 //! An environment of your own, registered at link time and used by id like any other.
 //! Run it with `cargo run --release --example custom_env`.
 
-use gym::{Configure, Env, Generator, NoArguments, Outcome, Registration, Reset, Result, Snapshot, Space};
-use serde::{Deserialize, Serialize};
+use gym::{Dynamics, Env, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
 
-/// Guess a number from 0 to 9; the observation says whether the last guess was too low (0), right
-/// (1) or too high (2).
-#[derive(Clone, Serialize, Deserialize)]
-struct Guess {
-    rng: Generator,
-    secret: i64,
+gym::discrete! {
+    /// A step along the corridor.
+    enum Move { Left, Right }
 }
 
-impl Env for Guess {
+/// Find the way out of a corridor of ten cells, on a floor so smooth that one step in five fails.
+#[derive(Clone, Debug)]
+struct Corridor;
+
+impl Dynamics for Corridor {
+    type Config = NoArguments;
+    type State = i64;
     type Observation = i64;
-    type Action = i64;
+    type Action = Move;
+    const NAME: &'static str = "Corridor";
 
-    fn observation_space(&self) -> Space {
-        Space::discrete(3)
+    fn new(_: NoArguments) -> Result<Self> {
+        Ok(Self)
     }
-
-    fn action_space(&self) -> Space {
+    fn config(&self) -> &NoArguments {
+        &NoArguments {}
+    }
+    fn observation_space(&self) -> Space {
         Space::discrete(10)
     }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut i64) -> Result<()> {
-        if let Some(seed) = &reset.seed {
-            self.rng = Generator::new(seed);
-        }
-        (self.secret, *observation) = (self.rng.integers(0, 10), 1);
-        Ok(())
+    fn action_space(&self) -> Space {
+        Move::space()
     }
-
-    fn step_into(&mut self, guess: &i64, observation: &mut i64) -> Result<Outcome> {
-        *observation = (*guess - self.secret).signum() + 1;
-        let terminated = *guess == self.secret;
-        Ok(Outcome { reward: if terminated { 1.0 } else { -0.1 }, terminated, truncated: false })
+    fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<i64> {
+        Ok(rng.integers(0, 5))
     }
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(self)
+    fn transition(&self, cell: &i64, action: &Move, rng: &mut Generator) -> Result<Transition<i64>> {
+        let step = if *action == Move::Right { 1 } else { -1 };
+        let cell = if rng.random() < 0.2 { *cell } else { (cell + step).clamp(0, 9) };
+        Ok(Transition { state: cell, reward: -1.0, terminated: cell == 9 })
     }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        snapshot.get().map(|env| *self = env)
+    fn observe(&self, cell: &i64) -> i64 {
+        *cell
+    }
+    fn is_valid(&self, cell: &i64) -> bool {
+        (0..10).contains(cell)
     }
 }
 
-impl Configure for Guess {
-    type Config = NoArguments;
-
-    fn configure(_: NoArguments) -> Result<Self> {
-        Ok(Self { rng: Generator::from_os()?, secret: 0 })
-    }
-}
-
-gym::register!(Registration::new::<Guess>("my_envs/Guess-v0").max_episode_steps(20));
+gym::register!(Registration::new::<Stateful<Corridor>>("my_envs/Corridor-v0").max_episode_steps(50));
 
 fn main() -> Result<()> {
-    let mut env = gym::make("my_envs/Guess-v0")?;
-    let mut actions = env.action_sampler(7)?;
-    env.reset(7)?;
+    let findings = gym::conform::check(|| gym::make("my_envs/Corridor-v0"));
+    println!("{} rules are broken", findings.len());
+
+    let mut env = gym::make("my_envs/Corridor-v0")?;
+    println!("start in cell {}", env.reset(7)?);
     loop {
-        let action = actions.sample();
-        let step = env.step(&action)?;
-        println!("guess {action}: observation {}, reward {}", step.observation, step.reward);
+        let step = env.step(&gym::Value::Int(1))?;
+        println!("walk right: cell {}", step.observation);
         if step.done() {
             return Ok(());
         }

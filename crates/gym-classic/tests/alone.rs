@@ -1,0 +1,18 @@
+//! One family without the facade and without a crate that draws.
+
+use gym_classic as _; // a crate that is not named is not linked, and its environments are missing
+use gym_core::render::RenderMode;
+use gym_core::{Env, builder, make, registry};
+
+#[test]
+fn only_this_family_is_linked() {
+    assert!(registry::all().iter().all(|registration| registration.crate_name() == "gym-classic"));
+    assert_eq!(registry::all().len(), 6);
+    make("Acrobot-v1").unwrap().reset(0).unwrap();
+}
+
+#[test]
+fn pictures_need_a_crate_that_draws() {
+    let error = builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap_err().to_string();
+    assert!(error.contains("add gym-render and `use gym_render as _;`"), "{error}");
+}

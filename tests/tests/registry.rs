@@ -105,3 +105,19 @@ fn arguments_reach_the_environment() {
     assert!(env.unwrapped::<CartPole>().is_none());
     assert_eq!(registry::find("FrozenLake8x8-v1").unwrap().spec().unwrap().kwargs["map_name"], "8x8");
 }
+
+/// Gymnasium's `make(id, **kwargs)` takes these beside the constructor's arguments.
+#[test]
+fn arguments_of_make_may_stand_among_the_others() {
+    let spec = |json: &str| {
+        let kwargs = serde_json::from_str(json).unwrap();
+        gym::builder("CartPole-v1").args(kwargs).build().map(|env| env.spec().unwrap())
+    };
+    assert_eq!(spec(r#"{"max_episode_steps": 7}"#).unwrap().max_episode_steps, Some(7));
+    assert_eq!(spec(r#"{"max_episode_steps": -1}"#).unwrap().max_episode_steps, None);
+    assert!(spec(r#"{"max_episode_steps": 0}"#).unwrap_err().to_string().contains("at least 1"));
+    assert!(spec(r#"{"disable_env_checker": true}"#).unwrap().disable_env_checker);
+    let drawn = spec(r#"{"render_mode": "rgb_array_list", "sutton_barto_reward": true}"#).unwrap();
+    assert_eq!(drawn.render_mode, Some(gym::render::RenderMode::RgbArrayList));
+    assert_eq!(drawn.kwargs.len(), 1);
+}

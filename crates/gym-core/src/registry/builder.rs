@@ -1,5 +1,6 @@
 //! From an id and arguments to an environment in its stack of wrappers.
 
+use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
 use super::{EnvSpec, find, resolve};
@@ -69,7 +70,8 @@ impl EnvBuilder {
         self
     }
 
-    /// Sets some constructor arguments. As in Gymnasium, `render_mode` may be among them.
+    /// Sets some constructor arguments. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no
+    /// limit) and `disable_env_checker` may be among them.
     #[must_use]
     pub fn args(mut self, kwargs: Kwargs) -> Self {
         self.kwargs.extend(kwargs);
@@ -129,10 +131,7 @@ impl EnvBuilder {
             }
         };
         spec.kwargs.extend(self.kwargs);
-        if let Some(mode) = spec.kwargs.remove("render_mode") {
-            spec.render_mode = serde_json::from_value(mode)
-                .map_err(|error| Error::argument(format!("`{}`: render_mode", spec.id), error.to_string()))?;
-        }
+        spec.take_arguments_of_make()?;
         spec.render_mode = self.render_mode.or(spec.render_mode);
         spec.render_size = self.render_size.or(spec.render_size);
         spec.max_episode_steps = self.time_limit.unwrap_or(spec.max_episode_steps);
@@ -179,9 +178,34 @@ impl EnvBuilder {
     }
 }
 
+impl EnvSpec {
+    /// Gymnasium passes the arguments of `make` and those of the constructor together; this moves
+    /// the former to where they belong.
+    fn take_arguments_of_make(&mut self) -> Result<()> {
+        self.render_mode = self.take("render_mode")?.or(self.render_mode);
+        self.disable_env_checker = self.take("disable_env_checker")?.unwrap_or(self.disable_env_checker);
+        self.max_episode_steps = match self.take::<i64>("max_episode_steps")? {
+            None => self.max_episode_steps,
+            Some(-1) => None,
+            // a limit that is not positive is refused by the wrapper
+            Some(steps) => Some(steps.clamp(0, u32::MAX.into()) as u32),
+        };
+        Ok(())
+    }
+
+    /// Removes a constructor argument.
+    fn take<T: DeserializeOwned>(&mut self, name: &str) -> Result<Option<T>> {
+        let parse = |value| {
+            serde_json::from_value(value)
+                .map_err(|error| Error::argument(format!("`{}`: {name}", self.id), error.to_string()))
+        };
+        self.kwargs.remove(name).map(parse).transpose()
+    }
+}
+
 /// Puts a wrapper that a spec names around an environment.
 fn wrap(env: BoxEnv, wrapper: &WrapperSpec) -> Result<BoxEnv> {
-    fn arguments<T: serde::de::DeserializeOwned>(wrapper: &WrapperSpec) -> Result<T> {
+    fn arguments<T: DeserializeOwned>(wrapper: &WrapperSpec) -> Result<T> {
         serde_json::from_value(Json::Object(wrapper.kwargs.clone()))
             .map_err(|error| Error::argument(&wrapper.name, error.to_string()))
     }

@@ -67,7 +67,10 @@ impl log::Log for Stderr {
     }
 
     fn log(&self, record: &log::Record<'_>) {
-        eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+        // those of other crates are about their own inner workings
+        if record.target().starts_with("gym") {
+            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+        }
     }
 
     fn flush(&self) {}

@@ -1,11 +1,52 @@
 //! The policies that commands can play.
 
-use gym::{BoxEnv, Env, Result, Sampler, Value};
+use gym::box2d::{BipedalWalker, LunarLander, bipedal_walker, lunar_lander};
+use gym::{BoxEnv, Element, Env, Error, Result, Sampler, Space, Value};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
+    /// Gymnasium's own controllers, of LunarLander and BipedalWalker.
+    Heuristic,
+}
+
+/// A policy at work in one episode.
+enum Actor {
+    Random(Box<Sampler>),
+    LunarLander { continuous: bool },
+    BipedalWalker(bipedal_walker::Heuristic),
+}
+
+impl Actor {
+    fn new(policy: Policy, env: &BoxEnv, seed: u64) -> Result<Self> {
+        let no_heuristic =
+            || Error::argument("--policy", format!("{env} has no heuristic: play it at random"));
+        match policy {
+            Policy::Random => Ok(Self::Random(env.action_sampler(seed)?.into())),
+            Policy::Heuristic if env.unwrapped::<LunarLander>().is_some() => {
+                Ok(Self::LunarLander { continuous: !matches!(env.action_space(), Space::Discrete(_)) })
+            }
+            Policy::Heuristic if env.unwrapped::<BipedalWalker>().is_some() => {
+                Ok(Self::BipedalWalker(bipedal_walker::Heuristic::default()))
+            }
+            Policy::Heuristic => Err(no_heuristic()),
+        }
+    }
+
+    fn act(&mut self, observation: &Value) -> Result<Value> {
+        let foreign = || Error::Contract(format!("{observation} is not an observation of this environment"));
+        match self {
+            Self::Random(actions) => Ok(actions.sample()),
+            Self::LunarLander { continuous } => {
+                let heuristic = |seen: &_| lunar_lander::heuristic(seen, *continuous).to_value();
+                Element::with(observation, heuristic).ok_or_else(foreign)
+            }
+            Self::BipedalWalker(heuristic) => {
+                Element::with(observation, |seen| heuristic.act(seen).to_value()).ok_or_else(foreign)
+            }
+        }
+    }
 }
 
 /// One episode, summed up.
@@ -29,9 +70,7 @@ impl Policy {
         seed: u64,
         mut watch: impl FnMut(&mut BoxEnv) -> Result<()>,
     ) -> Result<Episode> {
-        let mut actions: Sampler = match self {
-            Self::Random => env.action_sampler(seed)?,
-        };
+        let mut actor = Actor::new(self, env, seed)?;
         let mut episode = Episode {
             seed,
             episode_return: 0.0,
@@ -43,7 +82,7 @@ impl Policy {
         };
         watch(env)?;
         while !(episode.terminated || episode.truncated) {
-            let step = env.step(&actions.sample())?;
+            let step = env.step(&actor.act(&episode.last_observation)?)?;
             episode.episode_return += step.reward;
             episode.length += 1;
             (episode.terminated, episode.truncated) = (step.terminated, step.truncated);

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use gym::box2d::CarRacing;
 use gym::file;
 use gym::trace::Trace;
-use gym::{Error, Result};
+use gym::{BoxEnv, Env, Error, Result};
 use serde_json::{Map, Value as Json};
 
 #[derive(clap::Args)]
@@ -39,6 +40,11 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
 }
 
+/// What a trace of CarRacing pins down beside the picture.
+fn state(env: &BoxEnv) -> Option<Json> {
+    env.unwrapped::<CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+}
+
 fn read(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).map_err(|error| Error::io(path, error))
 }
@@ -49,7 +55,7 @@ fn parse(text: &str) -> Result<Trace> {
 
 fn compare(path: &Path) -> Result<()> {
     let recorded = parse(&read(path)?)?;
-    match recorded.first_difference(&recorded.replay()?) {
+    match recorded.first_difference(&recorded.replay(state)?) {
         Some(difference) => Err(Error::custom(difference)),
         None => {
             println!("{}: {} events, equal", path.display(), recorded.events.len());
@@ -62,7 +68,7 @@ fn compare(path: &Path) -> Result<()> {
 fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
-    let answers = parse(&text)?.replay()?;
+    let answers = parse(&text)?.replay(state)?;
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
     rest.remove("events");
     #[derive(serde::Serialize)]

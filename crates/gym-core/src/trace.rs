@@ -38,7 +38,8 @@ pub struct Event {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step: Option<Json>,
     /// The observation.
-    pub observation: Json,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observation: Option<Json>,
     /// The reward of a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reward: Option<Json>,
@@ -49,8 +50,12 @@ pub struct Event {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truncated: Option<Json>,
     /// The entries of `info`.
-    #[serde(default)]
-    pub info: Json,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub info: Option<Json>,
+    /// What the environment holds beyond its observation, where a trace pins that: the bodies of a
+    /// CarRacing, whose observation is a picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<Json>,
 }
 
 /// Seed and options of a reset.
@@ -81,54 +86,55 @@ impl TryFrom<&ResetRequest> for Reset {
 impl Trace {
     /// Does the same resets and steps again, and records what the environment answers now.
     ///
+    /// Where the trace has a `state`, `state` is asked for it; such a trace may leave the observation
+    /// out, and the answers then do so too.
+    ///
     /// # Errors
     /// What the environment answers with an error, and at which event.
-    pub fn replay(&self) -> Result<Self> {
+    pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
         let mut env = builder(&self.id).args(self.kwargs.clone()).build()?;
         let mut events = Vec::with_capacity(self.events.len());
         for (i, event) in self.events.iter().enumerate() {
-            let answer = event.replay(&mut env);
+            let answer = event.replay(&mut env, &state);
             events.push(answer.map_err(|error| Error::custom(format!("event {i}: {error}")))?);
         }
         Ok(Self { id: self.id.clone(), kwargs: self.kwargs.clone(), events })
     }
 
-    /// Where another trace of the same requests first has another answer: the event, the part of
-    /// it, and both answers.
+    /// Where another trace of the same requests first has another answer than this one records: the
+    /// event, the part of it, and both answers.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.events.len() != other.events.len() {
             return Some(format!("{} events for {}", other.events.len(), self.events.len()));
         }
         self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
-            let null = Json::Null;
             let parts = [
                 ("observation", &a.observation, &b.observation),
-                ("reward", a.reward.as_ref().unwrap_or(&null), b.reward.as_ref().unwrap_or(&null)),
-                (
-                    "terminated",
-                    a.terminated.as_ref().unwrap_or(&null),
-                    b.terminated.as_ref().unwrap_or(&null),
-                ),
-                ("truncated", a.truncated.as_ref().unwrap_or(&null), b.truncated.as_ref().unwrap_or(&null)),
+                ("reward", &a.reward, &b.reward),
+                ("terminated", &a.terminated, &b.terminated),
+                ("truncated", &a.truncated, &b.truncated),
                 ("info", &a.info, &b.info),
+                ("state", &a.state, &b.state),
             ];
-            let (part, a, b) = parts.into_iter().find(|(_, a, b)| !same(a, b))?;
-            Some(format!("event {i}, {part}: {b} for {a}"))
+            parts.into_iter().find_map(|(part, a, b)| {
+                let (a, b) = (a.as_ref()?, b.as_ref().unwrap_or(&Json::Null));
+                (!same(a, b)).then(|| format!("event {i}, {part}: {b} for {a}"))
+            })
         })
     }
 }
 
 impl Event {
-    fn replay(&self, env: &mut BoxEnv) -> Result<Self> {
+    fn replay(&self, env: &mut BoxEnv, state: &dyn Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {
                 let observation = env.reset(Reset::try_from(request)?)?;
-                Self { observation: json!(observation), ..Self::default() }
+                Self { observation: Some(json!(observation)), ..Self::default() }
             }
             (None, Some(action)) => {
                 let step = env.step(&env.action_space().from_json(action)?)?;
                 Self {
-                    observation: json!(step.observation),
+                    observation: Some(json!(step.observation)),
                     reward: Some(json!(step.reward)),
                     terminated: Some(json!(step.terminated)),
                     truncated: Some(json!(step.truncated)),
@@ -139,7 +145,13 @@ impl Event {
         };
         answer.reset.clone_from(&self.reset);
         answer.step.clone_from(&self.step);
-        answer.info = json!(env.info_map());
+        answer.info = Some(json!(env.info_map()));
+        if self.state.is_some() {
+            answer.state = state(env);
+            if self.observation.is_none() {
+                answer.observation = None;
+            }
+        }
         Ok(answer)
     }
 }

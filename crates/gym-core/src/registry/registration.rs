@@ -47,6 +47,7 @@ pub struct Registration {
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
     without_arguments: bool,
+    exceptions: &'static [(&'static str, &'static str)],
     defaults: fn() -> Json,
     construct: fn(EnvSpec) -> Result<BoxEnv>,
 }
@@ -71,6 +72,7 @@ impl Registration {
             max_episode_steps: None,
             nondeterministic: false,
             without_arguments: false,
+            exceptions: &[],
             defaults: defaults::<E>,
             construct: construct::<E>,
         }
@@ -112,6 +114,13 @@ impl Registration {
         self
     }
 
+    /// Checks of [`conform`](crate::conform) that this id may fail, each with the reason.
+    #[must_use]
+    pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
+        self.exceptions = exceptions;
+        self
+    }
+
     /// Says that the same seed can give different episodes.
     #[must_use]
     pub const fn nondeterministic(mut self) -> Self {
@@ -122,6 +131,11 @@ impl Registration {
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
+    }
+
+    /// Why this id may fail a check of [`conform`](crate::conform), if it may.
+    pub fn exception(&self, check: &str) -> Option<&'static str> {
+        self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
     }
 
     /// The crate it comes from.

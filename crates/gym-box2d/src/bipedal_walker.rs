@@ -1,0 +1,600 @@
+//! BipedalWalker: walk over uneven ground, and in its hardcore form over stumps, stairs and pits.
+//!
+//! | | |
+//! |---|---|
+//! | observation | hull angle, angular velocity, velocity x, y; per leg: hip angle, hip speed, knee angle, knee speed, ground contact; ten lidar distances; `Box(24, float32)` |
+//! | action | hip and knee of either leg: direction and strength of the motor; `Box(-1, 1, (4,), float32)` |
+//! | reward | 130/30 per m forward, less 5 per rad that the hull tilts, less 0.028 per motor and step at full strength; -100 for a fall |
+//! | start | standing, with a random push; reset options: none |
+//! | end | terminated when the hull touches the ground, the walker goes back beyond the start, or reaches the end |
+//! | limit | 1600 steps (hardcore: 2000) |
+//!
+//! The constants and the order of operations are those of Gymnasium 1.4.0,
+//! `envs/box2d/bipedal_walker.py`. The world is built anew at each reset, so that an episode depends
+//! on its seed alone; Gymnasium's is that of a fresh environment.
+
+use std::f32::consts::PI;
+
+use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::render::Metadata;
+use gym_core::{Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, sign, vec2};
+use crate::physics::{
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
+};
+
+const FPS: f64 = 50.0;
+const SCALE: f64 = 30.0; // pixels per m
+const VIEWPORT_W: f64 = 600.0;
+const VIEWPORT_H: f64 = 400.0;
+const MOTORS_TORQUE: f32 = 80.0; // N m
+const SPEED_HIP: f32 = 4.0; // rad/s
+const SPEED_KNEE: f32 = 6.0;
+const LIDAR_RANGE: f64 = 160.0 / SCALE;
+const LIDAR_RAYS: usize = 10;
+const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
+const HULL_POLY: [[f64; 2]; 5] = [[-30.0, 9.0], [6.0, 9.0], [34.0, 1.0], [34.0, -8.0], [-30.0, -8.0]];
+const LEG_DOWN: f64 = -8.0 / SCALE;
+const LEG_W: f64 = 8.0 / SCALE;
+const LEG_H: f64 = 34.0 / SCALE;
+const TERRAIN_STEP: f64 = 14.0 / SCALE;
+const TERRAIN_LENGTH: usize = 200; // steps
+const TERRAIN_HEIGHT: f64 = VIEWPORT_H / SCALE / 4.0;
+const TERRAIN_GRASS: usize = 10; // steps of even ground, and of the goal
+const TERRAIN_STARTPAD: usize = 20; // steps
+const FRICTION: f32 = 2.5;
+/// The category of the ground, which lidar sees and the walker touches.
+const GROUND: u16 = 0x0001;
+/// The category of the walker, which does not touch itself.
+const WALKER: Filter = Filter { category: 0x0020, mask: GROUND };
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Whether stumps, stairs and pits are in the way.
+    pub hardcore: bool,
+}
+
+/// The environment.
+#[derive(Clone, Debug)]
+pub struct BipedalWalker {
+    config: Config,
+    episode: Option<Episode>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode {
+    rng: Generator,
+    world: World,
+    hull: BodyId,
+    /// Upper and lower leg of one side, then of the other.
+    legs: [BodyId; 4],
+    /// Hip and knee of one side, then of the other.
+    joints: [JointId; 4],
+    /// Shapes of the legs and the hull, to draw.
+    fixtures: [FixtureId; 5],
+    /// Heights of the ground, every [`TERRAIN_STEP`].
+    terrain_y: Vec<f64>,
+    /// Stumps, stairs and the walls of pits, to draw.
+    obstacles: Vec<FixtureId>,
+    clouds: [[Point; 5]; TERRAIN_LENGTH / 20],
+    /// Whether the hull has touched the ground.
+    game_over: bool,
+    /// Of the two lower legs.
+    ground_contact: [bool; 2],
+    prev_shaping: Option<f64>,
+    lidar: [f32; LIDAR_RAYS],
+    steps: u32,
+}
+
+impl BipedalWalker {
+    /// The environment with these arguments.
+    pub fn new(config: Config) -> Self {
+        Self { config, episode: None }
+    }
+
+    /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
+    pub fn terrain(&self) -> Option<&[f64]> {
+        self.episode.as_ref().map(|episode| &*episode.terrain_y)
+    }
+}
+
+/// What a stretch of the ground is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stretch {
+    Grass,
+    Stump,
+    Stairs,
+    Pit,
+}
+
+/// Builds the ground: heights, and obstacles in the order of their creation.
+struct Ground<'a> {
+    rng: &'a mut Generator,
+    world: &'a mut World,
+    terrain_y: Vec<f64>,
+    obstacles: Vec<FixtureId>,
+}
+
+impl Ground<'_> {
+    fn obstacle(&mut self, poly: [Point; 4]) {
+        let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+        let shape = Shape::Polygon(points(&poly, |x| x));
+        let fixture =
+            self.world.create_fixture(body, &FixtureDef { friction: FRICTION, ..FixtureDef::new(shape) });
+        self.obstacles.push(fixture);
+    }
+
+    fn generate(&mut self, hardcore: bool) {
+        let mut state = Stretch::Grass;
+        let mut velocity = 0.0;
+        let mut y = TERRAIN_HEIGHT;
+        let mut counter = TERRAIN_STARTPAD as i64;
+        let mut first = false; // whether a stretch begins here
+        let (mut stair_steps, mut stair_width, mut stair_height) = (0, 0, 0);
+        let mut original_y = 0.0;
+        for i in 0..TERRAIN_LENGTH {
+            let x = i as f64 * TERRAIN_STEP;
+            match (state, first) {
+                (Stretch::Grass, false) => {
+                    velocity = 0.8 * velocity + 0.01 * sign(TERRAIN_HEIGHT - y);
+                    if i > TERRAIN_STARTPAD {
+                        velocity += self.rng.uniform(-1.0, 1.0) / SCALE;
+                    }
+                    y += velocity;
+                }
+                (Stretch::Grass, true) => {}
+                (Stretch::Pit, true) => {
+                    counter = self.rng.integers(3, 5);
+                    let bottom = y - 4.0 * TERRAIN_STEP;
+                    let poly = [[x, y], [x + TERRAIN_STEP, y], [x + TERRAIN_STEP, bottom], [x, bottom]];
+                    self.obstacle(poly);
+                    self.obstacle(poly.map(|[x, y]| [x + TERRAIN_STEP * counter as f64, y]));
+                    counter += 2;
+                    original_y = y;
+                }
+                (Stretch::Pit, false) => {
+                    y = original_y;
+                    if counter > 1 {
+                        y -= 4.0 * TERRAIN_STEP;
+                    }
+                }
+                (Stretch::Stump, true) => {
+                    counter = self.rng.integers(1, 3);
+                    let (right, top) = (x + counter as f64 * TERRAIN_STEP, y + counter as f64 * TERRAIN_STEP);
+                    self.obstacle([[x, y], [right, y], [right, top], [x, top]]);
+                }
+                (Stretch::Stump, false) => {}
+                (Stretch::Stairs, true) => {
+                    stair_height = if self.rng.random() > 0.5 { 1 } else { -1 };
+                    stair_width = self.rng.integers(4, 5);
+                    stair_steps = self.rng.integers(3, 5);
+                    original_y = y;
+                    for s in 0..stair_steps {
+                        let left = x + (s * stair_width) as f64 * TERRAIN_STEP;
+                        let right = x + ((1 + s) * stair_width) as f64 * TERRAIN_STEP;
+                        let top = y + (s * stair_height) as f64 * TERRAIN_STEP;
+                        let bottom = y + (-1 + s * stair_height) as f64 * TERRAIN_STEP;
+                        self.obstacle([[left, top], [right, top], [right, bottom], [left, bottom]]);
+                    }
+                    counter = stair_steps * stair_width;
+                }
+                (Stretch::Stairs, false) => {
+                    let s = stair_steps * stair_width - counter - stair_height;
+                    let n = s as f64 / stair_width as f64;
+                    y = original_y + (n * stair_height as f64) * TERRAIN_STEP;
+                }
+            }
+            first = false;
+            self.terrain_y.push(y);
+            counter -= 1;
+            if counter == 0 {
+                counter = self.rng.integers(TERRAIN_GRASS as i64 / 2, TERRAIN_GRASS as i64);
+                state = if state == Stretch::Grass && hardcore {
+                    [Stretch::Stump, Stretch::Stairs, Stretch::Pit][self.rng.integers(1, 4) as usize - 1]
+                } else {
+                    Stretch::Grass
+                };
+                first = true;
+            }
+        }
+        for i in 0..TERRAIN_LENGTH - 1 {
+            let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+            let at = |i: usize| vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
+            let edge = FixtureDef { friction: FRICTION, ..FixtureDef::new(Shape::Edge(at(i), at(i + 1))) };
+            self.world.create_fixture(body, &edge);
+        }
+    }
+}
+
+fn cloud(rng: &mut Generator) -> [Point; 5] {
+    let x = rng.uniform(0.0, TERRAIN_LENGTH as f64) * TERRAIN_STEP;
+    let y = VIEWPORT_H / SCALE * 3.0 / 4.0;
+    std::array::from_fn(|a| {
+        #[expect(clippy::approx_constant, reason = "Gymnasium's")]
+        let angle = 3.14 * 2.0 * a as f64 / 5.0;
+        let px = x + 15.0 * TERRAIN_STEP * angle.sin() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        let py = y + 5.0 * TERRAIN_STEP * angle.cos() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        [px, py]
+    })
+}
+
+impl Episode {
+    /// Ground, clouds, hull and legs, in Gymnasium's order of draws and creation.
+    fn new(config: Config, mut rng: Generator) -> Self {
+        let mut world = World::new(vec2(0.0, -10.0));
+        let mut ground = Ground {
+            rng: &mut rng,
+            world: &mut world,
+            terrain_y: Vec::with_capacity(TERRAIN_LENGTH),
+            obstacles: Vec::new(),
+        };
+        ground.generate(config.hardcore);
+        let Ground { terrain_y, obstacles, .. } = ground;
+        let clouds = [(); TERRAIN_LENGTH / 20].map(|()| cloud(&mut rng));
+
+        let init_x = TERRAIN_STEP * TERRAIN_STARTPAD as f64 / 2.0;
+        let init_y = TERRAIN_HEIGHT + 2.0 * LEG_H;
+        let hull = world.create_body(&BodyDef::dynamic(vec2(init_x, init_y), 0.0));
+        let hull_shape = Shape::Polygon(points(&HULL_POLY, |x| x / SCALE));
+        let hull_fixture = world.create_fixture(
+            hull,
+            &FixtureDef { density: 5.0, friction: 0.1, filter: WALKER, ..FixtureDef::new(hull_shape) },
+        );
+        let push = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
+        world.apply_force_to_center(hull, vec2(push, 0.0));
+
+        let (mut legs, mut joints, mut fixtures) = (Vec::new(), Vec::new(), Vec::new());
+        for side in [-1.0, 1.0] {
+            let (mut above, mut anchor) = (hull, vec2(0.0, LEG_DOWN));
+            // upper leg and hip, lower leg and knee
+            for (halves, width, limits, motor_speed) in
+                [(1.0, LEG_W, (-0.8, 1.1), side), (3.0, 0.8 * LEG_W, (-1.6, -0.1), 1.0)]
+            {
+                let position = vec2(init_x, init_y - LEG_H * halves / 2.0 - LEG_DOWN);
+                let leg = world.create_body(&BodyDef::dynamic(position, (side * 0.05) as f32));
+                let shape =
+                    Shape::Rect { half_width: (width / 2.0) as f32, half_height: (LEG_H / 2.0) as f32 };
+                let def = FixtureDef { density: 1.0, filter: WALKER, ..FixtureDef::new(shape) };
+                fixtures.push(world.create_fixture(leg, &def));
+                joints.push(world.create_revolute_joint(&RevoluteJointDef {
+                    body_a: above,
+                    body_b: leg,
+                    local_anchor_a: anchor,
+                    local_anchor_b: vec2(0.0, LEG_H / 2.0),
+                    limits: Some(limits),
+                    motor: true,
+                    motor_speed: motor_speed as f32,
+                    max_motor_torque: MOTORS_TORQUE,
+                    collide_connected: false,
+                }));
+                legs.push(leg);
+                (above, anchor) = (leg, vec2(0.0, -LEG_H / 2.0));
+            }
+        }
+        Self {
+            rng,
+            world,
+            hull,
+            legs: [legs[0], legs[1], legs[2], legs[3]],
+            joints: [joints[0], joints[1], joints[2], joints[3]],
+            fixtures: [fixtures[0], fixtures[1], fixtures[2], fixtures[3], hull_fixture],
+            terrain_y,
+            obstacles,
+            clouds,
+            game_over: false,
+            ground_contact: [false; 2],
+            prev_shaping: None,
+            lidar: [1.0; LIDAR_RAYS],
+            steps: 0,
+        }
+    }
+
+    fn step(&mut self, action: &[f32; 4]) -> ([f32; 24], Outcome) {
+        for (i, (joint, a)) in self.joints.into_iter().zip(action).enumerate() {
+            let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
+            let direction = if *a == 0.0 { 0.0 } else { a.signum() };
+            self.world.set_motor_speed(joint, speed * direction);
+            self.world.set_max_motor_torque(joint, MOTORS_TORQUE * a.abs().clamp(0.0, 1.0));
+        }
+        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.steps = self.steps.wrapping_add(1);
+        for event in self.world.contact_events() {
+            self.game_over |= event.begin && event.bodies.contains(&self.hull);
+            for (leg, contact) in [1, 3].into_iter().zip(&mut self.ground_contact) {
+                if event.bodies.contains(&self.legs[leg]) {
+                    *contact = event.begin;
+                }
+            }
+        }
+        let pos = self.world.position(self.hull);
+        let x = f64::from(pos.x);
+        for i in 0..LIDAR_RAYS {
+            let hit = self.world.ray_cast(pos, self.ray_end(i), GROUND);
+            self.lidar[i] = hit.map_or(1.0, |hit| hit.fraction);
+        }
+
+        let state = self.observe();
+        let mut shaping = 130.0 * x / SCALE; // moving forward
+        shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
+        // numpy's scalars: the reward is of 32 bits from the first motor on
+        let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before) as f32;
+        self.prev_shaping = Some(shaping);
+        for a in action {
+            reward -= (0.00035 * f64::from(MOTORS_TORQUE)) as f32 * a.abs().clamp(0.0, 1.0);
+        }
+
+        let mut terminated = false;
+        if self.game_over || x < 0.0 {
+            reward = -100.0;
+            terminated = true;
+        }
+        if x > (TERRAIN_LENGTH - TERRAIN_GRASS) as f64 * TERRAIN_STEP {
+            terminated = true;
+        }
+        (state, Outcome { reward: f64::from(reward), terminated, truncated: false })
+    }
+
+    /// Where a ray of the lidar ends if nothing is in its way.
+    fn ray_end(&self, i: usize) -> Vec2 {
+        let pos = self.world.position(self.hull);
+        let angle = 1.5 * i as f64 / 10.0;
+        vec2(f64::from(pos.x) + angle.sin() * LIDAR_RANGE, f64::from(pos.y) - angle.cos() * LIDAR_RANGE)
+    }
+
+    fn observe(&self) -> [f32; 24] {
+        let world = &self.world;
+        let vel = world.linear_velocity(self.hull);
+        let mut state = [0.0; 24];
+        state[0] = f64::from(world.angle(self.hull));
+        state[1] = 2.0 * f64::from(world.angular_velocity(self.hull)) / FPS;
+        state[2] = 0.3 * f64::from(vel.x) * (VIEWPORT_W / SCALE) / FPS;
+        state[3] = 0.3 * f64::from(vel.y) * (VIEWPORT_H / SCALE) / FPS;
+        for side in 0..2 {
+            let [hip, knee] = [self.joints[2 * side], self.joints[2 * side + 1]];
+            let leg = &mut state[4 + 5 * side..];
+            leg[0] = f64::from(world.joint_angle(hip));
+            leg[1] = f64::from(world.joint_speed(hip)) / f64::from(SPEED_HIP);
+            leg[2] = f64::from(world.joint_angle(knee)) + 1.0;
+            leg[3] = f64::from(world.joint_speed(knee)) / f64::from(SPEED_KNEE);
+            leg[4] = f64::from(self.ground_contact[side]);
+        }
+        let mut observation = state.map(|x| x as f32);
+        observation[14..].copy_from_slice(&self.lidar);
+        observation
+    }
+
+    fn is_valid(&self) -> bool {
+        let world = &self.world;
+        world.is_valid()
+            && world.has_body(self.hull)
+            && self.legs.iter().all(|leg| world.has_body(*leg))
+            && self.joints.iter().all(|joint| world.has_joint(*joint))
+            && self.fixtures.iter().chain(&self.obstacles).all(|fixture| world.has_fixture(*fixture))
+            && self.terrain_y.len() == TERRAIN_LENGTH
+    }
+
+    fn draw_ground(&self, canvas: &mut dyn Canvas, scroll: f64) {
+        let visible = |left: f64, right: f64| right >= scroll && left <= scroll + VIEWPORT_W / SCALE;
+        let segments = || {
+            (0..TERRAIN_LENGTH - 1)
+                .map(|i| (i, i as f64 * TERRAIN_STEP))
+                .filter(|(_, x)| visible(*x, x + TERRAIN_STEP))
+                .map(|(i, x)| {
+                    (i, [[x, self.terrain_y[i]], [(i + 1) as f64 * TERRAIN_STEP, self.terrain_y[i + 1]]])
+                })
+        };
+        for (_, [p1, p2]) in segments() {
+            canvas.polygon(&[p1, p2, [p2[0], 0.0], [p1[0], 0.0]], Color::rgb(102, 153, 76));
+        }
+        // the beam of the lidar sweeps down and up
+        let i = self.steps as usize % 100;
+        if i < 2 * LIDAR_RAYS {
+            let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
+            let (p1, end) = (self.world.position(self.hull), self.ray_end(i));
+            let p2 = p1 + (end - p1) * self.lidar[i];
+            let [p1, p2] = [p1, p2].map(|p| [f64::from(p.x), f64::from(p.y)]);
+            canvas.line(p1, p2, 1.0 / SCALE, Color::rgb(255, 0, 0));
+        }
+        for (i, [p1, p2]) in segments() {
+            let green = if i % 2 == 0 { 255 } else { 204 };
+            canvas.line(p1, p2, 1.0 / SCALE, Color::rgb(76, green, 76));
+        }
+        for fixture in &self.obstacles {
+            let grey = Color::rgb(153, 153, 153);
+            common::draw_fixture(canvas, &self.world, *fixture, Color::WHITE, Some((grey, SCALE)));
+        }
+    }
+
+    fn draw_walker(&self, canvas: &mut dyn Canvas) {
+        let colors = [(178, 101, 152), (178, 101, 152), (128, 51, 102), (128, 51, 102), (127, 51, 229)];
+        let outlines = [(127, 76, 101), (127, 76, 101), (77, 26, 51), (77, 26, 51), (76, 76, 127)];
+        for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
+            let [fill, outline] = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
+            common::draw_fixture(canvas, &self.world, *fixture, fill, Some((outline, SCALE)));
+        }
+    }
+}
+
+impl Env for BipedalWalker {
+    type Observation = [f32; 24];
+    type Action = [f32; 4];
+
+    fn observation_space(&self) -> Space {
+        // five times the rated speeds, for impacts
+        let mut high = [1.0; 24];
+        high[..14].copy_from_slice(&[PI, 5.0, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0]);
+        let mut low = high.map(|x: f32| -x);
+        [low[8], low[13]] = [-0.0; 2];
+        Space::boxed(low, high)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::boxed([-1.0; 4], [1.0; 4])
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
+        let rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let mut episode = Episode::new(self.config, rng);
+        *observation = episode.step(&[0.0; 4]).0;
+        self.episode = Some(episode);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &[f32; 4], observation: &mut [f32; 24]) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        if !action.iter().all(|a| a.is_finite()) {
+            return Err(common::invalid_action(action, &self.action_space()));
+        }
+        let (observed, outcome) = episode.step(action);
+        *observation = observed;
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let episode: Option<Episode> = snapshot.get()?;
+        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
+            return Err(Error::Snapshot("it is not a state of BipedalWalker".into()));
+        }
+        self.episode = episode;
+        Ok(())
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(FPS as u32, (VIEWPORT_W as u32, VIEWPORT_H as u32))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let Some(episode) = &self.episode else { return };
+        let x = f64::from(episode.world.position(episode.hull).x);
+        let scroll = (x - VIEWPORT_W / SCALE / 5.0).max(0.0);
+        canvas.clear(Color::rgb(215, 215, 255));
+        canvas.push(Transform::y_up(VIEWPORT_H).then(Transform::scale(SCALE, SCALE)));
+        canvas.push(Transform::translate(-scroll / 2.0, 0.0)); // clouds are far away
+        for cloud in &episode.clouds {
+            canvas.polygon(cloud, Color::WHITE);
+        }
+        canvas.pop();
+        canvas.push(Transform::translate(-scroll, 0.0));
+        episode.draw_ground(canvas, scroll);
+        episode.draw_walker(canvas);
+        let (x, top) = (TERRAIN_STEP * 3.0, TERRAIN_HEIGHT + 50.0 / SCALE);
+        canvas.line([x, TERRAIN_HEIGHT], [x, top], 1.0 / SCALE, Color::BLACK);
+        let flag = [[x, top], [x, top - 10.0 / SCALE], [x + 25.0 / SCALE, top - 5.0 / SCALE]];
+        canvas.polygon(&flag, Color::rgb(230, 51, 0));
+        canvas.stroke(gym_core::canvas::Shape::Polygon(&flag), 1.0 / SCALE, Color::BLACK);
+        canvas.pop();
+        canvas.pop();
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}
+
+impl Configure for BipedalWalker {
+    type Config = Config;
+
+    fn configure(config: Config) -> Result<Self> {
+        Ok(Self::new(config))
+    }
+}
+
+/// Gymnasium's hand-written gait. It has no notion of balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heuristic {
+    state: Gait,
+    moving_leg: usize,
+    supporting_knee_angle: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gait {
+    StayOnOneLeg,
+    PutOtherDown,
+    PushOff,
+}
+
+const SPEED: f64 = 0.29; // it would fall forward at a higher one
+const SUPPORT_KNEE_ANGLE: f32 = 0.1;
+
+impl Default for Heuristic {
+    fn default() -> Self {
+        Self { state: Gait::StayOnOneLeg, moving_leg: 0, supporting_knee_angle: SUPPORT_KNEE_ANGLE }
+    }
+}
+
+impl Heuristic {
+    /// The next action, from an observation.
+    pub fn act(&mut self, s: &[f32; 24]) -> [f32; 4] {
+        let (moving, supporting) = (self.moving_leg, 1 - self.moving_leg);
+        let leg = |leg: usize| &s[4 + 5 * leg..];
+        // 0 where there is no target
+        let (mut hip_targ, mut knee_targ) = ([0.0; 2], [0.0; 2]);
+
+        if self.state == Gait::StayOnOneLeg {
+            hip_targ[moving] = 1.1;
+            knee_targ[moving] = -0.6;
+            self.supporting_knee_angle += 0.03;
+            if s[2] > SPEED as f32 {
+                self.supporting_knee_angle += 0.03;
+            }
+            self.supporting_knee_angle = self.supporting_knee_angle.min(SUPPORT_KNEE_ANGLE);
+            knee_targ[supporting] = self.supporting_knee_angle;
+            if leg(supporting)[0] < 0.10 {
+                self.state = Gait::PutOtherDown; // the supporting leg is behind
+            }
+        }
+        if self.state == Gait::PutOtherDown {
+            hip_targ[moving] = 0.1;
+            knee_targ[moving] = SUPPORT_KNEE_ANGLE;
+            knee_targ[supporting] = self.supporting_knee_angle;
+            if leg(moving)[4] != 0.0 {
+                self.state = Gait::PushOff;
+                self.supporting_knee_angle = leg(moving)[2].min(SUPPORT_KNEE_ANGLE);
+            }
+        }
+        if self.state == Gait::PushOff {
+            knee_targ[moving] = self.supporting_knee_angle;
+            knee_targ[supporting] = 1.0;
+            if leg(supporting)[2] > 0.88 || s[2] > (1.2 * SPEED) as f32 {
+                self.state = Gait::StayOnOneLeg;
+                self.moving_leg = 1 - self.moving_leg;
+            }
+        }
+
+        let mut action = [0.0; 4];
+        for i in 0..2 {
+            let l = leg(i);
+            let (mut hip_todo, mut knee_todo) = (0.0, 0.0);
+            if hip_targ[i] != 0.0 {
+                hip_todo = 0.9 * (hip_targ[i] - l[0]) - 0.25 * l[1];
+            }
+            if knee_targ[i] != 0.0 {
+                knee_todo = 4.0 * (knee_targ[i] - l[2]) - 0.25 * l[3];
+            }
+            hip_todo -= 0.9 * (0.0 - s[0]) - 1.5 * s[1]; // keeps the head straight
+            knee_todo -= 15.0 * s[3]; // damps oscillations
+            action[2 * i] = (0.5f32 * hip_todo).clamp(-1.0, 1.0);
+            action[2 * i + 1] = (0.5f32 * knee_todo).clamp(-1.0, 1.0);
+        }
+        action
+    }
+}
+
+gym_core::register!(
+    Registration::new::<BipedalWalker>("BipedalWalker-v3").max_episode_steps(1600).reward_threshold(300.0)
+);
+gym_core::register!(
+    Registration::new::<BipedalWalker>("BipedalWalkerHardcore-v3")
+        .kwargs(r#"{"hardcore": true}"#)
+        .max_episode_steps(2000)
+        .reward_threshold(300.0)
+);

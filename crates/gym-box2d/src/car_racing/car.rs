@@ -1,0 +1,258 @@
+//! The car: a hull on four wheels that roll, slip and brake (`envs/box2d/car_dynamics.py`).
+
+use serde::{Deserialize, Serialize};
+
+use super::track::TrackPoint;
+use crate::common::{points, sign, vec2};
+use crate::physics::{
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
+};
+
+const SIZE: f64 = 0.02;
+const ENGINE_POWER: f64 = 100000000.0 * SIZE * SIZE;
+const WHEEL_MOMENT_OF_INERTIA: f64 = 4000.0 * SIZE * SIZE;
+/// Friction is about mass, which is about size².
+const FRICTION_LIMIT: f64 = 1000000.0 * SIZE * SIZE;
+/// Force per slip speed.
+const GRIP: f64 = 205000.0 * SIZE * SIZE;
+/// How fast a brake slows a wheel, in rad/s per step.
+const BRAKE_FORCE: f64 = 15.0;
+const WHEEL_R: f64 = 27.0;
+const WHEEL_W: f64 = 14.0;
+const WHEEL_RAD: f64 = 1.0 * WHEEL_R * SIZE;
+const WHEELPOS: [[f64; 2]; 4] = [[-55.0, 80.0], [55.0, 80.0], [-55.0, -82.0], [55.0, -82.0]];
+const HULL_POLY1: [[f64; 2]; 4] = [[-60.0, 130.0], [60.0, 130.0], [60.0, 110.0], [-60.0, 110.0]];
+const HULL_POLY2: [[f64; 2]; 4] = [[-15.0, 120.0], [15.0, 120.0], [20.0, 20.0], [-20.0, 20.0]];
+const HULL_POLY3: [[f64; 2]; 8] = [
+    [25.0, 20.0],
+    [50.0, -10.0],
+    [50.0, -40.0],
+    [20.0, -90.0],
+    [-20.0, -90.0],
+    [-50.0, -40.0],
+    [-50.0, -10.0],
+    [-25.0, 20.0],
+];
+const HULL_POLY4: [[f64; 2]; 4] = [[-50.0, -120.0], [50.0, -120.0], [50.0, -90.0], [-50.0, -90.0]];
+const WHEEL_POLY: [[f64; 2]; 4] =
+    [[-WHEEL_W, WHEEL_R], [WHEEL_W, WHEEL_R], [WHEEL_W, -WHEEL_R], [-WHEEL_W, -WHEEL_R]];
+
+/// A wheel.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Wheel {
+    pub(super) body: BodyId,
+    pub(super) joint: JointId,
+    pub(super) fixture: FixtureId,
+    gas: f64,
+    brake: f64,
+    steer: f64,
+    /// How far it has rolled, in rad.
+    pub(super) phase: f64,
+    /// How fast it rolls, in rad/s.
+    pub(super) omega: f64,
+    /// Tiles of the road that it touches.
+    pub(super) tiles: u32,
+    skid: Skidding,
+}
+
+/// Whether a wheel leaves a mark.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Skidding {
+    start: Option<[f64; 2]>,
+    /// Which mark it draws on.
+    mark: Option<u64>,
+}
+
+/// A line that a skidding wheel left.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct SkidMark {
+    pub(super) on_grass: bool,
+    pub(super) points: Vec<[f64; 2]>,
+    number: u64,
+}
+
+/// Marks that stay.
+const MARKS: usize = 30;
+/// Points of a mark.
+const MARK_POINTS: usize = 30;
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Car {
+    pub(super) hull: BodyId,
+    pub(super) hull_fixtures: [FixtureId; 4],
+    /// Front left, front right, rear left, rear right.
+    pub(super) wheels: [Wheel; 4],
+    /// Oldest first; those not yet made are empty.
+    pub(super) marks: Vec<SkidMark>,
+    marks_made: u64,
+}
+
+impl Car {
+    pub(super) fn new(world: &mut World, start: &TrackPoint) -> Self {
+        let angle = start.beta as f32;
+        let hull = world.create_body(&BodyDef::dynamic(vec2(start.x, start.y), angle));
+        let polys: [&[[f64; 2]]; 4] = [&HULL_POLY1, &HULL_POLY2, &HULL_POLY3, &HULL_POLY4];
+        let hull_fixtures = polys.map(|poly| {
+            let shape = Shape::Polygon(points(poly, |x| x * SIZE));
+            world.create_fixture(hull, &FixtureDef { density: 1.0, ..FixtureDef::new(shape) })
+        });
+        let wheels = WHEELPOS.map(|[wx, wy]| {
+            let position = vec2(start.x + wx * SIZE, start.y + wy * SIZE);
+            let body = world.create_body(&BodyDef::dynamic(position, angle));
+            let shape = Shape::Polygon(points(&WHEEL_POLY, |x| x * 1.0 * SIZE));
+            let filter = Filter { category: 0x0020, mask: 0x001 };
+            let fixture =
+                world.create_fixture(body, &FixtureDef { density: 0.1, filter, ..FixtureDef::new(shape) });
+            let joint = world.create_revolute_joint(&RevoluteJointDef {
+                body_a: hull,
+                body_b: body,
+                local_anchor_a: vec2(wx * SIZE, wy * SIZE),
+                local_anchor_b: Vec2::zeros(),
+                limits: Some((-0.4, 0.4)),
+                motor: true,
+                motor_speed: 0.0,
+                max_motor_torque: (180.0 * 900.0 * SIZE * SIZE) as f32,
+                collide_connected: false,
+            });
+            let (gas, brake, steer, phase, omega) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            Wheel {
+                body,
+                joint,
+                fixture,
+                gas,
+                brake,
+                steer,
+                phase,
+                omega,
+                tiles: 0,
+                skid: Skidding::default(),
+            }
+        });
+        let no_mark =
+            || SkidMark { on_grass: false, points: Vec::with_capacity(MARK_POINTS), number: u64::MAX };
+        let marks = std::iter::repeat_with(no_mark).take(MARKS).collect();
+        Self { hull, hull_fixtures, wheels, marks, marks_made: 0 }
+    }
+
+    /// Rear wheel drive; the gas rises slowly and falls at once.
+    pub(super) fn gas(&mut self, gas: f64) {
+        let gas = gas.clamp(0.0, 1.0);
+        for wheel in &mut self.wheels[2..] {
+            wheel.gas += (gas - wheel.gas).min(0.1);
+        }
+    }
+
+    /// Brakes all wheels; from 0.9 on they block.
+    pub(super) fn brake(&mut self, brake: f64) {
+        for wheel in &mut self.wheels {
+            wheel.brake = brake;
+        }
+    }
+
+    /// The angle that the front wheels turn to, in rad; it takes time.
+    pub(super) fn steer(&mut self, steer: f64) {
+        for wheel in &mut self.wheels[..2] {
+            wheel.steer = steer;
+        }
+    }
+
+    /// Steers, drives and brakes each wheel and applies the friction of the ground.
+    pub(super) fn step(&mut self, world: &mut World, dt: f64) {
+        for i in 0..self.wheels.len() {
+            let wheel = &mut self.wheels[i];
+            let turn = wheel.steer - f64::from(world.joint_angle(wheel.joint));
+            world.set_motor_speed(wheel.joint, (sign(turn) * (50.0 * turn.abs()).min(3.0)) as f32);
+
+            let on_grass = wheel.tiles == 0;
+            let friction_limit = if on_grass { FRICTION_LIMIT * 0.6 } else { FRICTION_LIMIT * 1.0 };
+
+            let rotation = world.pose(wheel.body).rotation;
+            let (sin, cos) = (f64::from(rotation.im), f64::from(rotation.re));
+            let (forw, side) = ([-sin, cos], [cos, sin]);
+            let v = world.linear_velocity(wheel.body);
+            let v = [f64::from(v.x), f64::from(v.y)];
+            let vf = forw[0] * v[0] + forw[1] * v[1]; // forward speed
+            let vs = side[0] * v[0] + side[1] * v[1]; // side speed
+
+            // power = moment of inertia * omega * domega/dt, kept finite at rest
+            wheel.omega +=
+                dt * ENGINE_POWER * wheel.gas / WHEEL_MOMENT_OF_INERTIA / (wheel.omega.abs() + 5.0);
+            if wheel.brake >= 0.9 {
+                wheel.omega = 0.0;
+            } else if wheel.brake > 0.0 {
+                let val = BRAKE_FORCE * wheel.brake;
+                let val = if val.abs() > wheel.omega.abs() { wheel.omega.abs() } else { val };
+                wheel.omega += -sign(wheel.omega) * val;
+            }
+            wheel.phase += wheel.omega * dt;
+
+            let vr = wheel.omega * WHEEL_RAD; // speed of the rim
+            let mut f_force = (-vf + vr) * GRIP;
+            let mut p_force = -vs * GRIP;
+            let force = (f_force * f_force + p_force * p_force).sqrt();
+            let slips = force.abs() > 2.0 * friction_limit;
+            if force.abs() > friction_limit {
+                f_force /= force;
+                p_force /= force;
+                f_force *= friction_limit;
+                p_force *= friction_limit;
+            }
+            wheel.omega -= dt * f_force * WHEEL_RAD / WHEEL_MOMENT_OF_INERTIA;
+            let push = vec2(p_force * side[0] + f_force * forw[0], p_force * side[1] + f_force * forw[1]);
+            world.apply_force_to_center(wheel.body, push);
+
+            let position = world.position(wheel.body);
+            self.skid(i, slips.then_some([f64::from(position.x), f64::from(position.y)]), on_grass);
+        }
+    }
+
+    /// Draws on the mark of a wheel while it slips; ends it when it does not.
+    fn skid(&mut self, wheel: usize, slips: Option<[f64; 2]>, on_grass: bool) {
+        let skid = &mut self.wheels[wheel].skid;
+        let Some(position) = slips else {
+            *skid = Skidding::default();
+            return;
+        };
+        let mark = skid.mark.and_then(|number| self.marks.iter_mut().find(|mark| mark.number == number));
+        if let Some(mark) = mark
+            && mark.on_grass == on_grass
+            && mark.points.len() < MARK_POINTS
+        {
+            mark.points.push(position);
+        } else if let Some(start) = skid.start.take() {
+            let number = self.marks_made;
+            skid.mark = Some(number);
+            self.marks_made += 1;
+            // the oldest mark lends its memory to the new one
+            self.marks.rotate_left(1);
+            if let Some(mark) = self.marks.last_mut() {
+                (mark.on_grass, mark.number) = (on_grass, number);
+                mark.points.clear();
+                mark.points.extend([start, position]);
+            }
+        } else {
+            skid.start = Some(position);
+        }
+    }
+
+    /// The white stripe of a wheel, in its coordinates, where the wheel's turn lets it be seen.
+    pub(super) fn stripe(wheel: &Wheel) -> Option<[[f64; 2]; 4]> {
+        let ends = [wheel.phase, wheel.phase + 1.2];
+        let [s1, s2] = ends.map(f64::sin);
+        if s1 > 0.0 && s2 > 0.0 {
+            return None;
+        }
+        let [c1, c2] = ends.map(|a| if a.sin() > 0.0 { a.cos().signum() } else { a.cos() });
+        let corner = |x: f64, c: f64| [x * SIZE, WHEEL_R * c * SIZE];
+        Some([corner(-WHEEL_W, c1), corner(WHEEL_W, c1), corner(WHEEL_W, c2), corner(-WHEEL_W, c2)])
+    }
+
+    pub(super) fn is_valid(&self, world: &World) -> bool {
+        self.marks.len() == MARKS
+            && world.has_body(self.hull)
+            && self.hull_fixtures.iter().all(|fixture| world.has_fixture(*fixture))
+            && self.wheels.iter().all(|wheel| {
+                world.has_body(wheel.body) && world.has_joint(wheel.joint) && world.has_fixture(wheel.fixture)
+            })
+    }
+}

@@ -1,0 +1,486 @@
+//! CarRacing: drive a car around a random track, seen from above.
+//!
+//! | | |
+//! |---|---|
+//! | observation | a picture of the car and what is around it; `Box(0, 255, (96, 96, 3), uint8)` |
+//! | action | [`Action`]: steering, gas and brake, `Box([-1, 0, 0], 1, (3,), float32)`, or without `continuous` one of five, `Discrete(5)` |
+//! | reward | 1000 / number of tiles for each tile that a wheel touches first, less 0.1 per step; -100 for leaving the field |
+//! | start | at rest on the track; reset option `randomize` (with `domain_randomize`): whether to draw new colours |
+//! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` tells which |
+//! | limit | 1000 steps |
+//!
+//! Versions: in v2 a complete lap truncates the episode instead, and info is empty.
+//!
+//! The constants and the order of operations are those of Gymnasium 1.4.0,
+//! `envs/box2d/car_racing.py` and `car_dynamics.py`.
+
+mod car;
+mod picture;
+mod track;
+
+use gym_core::canvas::{Canvas, Transform};
+use gym_core::render::Metadata;
+use gym_core::{
+    Array, Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
+    Value,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
+use crate::physics::{BodyDef, BodyId, FixtureDef, Shape, Vec2, World};
+use car::Car;
+use picture::{Camera, WINDOW_H, WINDOW_W};
+use track::Tile;
+pub use track::TrackPoint;
+
+const FPS: f64 = 50.0;
+/// Of the track.
+const SCALE: f64 = 6.0;
+/// Half the side of the field, in m; the game is over beyond.
+const PLAYFIELD: f64 = 2000.0 / SCALE;
+const VIDEO_W: u32 = 600;
+const VIDEO_H: u32 = 400;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Accepted as Gymnasium does; nothing is printed.
+    pub verbose: bool,
+    /// The share of tiles that must have been visited when the first is entered again.
+    pub lap_complete_percent: f64,
+    /// Whether road and grass have random colours.
+    pub domain_randomize: bool,
+    /// Steering, gas and brake by degrees instead of five actions.
+    pub continuous: bool,
+    /// The version whose rules hold: 2 or 3.
+    pub version: u8,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            verbose: false,
+            lap_complete_percent: 0.95,
+            domain_randomize: false,
+            continuous: true,
+            version: 3,
+        }
+    }
+}
+
+gym_core::discrete! {
+    /// What the driver does.
+    pub enum Drive {
+        /// Nothing.
+        Idle,
+        /// Steers right.
+        Right,
+        /// Steers left.
+        Left,
+        /// Gives some gas.
+        Gas,
+        /// Brakes.
+        Brake,
+    }
+}
+
+/// What the driver does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Steering from -1 (left) to 1 (right), gas and brake from 0 to 1.
+    Pedals([f32; 3]),
+    /// Without [`Config::continuous`]: one of five.
+    Drive(Drive),
+}
+
+impl From<[f32; 3]> for Action {
+    fn from(pedals: [f32; 3]) -> Self {
+        Self::Pedals(pedals)
+    }
+}
+
+impl From<Drive> for Action {
+    fn from(drive: Drive) -> Self {
+        Self::Drive(drive)
+    }
+}
+
+impl Element for Action {
+    fn empty() -> Self {
+        Self::Pedals([0.0; 3])
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Int(_) => Drive::from_value(value).map(Self::Drive),
+            _ => Element::from_value(value).map(Self::Pedals),
+        }
+    }
+
+    fn write(&self, out: &mut Value) {
+        match self {
+            Self::Pedals(pedals) => pedals.write(out),
+            Self::Drive(drive) => drive.write(out),
+        }
+    }
+}
+
+/// The environment.
+#[derive(Clone, Debug)]
+pub struct CarRacing {
+    config: Config,
+    episode: Option<Episode>,
+    camera: Camera,
+}
+
+/// Where the car is and how it moves: what decides an episode, beside the track.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Position x, y in m, angle in rad, velocity x, y in m/s, angular velocity in rad/s.
+    pub hull: [f64; 6],
+    /// Per wheel the angle it is steered to in rad, how fast it rolls in rad/s, and how far it has
+    /// rolled in rad: front left, front right, rear left, rear right.
+    pub wheels: [[f64; 3]; 4],
+    /// Tiles that a wheel has touched.
+    pub tiles_visited: usize,
+}
+
+/// Colours of the field, 0 to 255.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Colors {
+    road: [f64; 3],
+    background: [f64; 3],
+    grass: [f64; 3],
+}
+
+impl Colors {
+    const DEFAULT: Self =
+        Self { road: [102.0, 102.0, 102.0], background: [102.0, 204.0, 102.0], grass: [102.0, 230.0, 102.0] };
+
+    fn random(rng: &mut Generator) -> Self {
+        let mut color = || [(); 3].map(|()| rng.uniform(0.0, 210.0));
+        let (road, background) = (color(), color());
+        let mut grass = background;
+        grass[rng.integers(0, 3) as usize] += 20.0;
+        Self { road, background, grass }
+    }
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode {
+    rng: Generator,
+    world: World,
+    colors: Colors,
+    track: Vec<TrackPoint>,
+    tiles: Vec<Tile>,
+    /// Bodies of the tiles: `tile_bodies[i]` is that of tile `i`.
+    tile_bodies: Vec<BodyId>,
+    /// Tiles that a wheel has touched.
+    visited: Vec<bool>,
+    /// Tiles that the car has touched: these lose their shade.
+    touched: Vec<bool>,
+    tile_visited_count: usize,
+    car: Car,
+    reward: f64,
+    prev_reward: f64,
+    t: f64,
+    new_lap: bool,
+    /// Whether the last step finished the lap, or left the field.
+    lap_finished: Option<bool>,
+}
+
+/// What [`Reset`] may ask for.
+#[derive(Deserialize)]
+#[serde(default)]
+struct Options {
+    randomize: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { randomize: true }
+    }
+}
+
+impl CarRacing {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a version out of range, or a share that is not a number.
+    pub fn new(config: Config) -> Result<Self> {
+        if !(2..=3).contains(&config.version) {
+            let reason = format!("version is {}: the versions are 2 and 3", config.version);
+            return Err(Error::argument("CarRacing", reason));
+        }
+        if config.lap_complete_percent.is_nan() {
+            return Err(Error::argument("CarRacing", "lap_complete_percent is not a number"));
+        }
+        Ok(Self { config, episode: None, camera: Camera::default() })
+    }
+
+    /// Where the car is; `None` before the first reset.
+    pub fn state(&self) -> Option<State> {
+        self.episode.as_ref().map(Episode::state)
+    }
+
+    /// The centre line of the track; `None` before the first reset.
+    pub fn track(&self) -> Option<&[TrackPoint]> {
+        self.episode.as_ref().map(|episode| &*episode.track)
+    }
+
+    /// Starts an episode without drawing its first observation.
+    ///
+    /// # Errors
+    /// As [`Env::reset_into`].
+    pub fn reset_state(&mut self, reset: &Reset) -> Result<()> {
+        let mut rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let mut colors = Colors::DEFAULT;
+        if self.config.domain_randomize {
+            let Options { randomize } = reset.options("CarRacing")?;
+            colors = match &self.episode {
+                _ if randomize => Colors::random(&mut rng),
+                Some(episode) => episode.colors,
+                // those of the constructor, which has drawn them from a generator of its own
+                None => Colors::random(&mut rng.clone()),
+            };
+        }
+        let mut episode = Episode::new(rng, colors);
+        episode.advance(&self.config, None);
+        self.episode = Some(episode);
+        Ok(())
+    }
+
+    /// Takes a step without drawing an observation.
+    ///
+    /// # Errors
+    /// As [`Env::step_into`].
+    pub fn step_state(&mut self, action: &Action) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let possible = match action {
+            Action::Pedals(pedals) => self.config.continuous && pedals.iter().all(|x| x.is_finite()),
+            Action::Drive(_) => !self.config.continuous,
+        };
+        if !possible {
+            return Err(common::invalid_action(action, &self.action_space()));
+        }
+        Ok(episode.advance(&self.config, Some(action)))
+    }
+}
+
+impl Episode {
+    /// Track, tiles and car, in Gymnasium's order of draws and creation.
+    fn new(mut rng: Generator, colors: Colors) -> Self {
+        let mut world = World::new(Vec2::zeros());
+        let track = track::generate(&mut rng);
+        let tiles = track::tiles(&track);
+        let tile_bodies = tiles
+            .iter()
+            .map(|tile| {
+                let body = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+                let shape = Shape::Polygon(points(&tile.road, |x| x));
+                world.create_fixture(body, &FixtureDef { sensor: true, ..FixtureDef::new(shape) });
+                body
+            })
+            .collect();
+        let car = Car::new(&mut world, &track[0]);
+        Self {
+            rng,
+            world,
+            colors,
+            visited: vec![false; tiles.len()],
+            touched: vec![false; tiles.len()],
+            track,
+            tiles,
+            tile_bodies,
+            tile_visited_count: 0,
+            car,
+            reward: 0.0,
+            prev_reward: 0.0,
+            t: 0.0,
+            new_lap: false,
+            lap_finished: None,
+        }
+    }
+
+    /// One step; the first, of the reset, is without an action.
+    fn advance(&mut self, config: &Config, action: Option<&Action>) -> Outcome {
+        if let Some(action) = action {
+            let (steer, gas, brake) = match *action {
+                Action::Pedals(pedals) => {
+                    let [steer, gas, brake] = pedals.map(f64::from);
+                    (-steer, gas, brake)
+                }
+                Action::Drive(Drive::Idle) => (0.0, 0.0, 0.0),
+                Action::Drive(Drive::Right) => (-0.6, 0.0, 0.0),
+                Action::Drive(Drive::Left) => (0.6, 0.0, 0.0),
+                Action::Drive(Drive::Gas) => (0.0, 0.2, 0.0),
+                Action::Drive(Drive::Brake) => (0.0, 0.0, 0.8),
+            };
+            self.car.steer(steer);
+            self.car.gas(gas);
+            self.car.brake(brake);
+        }
+        self.car.step(&mut self.world, 1.0 / FPS);
+        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.touch_tiles(config);
+        self.t += 1.0 / FPS;
+
+        let mut outcome = Outcome::default();
+        self.lap_finished = None;
+        if action.is_some() {
+            self.reward -= 0.1;
+            outcome.reward = self.reward - self.prev_reward;
+            self.prev_reward = self.reward;
+            if self.tile_visited_count == self.track.len() || self.new_lap {
+                outcome.terminated = config.version != 2;
+                outcome.truncated = config.version == 2;
+                self.lap_finished = Some(true);
+            }
+            let position = self.world.position(self.car.hull);
+            if f64::from(position.x).abs() > PLAYFIELD || f64::from(position.y).abs() > PLAYFIELD {
+                outcome.terminated = true;
+                self.lap_finished = Some(false);
+                outcome.reward = -100.0;
+            }
+        }
+        outcome
+    }
+
+    /// Which wheels came onto and left which tiles.
+    fn touch_tiles(&mut self, config: &Config) {
+        let tiles = self.track.len() as f64;
+        for event in self.world.contact_events() {
+            let tile_of =
+                |body: &BodyId| self.tile_bodies.binary_search_by_key(&body.index(), BodyId::index).ok();
+            let [a, b] = &event.bodies;
+            let (tile, other) = match (tile_of(a), tile_of(b)) {
+                (Some(tile), _) => (tile, b),
+                (None, Some(tile)) => (tile, a),
+                (None, None) => continue,
+            };
+            self.touched[tile] = true;
+            let Some(wheel) = self.car.wheels.iter_mut().find(|wheel| wheel.body == *other) else { continue };
+            if !event.begin {
+                wheel.tiles = wheel.tiles.saturating_sub(1);
+                continue;
+            }
+            wheel.tiles += 1;
+            if !self.visited[tile] {
+                self.visited[tile] = true;
+                self.reward += 1000.0 / tiles;
+                self.tile_visited_count += 1;
+                // the lap counts as complete if enough of the track was covered
+                if tile == 0 && self.tile_visited_count as f64 / tiles > config.lap_complete_percent {
+                    self.new_lap = true;
+                }
+            }
+        }
+    }
+
+    fn state(&self) -> State {
+        let (world, hull) = (&self.world, self.car.hull);
+        let (position, velocity) = (world.position(hull), world.linear_velocity(hull));
+        let (angle, w) = (world.angle(hull), world.angular_velocity(hull));
+        let wheels = [0, 1, 2, 3].map(|i| {
+            let wheel = &self.car.wheels[i];
+            [f64::from(world.joint_angle(wheel.joint)), wheel.omega, wheel.phase]
+        });
+        State {
+            hull: [position.x, position.y, angle, velocity.x, velocity.y, w].map(f64::from),
+            wheels,
+            tiles_visited: self.tile_visited_count,
+        }
+    }
+
+    fn is_valid(&self) -> bool {
+        let n = self.track.len();
+        self.world.is_valid()
+            && n > 0
+            && [self.tiles.len(), self.tile_bodies.len(), self.visited.len(), self.touched.len()] == [n; 4]
+            && self.car.is_valid(&self.world)
+    }
+}
+
+impl Env for CarRacing {
+    type Observation = Array;
+    type Action = Action;
+
+    fn observation_space(&self) -> Space {
+        picture::space()
+    }
+
+    fn action_space(&self) -> Space {
+        if self.config.continuous { Space::boxed([-1.0, 0.0, 0.0], [1.0; 3]) } else { Drive::space() }
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.reset_state(reset)?;
+        if let Some(episode) = &self.episode {
+            self.camera.take(episode, observation);
+        }
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Action, observation: &mut Array) -> Result<Outcome> {
+        let outcome = self.step_state(action)?;
+        if let Some(episode) = &self.episode {
+            self.camera.take(episode, observation);
+        }
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let episode: Option<Episode> = snapshot.get()?;
+        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
+            return Err(Error::Snapshot("it is not a state of CarRacing".into()));
+        }
+        self.episode = episode;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let finished = self.episode.as_ref().and_then(|episode| episode.lap_finished);
+        if let Some(finished) = finished.filter(|_| self.config.version != 2) {
+            visit("lap_finished", Value::Bool(finished));
+        }
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(FPS as u32, (VIDEO_W, VIDEO_H))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        if let Some(episode) = &self.episode {
+            canvas.push(Transform::scale(f64::from(VIDEO_W) / WINDOW_W, f64::from(VIDEO_H) / WINDOW_H));
+            episode.draw(canvas, true);
+            canvas.pop();
+        }
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}
+
+impl Configure for CarRacing {
+    type Config = Config;
+
+    fn configure(config: Config) -> Result<Self> {
+        Self::new(config)
+    }
+}
+
+gym_core::register!(
+    Registration::new::<CarRacing>("CarRacing-v2")
+        .kwargs(r#"{"version": 2}"#)
+        .max_episode_steps(1000)
+        .reward_threshold(900.0)
+);
+gym_core::register!(
+    Registration::new::<CarRacing>("CarRacing-v3").max_episode_steps(1000).reward_threshold(900.0)
+);

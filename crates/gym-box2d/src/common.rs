@@ -1,0 +1,67 @@
+//! What the three environments share.
+
+use gym_core::canvas::{Canvas, Color, Point, Shape};
+use gym_core::{Element, Error, Generator, Reset, Result, Space};
+
+use crate::physics::{FixtureId, Vec2, World};
+
+/// Sweeps over the velocities in a step: 6 * 30 in all of Gymnasium's three.
+pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
+/// Sweeps over the positions in a step: 2 * 30.
+pub(crate) const POSITION_ITERATIONS: u32 = 60;
+
+/// A vector of the world from numbers of the environment, rounded as they pass.
+pub(crate) fn vec2(x: f64, y: f64) -> Vec2 {
+    Vec2::new(x as f32, y as f32)
+}
+
+/// Points of the world from numbers of the environment, each changed by `f`.
+pub(crate) fn points(points: &[[f64; 2]], f: impl Fn(f64) -> f64) -> Vec<Vec2> {
+    points.iter().map(|[x, y]| vec2(f(*x), f(*y))).collect()
+}
+
+/// numpy's `sign`: 0 for 0.
+pub(crate) fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x.signum() }
+}
+
+/// The generator of a reset: a new one of its seed, or the last episode's.
+pub(crate) fn generator(reset: &Reset, last: Option<&Generator>) -> Result<Generator> {
+    match (&reset.seed, last) {
+        (Some(seed), _) => Ok(Generator::new(seed)),
+        (None, Some(rng)) => Ok(rng.clone()),
+        (None, None) => Generator::from_os(),
+    }
+}
+
+/// The error of an action that is not in the action space, or not finite.
+pub(crate) fn invalid_action<A: Element>(action: &A, space: &Space) -> Error {
+    Error::InvalidAction { action: format!("{action:?}"), space: space.to_string(), hint: String::new() }
+}
+
+/// The corners of a polygon where its body is now.
+pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; 8], usize) {
+    let pose = world.pose(world.body_of(fixture));
+    let vertices = world.vertices(fixture);
+    let mut corners = [[0.0; 2]; 8];
+    for (corner, vertex) in corners.iter_mut().zip(vertices) {
+        let p = pose.rotation * vertex + pose.translation.vector;
+        *corner = [f64::from(p.x), f64::from(p.y)];
+    }
+    (corners, vertices.len())
+}
+
+/// Fills a fixture's polygon, with an outline of one pixel at so many pixels per m.
+pub(crate) fn draw_fixture(
+    canvas: &mut dyn Canvas,
+    world: &World,
+    fixture: FixtureId,
+    fill: Color,
+    outline: Option<(Color, f64)>,
+) {
+    let (corners, count) = corners(world, fixture);
+    canvas.polygon(&corners[..count], fill);
+    if let Some((color, scale)) = outline {
+        canvas.stroke(Shape::Polygon(&corners[..count]), 1.0 / scale, color);
+    }
+}

@@ -1,0 +1,22 @@
+//! The Box2D environments, bit for bit as Gymnasium's: the same seed gives the same episode.
+//!
+//! | id | task |
+//! |---|---|
+//! | `LunarLander-v2`, `-v3`, `LunarLanderContinuous-v2`, `-v3` | land a craft between two flags |
+//! | `BipedalWalker-v3`, `BipedalWalkerHardcore-v3` | walk on two legs |
+//! | `CarRacing-v2`, `CarRacing-v3` | drive around a track, from pictures |
+//!
+//! They stand on a [physics engine](physics) of their own, which can be used by itself.
+//!
+//! Linking this crate registers them; name it (`use gym_box2d as _;`) if nothing else of it is
+//! used.
+
+pub mod bipedal_walker;
+pub mod car_racing;
+mod common;
+pub mod lunar_lander;
+pub mod physics;
+
+pub use bipedal_walker::BipedalWalker;
+pub use car_racing::CarRacing;
+pub use lunar_lander::LunarLander;

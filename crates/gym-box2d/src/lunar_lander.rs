@@ -1,0 +1,599 @@
+//! LunarLander: bring a craft down gently between two flags.
+//!
+//! | | |
+//! |---|---|
+//! | observation | position x, y; velocity x, y; angle; angular velocity; contact of the left and of the right leg (0 or 1); `Box(8, float32)`, scaled as in [`LunarLander`] |
+//! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)` |
+//! | reward | what the step gained in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
+//! | start | top centre, with a random push; reset options: none |
+//! | end | terminated when the hull touches the ground, the craft leaves the sides or lies still |
+//! | limit | 1000 steps |
+//!
+//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2 here
+//! draws its wind beside the generator, where Gym took it from numpy's global one.
+//!
+//! The constants and the order of operations are those of Gymnasium 1.4.0,
+//! `envs/box2d/lunar_lander.py`. Particles of the exhaust are a matter of drawing alone: they fly
+//! freely, without touching the ground as Gymnasium's do.
+
+use std::f64::consts::PI;
+
+use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::render::Metadata;
+use gym_core::{
+    Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
+use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, FixtureId, RevoluteJointDef, Shape, Vec2, World};
+
+const FPS: f64 = 50.0;
+const SCALE: f64 = 30.0; // pixels per m
+const VIEWPORT_W: f64 = 600.0;
+const VIEWPORT_H: f64 = 400.0;
+const W: f64 = VIEWPORT_W / SCALE; // m
+const H: f64 = VIEWPORT_H / SCALE;
+const MAIN_ENGINE_POWER: f64 = 13.0;
+const SIDE_ENGINE_POWER: f64 = 0.6;
+const INITIAL_RANDOM: f64 = 1000.0; // N, the push at the start
+const LANDER_POLY: [[f64; 2]; 6] =
+    [[-14.0, 17.0], [-17.0, 0.0], [-17.0, -10.0], [17.0, -10.0], [17.0, 0.0], [14.0, 17.0]];
+const LEG_AWAY: f64 = 20.0;
+const LEG_DOWN: f64 = 18.0;
+const LEG_W: f64 = 2.0;
+const LEG_H: f64 = 8.0;
+const LEG_SPRING_TORQUE: f32 = 40.0;
+const SIDE_ENGINE_HEIGHT: f64 = 14.0;
+const SIDE_ENGINE_AWAY: f64 = 12.0;
+const MAIN_ENGINE_Y_LOCATION: f64 = 4.0;
+const CHUNKS: usize = 11; // points of the ground
+/// Height of the landing pad, in m.
+pub const HELIPAD_Y: f64 = H / 4.0;
+
+/// Arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Two throttles instead of one engine at a time.
+    pub continuous: bool,
+    /// m/s², between -12 and 0, both excluded.
+    pub gravity: f64,
+    /// Whether wind blows until a leg touches the ground.
+    pub enable_wind: bool,
+    /// Greatest force of the wind, in N; 0 to 20 is sensible.
+    pub wind_power: f64,
+    /// Greatest torque of the wind, in N m; 0 to 2 is sensible.
+    pub turbulence_power: f64,
+    /// The version whose rules hold: 2 or 3.
+    pub version: u8,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            continuous: false,
+            gravity: -10.0,
+            enable_wind: false,
+            wind_power: 15.0,
+            turbulence_power: 1.5,
+            version: 3,
+        }
+    }
+}
+
+gym_core::discrete! {
+    /// Which engine fires.
+    pub enum Engine {
+        /// None.
+        Off,
+        /// The left one, which pushes to the right.
+        Left,
+        /// The main one, which pushes up.
+        Main,
+        /// The right one, which pushes to the left.
+        Right,
+    }
+}
+
+/// What the engines do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// One engine at full power, or none.
+    Fire(Engine),
+    /// With [`Config::continuous`]: main throttle, off up to 0, then from half to full power at 1;
+    /// side throttle, left engine below -0.5, right engine above 0.5.
+    Throttle([f32; 2]),
+}
+
+impl From<Engine> for Action {
+    fn from(engine: Engine) -> Self {
+        Self::Fire(engine)
+    }
+}
+
+impl From<[f32; 2]> for Action {
+    fn from(throttles: [f32; 2]) -> Self {
+        Self::Throttle(throttles)
+    }
+}
+
+impl Element for Action {
+    fn empty() -> Self {
+        Self::Fire(Engine::Off)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Int(_) => Engine::from_value(value).map(Self::Fire),
+            _ => Element::from_value(value).map(Self::Throttle),
+        }
+    }
+
+    fn write(&self, out: &mut Value) {
+        match self {
+            Self::Fire(engine) => engine.write(out),
+            Self::Throttle(throttles) => throttles.write(out),
+        }
+    }
+}
+
+/// The environment.
+///
+/// The observation is x / 10 m from the middle, height above the pad / 6.67 m, the velocities
+/// times 10 / 50 and 6.67 / 50, the angle in rad, the angular velocity times 20 / 50, and the leg
+/// contacts.
+#[derive(Clone, Debug)]
+pub struct LunarLander {
+    config: Config,
+    episode: Option<Episode>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode {
+    rng: Generator,
+    world: World,
+    lander: BodyId,
+    legs: [BodyId; 2],
+    /// The shapes of lander and legs, to draw.
+    fixtures: [FixtureId; 3],
+    /// Heights of the ground, every 2 m.
+    smooth_y: [f64; CHUNKS],
+    wind_idx: i64,
+    torque_idx: i64,
+    /// Whether the hull has touched the ground.
+    game_over: bool,
+    ground_contact: [bool; 2],
+    prev_shaping: Option<f64>,
+    steps: u32,
+    /// The last puffs of the engines, to draw.
+    puffs: [Puff; PUFFS],
+    next_puff: usize,
+}
+
+/// Puffs that can be visible at once: of two engines, over seven steps.
+const PUFFS: usize = 14;
+
+/// A particle of the exhaust, when it left the engine.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Puff {
+    position: Point,
+    velocity: Point,
+    power: f64,
+    step: u32,
+}
+
+impl LunarLander {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a gravity or version out of range, or a power that is not
+    /// finite.
+    pub fn new(config: Config) -> Result<Self> {
+        if !(-12.0 < config.gravity && config.gravity < 0.0) {
+            let reason = format!("gravity is {}: it must lie between -12 and 0", config.gravity);
+            return Err(Error::argument("LunarLander", reason));
+        }
+        for (name, value) in
+            [("wind_power", config.wind_power), ("turbulence_power", config.turbulence_power)]
+        {
+            if !value.is_finite() {
+                return Err(Error::argument("LunarLander", format!("{name} is {value}: it must be finite")));
+            }
+        }
+        if !(2..=3).contains(&config.version) {
+            let reason = format!("version is {}: the versions are 2 and 3", config.version);
+            return Err(Error::argument("LunarLander", reason));
+        }
+        Ok(Self { config, episode: None })
+    }
+
+    /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
+    pub fn terrain(&self) -> Option<&[f64; CHUNKS]> {
+        self.episode.as_ref().map(|episode| &episode.smooth_y)
+    }
+}
+
+impl Episode {
+    /// Ground, lander and legs, in Gymnasium's order of draws and creation.
+    fn new(config: &Config, mut rng: Generator) -> Self {
+        let mut world = World::new(vec2(0.0, config.gravity));
+
+        let mut height = [0.0; CHUNKS + 1];
+        height.fill_with(|| rng.uniform(0.0, H / 2.0));
+        height[CHUNKS / 2 - 2..=CHUNKS / 2 + 2].fill(HELIPAD_Y);
+        // (the first point's neighbour to the left is the last of the twelve)
+        let smooth_y: [f64; CHUNKS] =
+            std::array::from_fn(|i| 0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1]));
+
+        let moon = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+        world.create_fixture(moon, &FixtureDef::new(Shape::Edge(Vec2::zeros(), vec2(W, 0.0))));
+        for i in 0..CHUNKS - 1 {
+            let edge = Shape::Edge(vec2(chunk_x(i), smooth_y[i]), vec2(chunk_x(i + 1), smooth_y[i + 1]));
+            world.create_fixture(moon, &FixtureDef { friction: 0.1, ..FixtureDef::new(edge) });
+        }
+
+        let (initial_x, initial_y) = (VIEWPORT_W / SCALE / 2.0, VIEWPORT_H / SCALE);
+        let lander = world.create_body(&BodyDef::dynamic(vec2(initial_x, initial_y), 0.0));
+        let hull = world.create_fixture(
+            lander,
+            &FixtureDef {
+                density: 5.0,
+                friction: 0.1,
+                filter: Filter { category: 0x0010, mask: 0x001 }, // touches the ground only
+                ..FixtureDef::new(Shape::Polygon(points(&LANDER_POLY, |x| x / SCALE)))
+            },
+        );
+        let push_x = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
+        let push_y = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
+        world.apply_force_to_center(lander, vec2(push_x, push_y));
+
+        let (mut wind_idx, mut torque_idx) = (0, 0);
+        if config.enable_wind {
+            let mut aside = rng.clone();
+            let source = if config.version == 2 { &mut aside } else { &mut rng };
+            wind_idx = source.integers(-9999, 9999);
+            torque_idx = source.integers(-9999, 9999);
+        }
+
+        let mut fixtures = [hull; 3];
+        let mut leg = |side: f64, slot: usize| {
+            let position = vec2(initial_x - side * LEG_AWAY / SCALE, initial_y);
+            let leg = world.create_body(&BodyDef::dynamic(position, (side * 0.05) as f32));
+            let shape =
+                Shape::Rect { half_width: (LEG_W / SCALE) as f32, half_height: (LEG_H / SCALE) as f32 };
+            let filter = Filter { category: 0x0020, mask: 0x001 };
+            fixtures[slot] =
+                world.create_fixture(leg, &FixtureDef { density: 1.0, filter, ..FixtureDef::new(shape) });
+            // the legs have freedom to travel within these
+            let (lower, upper) = if side < 0.0 { (0.9 - 0.5, 0.9) } else { (-0.9, -0.9 + 0.5) };
+            world.create_revolute_joint(&RevoluteJointDef {
+                body_a: lander,
+                body_b: leg,
+                local_anchor_a: Vec2::zeros(),
+                local_anchor_b: vec2(side * LEG_AWAY / SCALE, LEG_DOWN / SCALE),
+                limits: Some((lower as f32, upper as f32)),
+                motor: true,
+                motor_speed: (0.3 * side) as f32, // low enough not to jump back into the sky
+                max_motor_torque: LEG_SPRING_TORQUE,
+                collide_connected: false,
+            });
+            leg
+        };
+        let legs = [leg(-1.0, 1), leg(1.0, 2)];
+
+        Self {
+            rng,
+            world,
+            lander,
+            legs,
+            fixtures,
+            smooth_y,
+            wind_idx,
+            torque_idx,
+            game_over: false,
+            ground_contact: [false; 2],
+            prev_shaping: None,
+            steps: 0,
+            puffs: [Puff::default(); PUFFS],
+            next_puff: 0,
+        }
+    }
+
+    /// The craft drifts in a gust that never repeats: tanh(sin(2 k x) + sin(π k x)), k = 0.01.
+    fn blow(&mut self, config: &Config) {
+        let gust = |index: i64| {
+            let index = index as f64;
+            ((0.02 * index).sin() + (PI * 0.01 * index).sin()).tanh()
+        };
+        let wind_mag = gust(self.wind_idx) * config.wind_power;
+        self.wind_idx += 1;
+        self.world.apply_force_to_center(self.lander, vec2(wind_mag, 0.0));
+        let torque_mag = gust(self.torque_idx) * config.turbulence_power;
+        self.torque_idx += 1;
+        self.world.apply_torque(self.lander, torque_mag as f32);
+    }
+
+    /// An engine at a place of the craft: it pushes the craft one way and a puff the other.
+    fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
+        let position = self.world.position(self.lander);
+        let at = [f64::from(position.x) + ox + at[0], f64::from(position.y) + oy + at[1]];
+        let impulse = vec2(-ox * engine_power * power, -oy * engine_power * power);
+        self.world.apply_linear_impulse(self.lander, impulse, vec2(at[0], at[1]));
+
+        let mass = density * PI * (2.0 / SCALE).powi(2);
+        let velocity = [ox, oy].map(|o| o * engine_power * power / mass);
+        self.puffs[self.next_puff] = Puff { position: at, velocity, power, step: self.steps };
+        self.next_puff = (self.next_puff + 1) % PUFFS;
+    }
+
+    fn step(&mut self, config: &Config, action: &Action) -> ([f32; 8], Outcome) {
+        if config.enable_wind && !self.ground_contact.contains(&true) {
+            self.blow(config);
+        }
+
+        // throttles, and the direction of the side engine
+        let (m_power, s_power, direction) = match *action {
+            Action::Fire(Engine::Off) => (0.0, 0.0, 0.0),
+            Action::Fire(Engine::Main) => (1.0, 0.0, 0.0),
+            Action::Fire(Engine::Left) => (0.0, 1.0, -1.0),
+            Action::Fire(Engine::Right) => (0.0, 1.0, 1.0),
+            Action::Throttle(throttles) => {
+                let [main, side] = throttles.map(|throttle| f64::from(throttle).clamp(-1.0, 1.0));
+                let m_power = if main > 0.0 { (main + 1.0) * 0.5 } else { 0.0 };
+                (m_power, if side.abs() > 0.5 { side.abs() } else { 0.0 }, side.signum())
+            }
+        };
+
+        let angle = f64::from(self.world.angle(self.lander));
+        let tip = [angle.sin(), angle.cos()];
+        let side = [-tip[1], tip[0]];
+        let dispersion = [(); 2].map(|()| self.rng.uniform(-1.0, 1.0) / SCALE);
+
+        if m_power > 0.0 {
+            // 4 is a bit downwards, twice the dispersion for randomness
+            let away = MAIN_ENGINE_Y_LOCATION / SCALE + 2.0 * dispersion[0];
+            let ox = tip[0] * away + side[0] * dispersion[1];
+            let oy = -tip[1] * away - side[1] * dispersion[1];
+            self.fire([ox, oy], [0.0, 0.0], MAIN_ENGINE_POWER, m_power, 3.5);
+        }
+        if s_power > 0.0 {
+            let away = 3.0 * dispersion[1] + direction * SIDE_ENGINE_AWAY / SCALE;
+            let ox = tip[0] * dispersion[0] + side[0] * away;
+            let oy = -tip[1] * dispersion[0] - side[1] * away;
+            // (17, where the height is 14: Gymnasium's)
+            let at = [-(tip[0] * 17.0 / SCALE), tip[1] * SIDE_ENGINE_HEIGHT / SCALE];
+            self.fire([ox, oy], at, SIDE_ENGINE_POWER, s_power, 0.7);
+        }
+
+        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.steps = self.steps.wrapping_add(1);
+        for event in self.world.contact_events() {
+            self.game_over |= event.begin && event.bodies.contains(&self.lander);
+            for (leg, contact) in self.legs.iter().zip(&mut self.ground_contact) {
+                if event.bodies.contains(leg) {
+                    *contact = event.begin;
+                }
+            }
+        }
+
+        let state = self.observe();
+        let shaping = -100.0 * (state[0] * state[0] + state[1] * state[1]).sqrt()
+            - 100.0 * (state[2] * state[2] + state[3] * state[3]).sqrt()
+            - 100.0 * state[4].abs()
+            + 10.0 * state[6]
+            + 10.0 * state[7];
+        let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before);
+        self.prev_shaping = Some(shaping);
+        reward -= m_power * 0.30; // less fuel spent is better
+        reward -= s_power * 0.03;
+
+        let mut terminated = false;
+        if self.game_over || state[0].abs() >= 1.0 {
+            terminated = true;
+            reward = -100.0;
+        }
+        if !self.world.is_awake(self.lander) {
+            terminated = true;
+            reward = 100.0;
+        }
+        (state.map(|x| x as f32), Outcome { reward, terminated, truncated: false })
+    }
+
+    fn observe(&self) -> [f64; 8] {
+        let pos = self.world.position(self.lander);
+        let vel = self.world.linear_velocity(self.lander);
+        [
+            (f64::from(pos.x) - VIEWPORT_W / SCALE / 2.0) / (VIEWPORT_W / SCALE / 2.0),
+            (f64::from(pos.y) - (HELIPAD_Y + LEG_DOWN / SCALE)) / (VIEWPORT_H / SCALE / 2.0),
+            f64::from(vel.x) * (VIEWPORT_W / SCALE / 2.0) / FPS,
+            f64::from(vel.y) * (VIEWPORT_H / SCALE / 2.0) / FPS,
+            f64::from(self.world.angle(self.lander)),
+            20.0 * f64::from(self.world.angular_velocity(self.lander)) / FPS,
+            f64::from(self.ground_contact[0]),
+            f64::from(self.ground_contact[1]),
+        ]
+    }
+
+    fn is_valid(&self) -> bool {
+        let [a, b] = self.legs;
+        self.world.is_valid()
+            && [self.lander, a, b].iter().all(|body| self.world.has_body(*body))
+            && self.fixtures.iter().all(|fixture| self.world.has_fixture(*fixture))
+            && self.next_puff < PUFFS
+    }
+
+    /// A puff where it is now and how much of its life is left, if any.
+    fn flight(&self, puff: &Puff, gravity: f64) -> Option<(Point, f64)> {
+        let age = f64::from(self.steps.wrapping_sub(puff.step));
+        let ttl = puff.power - 0.15 * age;
+        let t = age / FPS;
+        // as many small steps give: gravity acts before the way is made
+        let fall = gravity * (t * t + t / FPS) / 2.0;
+        let [[x, y], [vx, vy]] = [puff.position, puff.velocity];
+        (ttl >= 0.0 && puff.power > 0.0).then_some(([x + vx * t, y + vy * t + fall], ttl))
+    }
+}
+
+/// Where a point of the ground is.
+fn chunk_x(i: usize) -> f64 {
+    W / (CHUNKS - 1) as f64 * i as f64
+}
+
+impl Env for LunarLander {
+    type Observation = [f32; 8];
+    type Action = Action;
+
+    fn observation_space(&self) -> Space {
+        let [position, velocity, angle] =
+            if self.config.version == 2 { [1.5, 5.0, PI] } else { [2.5, 10.0, 2.0 * PI] };
+        let high = [position, position, velocity, velocity, angle, velocity, 1.0, 1.0].map(|x| x as f32);
+        let mut low = high.map(|x| -x);
+        low[6..].fill(-0.0);
+        Space::boxed(low, high)
+    }
+
+    fn action_space(&self) -> Space {
+        if self.config.continuous { Space::boxed([-1.0; 2], [1.0; 2]) } else { Engine::space() }
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
+        let rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let mut episode = Episode::new(&self.config, rng);
+        let idle =
+            if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
+        *observation = episode.step(&self.config, &idle).0;
+        self.episode = Some(episode);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Action, observation: &mut [f32; 8]) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let possible = match action {
+            Action::Fire(_) => !self.config.continuous,
+            Action::Throttle(throttles) => self.config.continuous && throttles.iter().all(|x| x.is_finite()),
+        };
+        if !possible {
+            return Err(common::invalid_action(action, &self.action_space()));
+        }
+        let (observed, outcome) = episode.step(&self.config, action);
+        *observation = observed;
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let episode: Option<Episode> = snapshot.get()?;
+        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
+            return Err(Error::Snapshot("it is not a state of LunarLander".into()));
+        }
+        self.episode = episode;
+        Ok(())
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(FPS as u32, (VIEWPORT_W as u32, VIEWPORT_H as u32))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let Some(episode) = &self.episode else { return };
+        canvas.clear(Color::WHITE);
+        canvas.push(Transform::y_up(VIEWPORT_H).then(Transform::scale(SCALE, SCALE)));
+        for i in 0..CHUNKS - 1 {
+            let (x1, x2) = (chunk_x(i), chunk_x(i + 1));
+            let sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
+            canvas.polygon(&sky, Color::BLACK);
+        }
+        for puff in &episode.puffs {
+            if let Some((position, ttl)) = episode.flight(puff, self.config.gravity) {
+                let shade = |x: f64| (x.clamp(0.2, 1.0) * 255.0) as u8;
+                let color = Color::rgb(shade(0.15 + ttl), shade(0.5 * ttl), shade(0.5 * ttl));
+                canvas.circle(position, 2.0 / SCALE, color);
+            }
+        }
+        for fixture in episode.fixtures {
+            common::draw_fixture(
+                canvas,
+                &episode.world,
+                fixture,
+                Color::rgb(128, 102, 230),
+                Some((Color::rgb(77, 77, 128), SCALE)),
+            );
+        }
+        for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
+            let top = HELIPAD_Y + 50.0 / SCALE;
+            canvas.line([x, HELIPAD_Y], [x, top], 1.0 / SCALE, Color::WHITE);
+            let flag = [[x, top], [x, top - 10.0 / SCALE], [x + 25.0 / SCALE, top - 5.0 / SCALE]];
+            canvas.polygon(&flag, Color::rgb(204, 204, 0));
+        }
+        canvas.pop();
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}
+
+impl Configure for LunarLander {
+    type Config = Config;
+
+    fn configure(config: Config) -> Result<Self> {
+        Self::new(config)
+    }
+}
+
+/// Gymnasium's hand-written pilot, from an observation, for [`Config::continuous`] or not.
+pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
+    // the angle should point towards the centre, by no more than 0.4 rad
+    let angle_targ = (s[0] * 0.5 + s[2] * 1.0).clamp(-0.4, 0.4);
+    let hover_targ = 0.55 * s[0].abs(); // height in proportion to the distance
+    let mut angle_todo = (angle_targ - s[4]) * 0.5 - s[5] * 1.0;
+    let mut hover_todo = (hover_targ - s[1]) * 0.5 - s[3] * 0.5;
+    if s[6] != 0.0 || s[7] != 0.0 {
+        // after contact, only the fall counts
+        angle_todo = 0.0;
+        hover_todo = -s[3] * 0.5;
+    }
+    if continuous {
+        return Action::Throttle([hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)));
+    }
+    Action::Fire(if hover_todo > angle_todo.abs() && hover_todo > 0.05 {
+        Engine::Main
+    } else if angle_todo < -0.05 {
+        Engine::Right
+    } else if angle_todo > 0.05 {
+        Engine::Left
+    } else {
+        Engine::Off
+    })
+}
+
+const V2_EXCEPTIONS: &[(&str, &str)] =
+    &[("observation-in-space", "the bounds of version 2 are too narrow, which is why there is a version 3")];
+
+gym_core::register!(
+    Registration::new::<LunarLander>("LunarLander-v2")
+        .kwargs(r#"{"version": 2}"#)
+        .exceptions(V2_EXCEPTIONS)
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
+);
+gym_core::register!(
+    Registration::new::<LunarLander>("LunarLanderContinuous-v2")
+        .kwargs(r#"{"continuous": true, "version": 2}"#)
+        .exceptions(V2_EXCEPTIONS)
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
+);
+gym_core::register!(
+    Registration::new::<LunarLander>("LunarLander-v3").max_episode_steps(1000).reward_threshold(200.0)
+);
+gym_core::register!(
+    Registration::new::<LunarLander>("LunarLanderContinuous-v3")
+        .kwargs(r#"{"continuous": true}"#)
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
+);

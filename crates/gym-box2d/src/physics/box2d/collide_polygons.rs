@@ -1,0 +1,122 @@
+//! Contact of two polygons: the face of greatest separation, and the other's edge clipped to it, as
+//! `b2CollidePolygon.cpp` of Box2D 2.3.0 has it (later versions search another way).
+
+use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
+use super::math::{Pose, cross_one, dot, normalize, rotate, rotate_back, transform, transform_back};
+use super::shape::Geometry;
+
+/// By how much the second polygon's face must be better to be taken: it keeps contacts steady.
+const RELATIVE_TOLERANCE: f32 = 0.98;
+const ABSOLUTE_TOLERANCE: f32 = 0.001;
+
+pub(super) fn polygons(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
+    let radius = a.radius + b.radius;
+    let (face_a, separation_a) = max_separation(a, xf_a, b, xf_b);
+    if separation_a > radius {
+        return Manifold::EMPTY;
+    }
+    let (face_b, separation_b) = max_separation(b, xf_b, a, xf_a);
+    if separation_b > radius {
+        return Manifold::EMPTY;
+    }
+    if separation_b > RELATIVE_TOLERANCE * separation_a + ABSOLUTE_TOLERANCE {
+        clip_to_face(Kind::FaceB, (b, xf_b, face_b), (a, xf_a), radius)
+    } else {
+        clip_to_face(Kind::FaceA, (a, xf_a, face_a), (b, xf_b), radius)
+    }
+}
+
+/// The separation of `b` from the line through one face of `a`.
+fn face_separation(a: &Geometry, xf_a: &Pose, face: usize, b: &Geometry, xf_b: &Pose) -> f32 {
+    let normal = rotate(xf_a.rotation, a.normals()[face]);
+    let local_normal = rotate_back(xf_b.rotation, normal);
+    let mut deepest = b.vertices()[0];
+    let mut min_dot = f32::MAX;
+    for vertex in b.vertices() {
+        let d = dot(*vertex, local_normal);
+        if d < min_dot {
+            min_dot = d;
+            deepest = *vertex;
+        }
+    }
+    dot(transform(xf_b, deepest) - transform(xf_a, a.vertices()[face]), normal)
+}
+
+/// The face of `a` that `b` is furthest from, climbing from the one that looks towards `b`.
+fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usize, f32) {
+    let d = transform(xf_b, b.centroid) - transform(xf_a, a.centroid);
+    let towards = rotate_back(xf_a.rotation, d);
+    let mut face = 0;
+    let mut max_dot = -f32::MAX;
+    for (i, normal) in a.normals().iter().enumerate() {
+        let d = dot(*normal, towards);
+        if d > max_dot {
+            max_dot = d;
+            face = i;
+        }
+    }
+    let previous = |i: usize| if i > 0 { i - 1 } else { a.vertices().len() - 1 };
+    let separation = |i: usize| face_separation(a, xf_a, i, b, xf_b);
+    let s = separation(face);
+    let (back, s_back) = (previous(face), separation(previous(face)));
+    let (ahead, s_ahead) = (a.next(face), separation(a.next(face)));
+
+    let (mut best, mut best_separation, forward) = if s_back > s && s_back > s_ahead {
+        (back, s_back, false)
+    } else if s_ahead > s {
+        (ahead, s_ahead, true)
+    } else {
+        return (face, s);
+    };
+    loop {
+        let i = if forward { a.next(best) } else { previous(best) };
+        let s = separation(i);
+        if s <= best_separation || s.is_nan() {
+            return (best, best_separation);
+        }
+        best = i;
+        best_separation = s;
+    }
+}
+
+/// The edge of `incident` that looks most against a face of `reference`, clipped to that face.
+fn clip_to_face(
+    kind: Kind,
+    (reference, xf1, face): (&Geometry, &Pose, usize),
+    (incident, xf2): (&Geometry, &Pose),
+    radius: f32,
+) -> Manifold {
+    let normal = rotate_back(xf2.rotation, rotate(xf1.rotation, reference.normals()[face]));
+    let mut edge = 0;
+    let mut min_dot = f32::MAX;
+    for (i, other) in incident.normals().iter().enumerate() {
+        let d = dot(normal, *other);
+        if d < min_dot {
+            min_dot = d;
+            edge = i;
+        }
+    }
+    let ends = [edge, incident.next(edge)].map(|i| ClipVertex {
+        v: transform(xf2, incident.vertices()[i]),
+        id: [Feature::face(face), Feature::vertex(i)],
+    });
+
+    let next = reference.next(face);
+    let (v11, v12) = (reference.vertices()[face], reference.vertices()[next]);
+    let local_tangent = normalize(v12 - v11).0;
+    let mut manifold = Manifold::new(kind, cross_one(local_tangent), 0.5 * (v11 + v12));
+    let tangent = rotate(xf1.rotation, local_tangent);
+    let normal = cross_one(tangent);
+    let (v11, v12) = (transform(xf1, v11), transform(xf1, v12));
+    let front = dot(normal, v11);
+    let clipped = clip(ends, -tangent, -dot(tangent, v11) + radius, face)
+        .and_then(|ends| clip(ends, tangent, dot(tangent, v12) + radius, next));
+    for point in clipped.into_iter().flatten() {
+        if dot(normal, point.v) - front <= radius {
+            let [one, two] = point.id;
+            let id = if kind == Kind::FaceB { [two, one] } else { [one, two] };
+            manifold.push(transform_back(xf2, point.v), id);
+        }
+    }
+    manifold
+}

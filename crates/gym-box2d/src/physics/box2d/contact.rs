@@ -1,0 +1,108 @@
+//! Contacts: pairs of fixtures whose boxes overlap.
+
+use serde::{Deserialize, Serialize};
+
+use super::arena::Arena;
+use super::body::{Body, Fixture};
+use super::collide::{collide, order};
+use super::distance::overlap;
+use super::manifold::Manifold;
+use super::math::max;
+use crate::physics::{BodyId, ContactEvent, FixtureId};
+
+/// A pair of fixtures that may touch.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Contact {
+    pub(super) fixture_a: u32,
+    pub(super) fixture_b: u32,
+    pub(super) body_a: u32,
+    pub(super) body_b: u32,
+    /// Whether either is a sensor: then it only tells.
+    pub(super) sensor: bool,
+    pub(super) friction: f32,
+    pub(super) restitution: f32,
+    pub(super) manifold: Manifold,
+    pub(super) touching: bool,
+    pub(super) enabled: bool,
+    /// Whether it already belongs to an island.
+    pub(super) island: bool,
+    /// The time of impact in this step, once known.
+    pub(super) toi: Option<f32>,
+    /// Times of impact in this step.
+    pub(super) toi_count: u32,
+    /// Whether a joint has come since that may forbid it.
+    pub(super) refilter: bool,
+}
+
+impl Contact {
+    /// The contact of two fixtures, if shapes of their kinds make one.
+    pub(super) fn new(fixtures: &Arena<Fixture>, a: u32, b: u32) -> Option<Self> {
+        let swap = order(fixtures[a].shape.kind, fixtures[b].shape.kind)?;
+        let (fixture_a, fixture_b) = if swap { (b, a) } else { (a, b) };
+        let (a, b) = (&fixtures[fixture_a], &fixtures[fixture_b]);
+        Some(Self {
+            fixture_a,
+            fixture_b,
+            body_a: a.body,
+            body_b: b.body,
+            sensor: a.sensor || b.sensor,
+            friction: (a.friction * b.friction).sqrt(),
+            restitution: max(a.restitution, b.restitution),
+            manifold: Manifold::EMPTY,
+            touching: false,
+            enabled: true,
+            island: false,
+            toi: None,
+            toi_count: 0,
+            refilter: false,
+        })
+    }
+
+    /// The body at the other side, if this is a contact of `body`.
+    #[inline]
+    pub(super) fn other(&self, body: u32) -> Option<u32> {
+        if self.body_a == body {
+            Some(self.body_b)
+        } else if self.body_b == body {
+            Some(self.body_a)
+        } else {
+            None
+        }
+    }
+
+    pub(super) fn event(&self, begin: bool) -> ContactEvent {
+        ContactEvent {
+            begin,
+            fixtures: [FixtureId(self.fixture_a), FixtureId(self.fixture_b)],
+            bodies: [BodyId(self.body_a), BodyId(self.body_b)],
+        }
+    }
+
+    /// Finds out where and whether the two touch now.
+    pub(super) fn update(
+        &mut self,
+        bodies: &mut Arena<Body>,
+        fixtures: &Arena<Fixture>,
+        events: &mut Vec<ContactEvent>,
+    ) {
+        let was_touching = self.touching;
+        self.enabled = true;
+        let (shape_a, shape_b) = (&fixtures[self.fixture_a].shape, &fixtures[self.fixture_b].shape);
+        let (xf_a, xf_b) = (&bodies[self.body_a].xf, &bodies[self.body_b].xf);
+        if self.sensor {
+            self.touching = overlap(shape_a, xf_a, shape_b, xf_b);
+        } else {
+            let old = self.manifold;
+            self.manifold = collide(shape_a, xf_a, shape_b, xf_b);
+            self.manifold.inherit(&old);
+            self.touching = !self.manifold.points().is_empty();
+            if self.touching != was_touching {
+                bodies[self.body_a].wake();
+                bodies[self.body_b].wake();
+            }
+        }
+        if self.touching != was_touching {
+            events.push(self.event(self.touching));
+        }
+    }
+}

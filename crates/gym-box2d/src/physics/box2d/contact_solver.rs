@@ -1,0 +1,324 @@
+//! Sequential impulses at contacts: friction, then a block solver for the normal impulses of two
+//! points at once (`b2ContactSolver.cpp`).
+
+use super::contact::Contact;
+use super::island::{Position, Velocity};
+use super::manifold::{Kind, Manifold};
+use super::math::{
+    Pose, Vec2, clamp, cross, cross_one, cross_scalar, dot, max, min, normalize, pose_about, reciprocal,
+    rotate, transform, vec2,
+};
+use super::settings::{BAUMGARTE, LINEAR_SLOP, MAX_LINEAR_CORRECTION, TOI_BAUMGARTE, VELOCITY_THRESHOLD};
+
+/// What the solver needs of one of the two bodies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Side {
+    /// Place in the island.
+    pub(super) index: usize,
+    pub(super) inv_mass: f32,
+    pub(super) inv_inertia: f32,
+    pub(super) local_center: Vec2,
+    /// Radius of its shape.
+    pub(super) radius: f32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Point {
+    r_a: Vec2,
+    r_b: Vec2,
+    normal_impulse: f32,
+    tangent_impulse: f32,
+    normal_mass: f32,
+    tangent_mass: f32,
+    velocity_bias: f32,
+}
+
+/// A symmetric or inverse matrix, by its columns.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mat22 {
+    ex: Vec2,
+    ey: Vec2,
+}
+
+impl Mat22 {
+    #[inline]
+    fn mul(&self, v: Vec2) -> Vec2 {
+        vec2(self.ex.x * v.x + self.ey.x * v.y, self.ex.y * v.x + self.ey.y * v.y)
+    }
+
+    fn inverse(&self) -> Self {
+        let (a, b, c, d) = (self.ex.x, self.ey.x, self.ex.y, self.ey.y);
+        let det = reciprocal(a * d - b * c);
+        Self { ex: vec2(det * d, -det * c), ey: vec2(-det * b, det * a) }
+    }
+}
+
+/// One contact while its island is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Constraint {
+    /// Place in the world's list of contacts.
+    pub(super) contact: usize,
+    a: Side,
+    b: Side,
+    friction: f32,
+    restitution: f32,
+    manifold: Manifold,
+    normal: Vec2,
+    points: [Point; 2],
+    /// Points that the velocity solver looks at.
+    count: usize,
+    k: Mat22,
+    normal_mass: Mat22,
+}
+
+impl Constraint {
+    /// A contact between two bodies, whose impulses start at `ratio` times those of the last step,
+    /// or at 0.
+    pub(super) fn new(index: usize, contact: &Contact, a: Side, b: Side, ratio: Option<f32>) -> Self {
+        let mut points = [Point::default(); 2];
+        if let Some(ratio) = ratio {
+            for (point, old) in points.iter_mut().zip(contact.manifold.points()) {
+                point.normal_impulse = ratio * old.normal_impulse;
+                point.tangent_impulse = ratio * old.tangent_impulse;
+            }
+        }
+        Self {
+            contact: index,
+            a,
+            b,
+            friction: contact.friction,
+            restitution: contact.restitution,
+            manifold: contact.manifold,
+            normal: Vec2::zeros(),
+            points,
+            count: contact.manifold.points().len(),
+            k: Mat22::default(),
+            normal_mass: Mat22::default(),
+        }
+    }
+
+    /// Normal, levers and effective masses at the island's positions.
+    pub(super) fn initialize(&mut self, positions: &[Position], velocities: &[Velocity]) {
+        let (a, b) = (self.a, self.b);
+        let (m_a, i_a, m_b, i_b) = (a.inv_mass, a.inv_inertia, b.inv_mass, b.inv_inertia);
+        let (at_a, at_b) = (positions[a.index], positions[b.index]);
+        let (vel_a, vel_b) = (velocities[a.index], velocities[b.index]);
+        let xf_a = pose_about(at_a.c, at_a.a, a.local_center);
+        let xf_b = pose_about(at_b.c, at_b.a, b.local_center);
+        let (normal, world) = self.manifold.world(&xf_a, a.radius, &xf_b, b.radius);
+        self.normal = normal;
+        let tangent = cross_one(normal);
+        for (point, world) in self.points[..self.count].iter_mut().zip(world) {
+            point.r_a = world - at_a.c;
+            point.r_b = world - at_b.c;
+            let mass = |direction| {
+                let (ra, rb) = (cross(point.r_a, direction), cross(point.r_b, direction));
+                let k = m_a + m_b + i_a * ra * ra + i_b * rb * rb;
+                if k > 0.0 { 1.0 / k } else { 0.0 }
+            };
+            point.normal_mass = mass(normal);
+            point.tangent_mass = mass(tangent);
+            let approach = dot(
+                normal,
+                vel_b.v + cross_scalar(vel_b.w, point.r_b) - vel_a.v - cross_scalar(vel_a.w, point.r_a),
+            );
+            point.velocity_bias =
+                if approach < -VELOCITY_THRESHOLD { -self.restitution * approach } else { 0.0 };
+        }
+        if self.count == 2 {
+            self.prepare_block();
+        }
+    }
+
+    /// The matrix of two points, unless they are so alike that one is enough.
+    fn prepare_block(&mut self) {
+        const MAX_CONDITION_NUMBER: f32 = 1000.0;
+        let (a, b, [p1, p2]) = (self.a, self.b, &self.points);
+        let (m_a, i_a, m_b, i_b) = (a.inv_mass, a.inv_inertia, b.inv_mass, b.inv_inertia);
+        let (rn1_a, rn1_b) = (cross(p1.r_a, self.normal), cross(p1.r_b, self.normal));
+        let (rn2_a, rn2_b) = (cross(p2.r_a, self.normal), cross(p2.r_b, self.normal));
+        let k11 = m_a + m_b + i_a * rn1_a * rn1_a + i_b * rn1_b * rn1_b;
+        let k22 = m_a + m_b + i_a * rn2_a * rn2_a + i_b * rn2_b * rn2_b;
+        let k12 = m_a + m_b + i_a * rn1_a * rn2_a + i_b * rn1_b * rn2_b;
+        if k11 * k11 < MAX_CONDITION_NUMBER * (k11 * k22 - k12 * k12) {
+            self.k = Mat22 { ex: vec2(k11, k12), ey: vec2(k12, k22) };
+            self.normal_mass = self.k.inverse();
+        } else {
+            self.count = 1;
+        }
+    }
+
+    /// Applies the impulses that it starts with.
+    pub(super) fn warm_start(&self, velocities: &mut [Velocity]) {
+        let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
+        let tangent = cross_one(self.normal);
+        for point in &self.points[..self.count] {
+            let p = point.normal_impulse * self.normal + point.tangent_impulse * tangent;
+            vel_a.w -= self.a.inv_inertia * cross(point.r_a, p);
+            vel_a.v -= self.a.inv_mass * p;
+            vel_b.w += self.b.inv_inertia * cross(point.r_b, p);
+            vel_b.v += self.b.inv_mass * p;
+        }
+        velocities[self.a.index] = vel_a;
+        velocities[self.b.index] = vel_b;
+    }
+
+    /// One sweep: friction first, because not to penetrate matters more.
+    #[inline]
+    pub(super) fn solve_velocity(&mut self, velocities: &mut [Velocity]) {
+        let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
+        let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);
+        let (m_b, i_b) = (self.b.inv_mass, self.b.inv_inertia);
+        let normal = self.normal;
+        let tangent = cross_one(normal);
+        let relative = |point: &Point, vel_a: &Velocity, vel_b: &Velocity| {
+            vel_b.v + cross_scalar(vel_b.w, point.r_b) - vel_a.v - cross_scalar(vel_a.w, point.r_a)
+        };
+
+        for point in &mut self.points[..self.count] {
+            let vt = dot(relative(point, &vel_a, &vel_b), tangent);
+            let max_friction = self.friction * point.normal_impulse;
+            let new = clamp(point.tangent_impulse + point.tangent_mass * -vt, -max_friction, max_friction);
+            let p = (new - point.tangent_impulse) * tangent;
+            point.tangent_impulse = new;
+            vel_a.v -= m_a * p;
+            vel_a.w -= i_a * cross(point.r_a, p);
+            vel_b.v += m_b * p;
+            vel_b.w += i_b * cross(point.r_b, p);
+        }
+
+        if self.count == 1 {
+            let point = &mut self.points[0];
+            let vn = dot(relative(point, &vel_a, &vel_b), normal);
+            let lambda = -point.normal_mass * (vn - point.velocity_bias);
+            let new = max(point.normal_impulse + lambda, 0.0);
+            let p = (new - point.normal_impulse) * normal;
+            point.normal_impulse = new;
+            vel_a.v -= m_a * p;
+            vel_a.w -= i_a * cross(point.r_a, p);
+            vel_b.v += m_b * p;
+            vel_b.w += i_b * cross(point.r_b, p);
+        } else {
+            let [p1, p2] = &mut self.points;
+            let old = vec2(p1.normal_impulse, p2.normal_impulse);
+            let vn1 = dot(relative(p1, &vel_a, &vel_b), normal);
+            let vn2 = dot(relative(p2, &vel_a, &vel_b), normal);
+            let b = vec2(vn1 - p1.velocity_bias, vn2 - p2.velocity_bias) - self.k.mul(old);
+            if let Some(x) = solve_block(&self.k, &self.normal_mass, p1.normal_mass, p2.normal_mass, b) {
+                let d = x - old;
+                let (impulse1, impulse2) = (d.x * normal, d.y * normal);
+                vel_a.v -= m_a * (impulse1 + impulse2);
+                vel_a.w -= i_a * (cross(p1.r_a, impulse1) + cross(p2.r_a, impulse2));
+                vel_b.v += m_b * (impulse1 + impulse2);
+                vel_b.w += i_b * (cross(p1.r_b, impulse1) + cross(p2.r_b, impulse2));
+                p1.normal_impulse = x.x;
+                p2.normal_impulse = x.y;
+            }
+        }
+        velocities[self.a.index] = vel_a;
+        velocities[self.b.index] = vel_b;
+    }
+
+    /// Normal and tangent impulse of either point.
+    #[inline]
+    pub(super) fn impulses(&self) -> [f32; 4] {
+        let [p1, p2] = &self.points;
+        [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse]
+    }
+
+    /// Sets what [`impulses`](Self::impulses) gave.
+    pub(super) fn set_impulses(&mut self, impulses: &[f32; 4]) {
+        let [p1, p2] = &mut self.points;
+        [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse] = *impulses;
+    }
+
+    /// Keeps the impulses for the next step.
+    pub(super) fn store_impulses(&self, manifold: &mut Manifold) {
+        for (to, from) in manifold.points_mut().iter_mut().zip(&self.points[..self.count]) {
+            to.normal_impulse = from.normal_impulse;
+            to.tangent_impulse = from.tangent_impulse;
+        }
+    }
+
+    /// Pushes overlapping bodies apart; gives the smallest separation that it met.
+    pub(super) fn solve_position(&self, positions: &mut [Position]) -> f32 {
+        self.push_apart(positions, BAUMGARTE, [true; 2])
+    }
+
+    /// The same at a time of impact, where only two bodies of the island may move.
+    pub(super) fn solve_toi_position(&self, positions: &mut [Position], movable: [usize; 2]) -> f32 {
+        let moves = [&self.a, &self.b].map(|side| movable.contains(&side.index));
+        self.push_apart(positions, TOI_BAUMGARTE, moves)
+    }
+
+    fn push_apart(&self, positions: &mut [Position], baumgarte: f32, moves: [bool; 2]) -> f32 {
+        let [(m_a, i_a), (m_b, i_b)] = [(&self.a, moves[0]), (&self.b, moves[1])]
+            .map(|(side, moves)| if moves { (side.inv_mass, side.inv_inertia) } else { (0.0, 0.0) });
+        let (mut a, mut b) = (positions[self.a.index], positions[self.b.index]);
+        let mut min_separation = 0.0;
+        for i in 0..self.manifold.points().len() {
+            let (normal, point, separation) = self.separation(i, &a, &b);
+            let (r_a, r_b) = (point - a.c, point - b.c);
+            min_separation = min(min_separation, separation);
+            let c = clamp(baumgarte * (separation + LINEAR_SLOP), -MAX_LINEAR_CORRECTION, 0.0);
+            let (rn_a, rn_b) = (cross(r_a, normal), cross(r_b, normal));
+            let k = m_a + m_b + i_a * rn_a * rn_a + i_b * rn_b * rn_b;
+            let impulse = if k > 0.0 { -c / k } else { 0.0 };
+            let p = impulse * normal;
+            a.c -= m_a * p;
+            a.a -= i_a * cross(r_a, p);
+            b.c += m_b * p;
+            b.a += i_b * cross(r_b, p);
+        }
+        positions[self.a.index] = a;
+        positions[self.b.index] = b;
+        min_separation
+    }
+
+    /// Normal, place and separation of a point of the manifold at the given positions.
+    fn separation(&self, index: usize, a: &Position, b: &Position) -> (Vec2, Vec2, f32) {
+        let xf_a = pose_about(a.c, a.a, self.a.local_center);
+        let xf_b = pose_about(b.c, b.a, self.b.local_center);
+        let Manifold { kind, local_normal, local_point, .. } = self.manifold;
+        let point = self.manifold.points()[index].local_point;
+        let face = |xf_face: &Pose, xf_point: &Pose| {
+            let normal = rotate(xf_face.rotation, local_normal);
+            let plane = transform(xf_face, local_point);
+            let clip = transform(xf_point, point);
+            (normal, clip, dot(clip - plane, normal) - self.a.radius - self.b.radius)
+        };
+        match kind {
+            Kind::Circles => {
+                let point_a = transform(&xf_a, local_point);
+                let point_b = transform(&xf_b, point);
+                let normal = normalize(point_b - point_a).0;
+                let separation = dot(point_b - point_a, normal) - self.a.radius - self.b.radius;
+                (normal, 0.5 * (point_a + point_b), separation)
+            }
+            Kind::FaceA => face(&xf_a, &xf_b),
+            Kind::FaceB => {
+                let (normal, clip, separation) = face(&xf_b, &xf_a);
+                (-normal, clip, separation)
+            }
+        }
+    }
+}
+
+/// The linear complementarity problem of two points by enumeration: impulses x >= 0 and normal
+/// velocities `k x + b` >= 0 of which at least one is 0 at each point.
+#[inline]
+fn solve_block(k: &Mat22, inverse: &Mat22, mass1: f32, mass2: f32, b: Vec2) -> Option<Vec2> {
+    let x = -inverse.mul(b);
+    if x.x >= 0.0 && x.y >= 0.0 {
+        return Some(x); // both points push
+    }
+    let x = vec2(-mass1 * b.x, 0.0);
+    if x.x >= 0.0 && k.ex.y * x.x + b.y >= 0.0 {
+        return Some(x); // the first alone
+    }
+    let x = vec2(0.0, -mass2 * b.y);
+    if x.y >= 0.0 && k.ey.x * x.y + b.x >= 0.0 {
+        return Some(x); // the second alone
+    }
+    (b.x >= 0.0 && b.y >= 0.0).then(Vec2::zeros) // neither; or no solution: leave it as it is
+}

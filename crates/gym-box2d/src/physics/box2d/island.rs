@@ -1,0 +1,262 @@
+//! Bodies that touch or are joined, directly or through others: what has to be solved together.
+
+use super::contact_solver::{Constraint as ContactConstraint, Side};
+use super::joint::Constraint as JointConstraint;
+use super::math::{Vec2, dot, length, min};
+use super::settings::{
+    ANGULAR_SLEEP_TOLERANCE, LINEAR_SLEEP_TOLERANCE, LINEAR_SLOP, MAX_ROTATION, MAX_TRANSLATION,
+    TIME_TO_SLEEP,
+};
+use super::sweeps::{Sweeps, sweep};
+use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
+
+/// Centre of mass and angle while an island is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Position {
+    pub(super) c: Vec2,
+    pub(super) a: f32,
+}
+
+/// Velocities while an island is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Velocity {
+    pub(super) v: Vec2,
+    pub(super) w: f32,
+}
+
+/// The members of an island in the order in which they are solved, and working memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Island {
+    pub(super) bodies: Vec<u32>,
+    /// Places in the world's list of contacts.
+    pub(super) contacts: Vec<usize>,
+    pub(super) joints: Vec<u32>,
+    pub(super) stack: Vec<u32>,
+    positions: Vec<Position>,
+    velocities: Vec<Velocity>,
+    contact_constraints: Vec<ContactConstraint>,
+    joint_constraints: Vec<JointConstraint>,
+    sweeps: Sweeps,
+    /// Makes every sweep in full: what the shortcut is tested against.
+    pub(super) plain: bool,
+}
+
+impl Island {
+    pub(super) fn new() -> Self {
+        Self {
+            bodies: Vec::with_capacity(BODIES),
+            contacts: Vec::with_capacity(CONTACTS),
+            joints: Vec::with_capacity(JOINTS),
+            stack: Vec::with_capacity(BODIES + CONTACTS),
+            positions: Vec::with_capacity(BODIES),
+            velocities: Vec::with_capacity(BODIES),
+            contact_constraints: Vec::with_capacity(CONTACTS),
+            joint_constraints: Vec::with_capacity(JOINTS),
+            sweeps: Sweeps::new(),
+            plain: false,
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.bodies.clear();
+        self.contacts.clear();
+        self.joints.clear();
+    }
+
+    pub(super) fn add_body(&mut self, world: &mut Box2d, body: u32) {
+        world.bodies[body].island_index = self.bodies.len();
+        self.bodies.push(body);
+    }
+
+    /// The sides of a constraint between two bodies.
+    fn side(world: &Box2d, body: u32, radius: f32) -> Side {
+        let body = &world.bodies[body];
+        Side {
+            index: body.island_index,
+            inv_mass: body.inv_mass,
+            inv_inertia: body.inv_inertia,
+            local_center: body.sweep.local_center,
+            radius,
+        }
+    }
+
+    fn build_contacts(&mut self, world: &Box2d, ratio: Option<f32>) {
+        self.contact_constraints.clear();
+        for &index in &self.contacts {
+            let contact = &world.contacts[index];
+            let a = Self::side(world, contact.body_a, world.fixtures[contact.fixture_a].shape.radius);
+            let b = Self::side(world, contact.body_b, world.fixtures[contact.fixture_b].shape.radius);
+            self.contact_constraints.push(ContactConstraint::new(index, contact, a, b, ratio));
+        }
+    }
+
+    /// One time step: forces, velocities, positions, sleep.
+    pub(super) fn solve(&mut self, world: &mut Box2d, step: &TimeStep) {
+        let h = step.dt;
+        self.positions.clear();
+        self.velocities.clear();
+        for &id in &self.bodies {
+            let body = &mut world.bodies[id];
+            body.sweep.c0 = body.sweep.c;
+            body.sweep.a0 = body.sweep.a;
+            let (mut v, mut w) = (body.velocity, body.angular_velocity);
+            if body.dynamic {
+                v += h * (world.gravity + body.inv_mass * body.force);
+                w += h * body.inv_inertia * body.torque;
+            }
+            self.positions.push(Position { c: body.sweep.c, a: body.sweep.a });
+            self.velocities.push(Velocity { v, w });
+        }
+
+        self.build_contacts(world, Some(step.ratio));
+        for constraint in &mut self.contact_constraints {
+            constraint.initialize(&self.positions, &self.velocities);
+        }
+        for constraint in &self.contact_constraints {
+            constraint.warm_start(&mut self.velocities);
+        }
+        self.joint_constraints.clear();
+        for &id in &self.joints {
+            let joint = &world.joints[id];
+            let sides = (Self::side(world, joint.body_a, 0.0), Self::side(world, joint.body_b, 0.0));
+            let times = (h, step.ratio);
+            self.joint_constraints.push(JointConstraint::new(
+                id,
+                joint,
+                sides,
+                &self.positions,
+                &mut self.velocities,
+                times,
+            ));
+        }
+
+        self.sweep_velocities(step.velocity_iterations);
+        self.store_impulses(world);
+        self.integrate(h);
+        let solved = (0..step.position_iterations).any(|_| self.sweep_positions());
+
+        for (i, &id) in self.bodies.iter().enumerate() {
+            self.write_back(world, i, id);
+        }
+        self.update_sleep(world, h, solved);
+    }
+
+    fn sweep_velocities(&mut self, sweeps: u32) {
+        let Self { joint_constraints: joints, contact_constraints: contacts, velocities, .. } = self;
+        if self.plain {
+            (0..sweeps).for_each(|_| sweep(joints, contacts, velocities));
+        } else {
+            self.sweeps.run(sweeps, joints, contacts, velocities);
+        }
+    }
+
+    fn store_impulses(&self, world: &mut Box2d) {
+        for constraint in &self.contact_constraints {
+            constraint.store_impulses(&mut world.contacts[constraint.contact].manifold);
+        }
+        for constraint in &self.joint_constraints {
+            let joint = &mut world.joints[constraint.joint];
+            joint.impulse = constraint.impulse;
+            joint.motor_impulse = constraint.motor_impulse;
+            joint.limit_state = constraint.limit_state;
+        }
+    }
+
+    /// Moves positions along velocities, both within bounds.
+    fn integrate(&mut self, h: f32) {
+        for (position, velocity) in self.positions.iter_mut().zip(&mut self.velocities) {
+            let translation = h * velocity.v;
+            if dot(translation, translation) > MAX_TRANSLATION * MAX_TRANSLATION {
+                velocity.v *= MAX_TRANSLATION / length(translation);
+            }
+            let rotation = h * velocity.w;
+            if rotation * rotation > MAX_ROTATION * MAX_ROTATION {
+                velocity.w *= MAX_ROTATION / rotation.abs();
+            }
+            position.c += h * velocity.v;
+            position.a += h * velocity.w;
+        }
+    }
+
+    /// All contacts, then all joints; tells whether every error is small enough.
+    fn sweep_positions(&mut self) -> bool {
+        let mut min_separation = 0.0;
+        for contact in &self.contact_constraints {
+            min_separation = min(min_separation, contact.solve_position(&mut self.positions));
+        }
+        let mut okay = min_separation >= -3.0 * LINEAR_SLOP;
+        for joint in &self.joint_constraints {
+            okay &= joint.solve_position(&mut self.positions);
+        }
+        okay
+    }
+
+    fn write_back(&self, world: &mut Box2d, index: usize, id: u32) {
+        let body = &mut world.bodies[id];
+        body.sweep.c = self.positions[index].c;
+        body.sweep.a = self.positions[index].a;
+        body.velocity = self.velocities[index].v;
+        body.angular_velocity = self.velocities[index].w;
+        body.synchronize();
+    }
+
+    /// Puts the island to sleep once every body has been still for long enough.
+    fn update_sleep(&self, world: &mut Box2d, h: f32, solved: bool) {
+        let mut min_sleep_time = f32::MAX;
+        for &id in &self.bodies {
+            let body = &mut world.bodies[id];
+            if !body.dynamic {
+                continue;
+            }
+            let w = body.angular_velocity;
+            if w * w > ANGULAR_SLEEP_TOLERANCE * ANGULAR_SLEEP_TOLERANCE
+                || dot(body.velocity, body.velocity) > LINEAR_SLEEP_TOLERANCE * LINEAR_SLEEP_TOLERANCE
+            {
+                body.sleep_time = 0.0;
+            } else {
+                body.sleep_time += h;
+            }
+            min_sleep_time = min(min_sleep_time, body.sleep_time);
+        }
+        if min_sleep_time >= TIME_TO_SLEEP && solved {
+            for &id in &self.bodies {
+                world.bodies[id].sleep();
+            }
+        }
+    }
+
+    /// The rest of a step after a time of impact of the island's first two bodies: contacts only,
+    /// without warm start; impulses are not kept.
+    pub(super) fn solve_toi(&mut self, world: &mut Box2d, step: &TimeStep) {
+        self.positions.clear();
+        self.velocities.clear();
+        for &id in &self.bodies {
+            let body = &world.bodies[id];
+            self.positions.push(Position { c: body.sweep.c, a: body.sweep.a });
+            self.velocities.push(Velocity { v: body.velocity, w: body.angular_velocity });
+        }
+        self.build_contacts(world, None);
+        for _ in 0..step.position_iterations {
+            let mut min_separation = 0.0;
+            for contact in &self.contact_constraints {
+                min_separation = min(min_separation, contact.solve_toi_position(&mut self.positions, [0, 1]));
+            }
+            if min_separation >= -1.5 * LINEAR_SLOP {
+                break;
+            }
+        }
+        for (position, &id) in self.positions.iter().zip(&self.bodies).take(2) {
+            world.bodies[id].sweep.c0 = position.c;
+            world.bodies[id].sweep.a0 = position.a;
+        }
+        for constraint in &mut self.contact_constraints {
+            constraint.initialize(&self.positions, &self.velocities);
+        }
+        self.joint_constraints.clear();
+        self.sweep_velocities(step.velocity_iterations);
+        self.integrate(step.dt);
+        for (i, &id) in self.bodies.iter().enumerate() {
+            self.write_back(world, i, id);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Where two shapes touch: up to two points and a normal.
+
+use serde::{Deserialize, Serialize};
+
+use super::math::{Pose, Vec2, dot, normalize, rotate, transform, vec2};
+
+/// Which shape the normal belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Kind {
+    /// Neither: from centre to centre.
+    Circles,
+    /// A face of the first.
+    FaceA,
+    /// A face of the second.
+    FaceB,
+}
+
+/// A vertex (or a face) of a shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Feature {
+    pub(super) index: u8,
+    pub(super) is_face: bool,
+}
+
+impl Feature {
+    pub(super) fn vertex(index: usize) -> Self {
+        Self { index: index as u8, is_face: false }
+    }
+
+    pub(super) fn face(index: usize) -> Self {
+        Self { index: index as u8, is_face: true }
+    }
+}
+
+/// What meets in a point: it tells points of one step from those of the next.
+pub(super) type ContactId = [Feature; 2];
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct ManifoldPoint {
+    /// In the coordinates of the shape that the normal does not belong to.
+    pub(super) local_point: Vec2,
+    pub(super) normal_impulse: f32,
+    pub(super) tangent_impulse: f32,
+    pub(super) id: ContactId,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Manifold {
+    pub(super) kind: Kind,
+    pub(super) local_normal: Vec2,
+    /// A point of the face that the normal belongs to, or the centre of circle A.
+    pub(super) local_point: Vec2,
+    points: [ManifoldPoint; 2],
+    count: u8,
+}
+
+impl Manifold {
+    /// No contact.
+    pub(super) const EMPTY: Self = {
+        let point = ManifoldPoint {
+            local_point: Vec2::new(0.0, 0.0),
+            normal_impulse: 0.0,
+            tangent_impulse: 0.0,
+            id: [Feature { index: 0, is_face: false }; 2],
+        };
+        Self {
+            kind: Kind::FaceA,
+            local_normal: Vec2::new(0.0, 0.0),
+            local_point: Vec2::new(0.0, 0.0),
+            points: [point; 2],
+            count: 0,
+        }
+    };
+
+    pub(super) fn new(kind: Kind, local_normal: Vec2, local_point: Vec2) -> Self {
+        Self { kind, local_normal, local_point, ..Self::EMPTY }
+    }
+
+    pub(super) fn push(&mut self, local_point: Vec2, id: ContactId) {
+        let point = ManifoldPoint { local_point, id, ..Self::EMPTY.points[0] };
+        self.points[usize::from(self.count)] = point;
+        self.count += 1;
+    }
+
+    pub(super) fn with_point(mut self, local_point: Vec2, id: ContactId) -> Self {
+        self.push(local_point, id);
+        self
+    }
+
+    #[inline]
+    pub(super) fn points(&self) -> &[ManifoldPoint] {
+        &self.points[..usize::from(self.count).min(2)]
+    }
+
+    #[inline]
+    pub(super) fn points_mut(&mut self) -> &mut [ManifoldPoint] {
+        &mut self.points[..usize::from(self.count).min(2)]
+    }
+
+    /// Takes over the impulses of the same points of an earlier manifold.
+    pub(super) fn inherit(&mut self, old: &Self) {
+        for point in self.points_mut() {
+            if let Some(before) = old.points().iter().find(|before| before.id == point.id) {
+                point.normal_impulse = before.normal_impulse;
+                point.tangent_impulse = before.tangent_impulse;
+            }
+        }
+    }
+
+    /// The normal from A to B and the points in world coordinates, halfway between the surfaces.
+    pub(super) fn world(&self, xf_a: &Pose, radius_a: f32, xf_b: &Pose, radius_b: f32) -> (Vec2, [Vec2; 2]) {
+        let mut points = [Vec2::zeros(); 2];
+        match self.kind {
+            Kind::Circles => {
+                let a = transform(xf_a, self.local_point);
+                let b = transform(xf_b, self.points[0].local_point);
+                let d = b - a;
+                let mut normal = vec2(1.0, 0.0);
+                if dot(d, d) > f32::EPSILON * f32::EPSILON {
+                    normal = normalize(d).0;
+                }
+                points[0] = 0.5 * ((a + radius_a * normal) + (b - radius_b * normal));
+                (normal, points)
+            }
+            Kind::FaceA => {
+                let normal = rotate(xf_a.rotation, self.local_normal);
+                let plane = transform(xf_a, self.local_point);
+                for (point, world) in self.points().iter().zip(&mut points) {
+                    let clip = transform(xf_b, point.local_point);
+                    let on_a = clip + (radius_a - dot(clip - plane, normal)) * normal;
+                    let on_b = clip - radius_b * normal;
+                    *world = 0.5 * (on_a + on_b);
+                }
+                (normal, points)
+            }
+            Kind::FaceB => {
+                let normal = rotate(xf_b.rotation, self.local_normal);
+                let plane = transform(xf_b, self.local_point);
+                for (point, world) in self.points().iter().zip(&mut points) {
+                    let clip = transform(xf_a, point.local_point);
+                    let on_b = clip + (radius_b - dot(clip - plane, normal)) * normal;
+                    let on_a = clip - radius_a * normal;
+                    *world = 0.5 * (on_a + on_b);
+                }
+                (-normal, points)
+            }
+        }
+    }
+}
+
+/// A point of an incident edge while it is clipped.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ClipVertex {
+    pub(super) v: Vec2,
+    pub(super) id: ContactId,
+}
+
+/// The part of a segment on the inner side of a line, by Sutherland and Hodgman, where both ends
+/// of it are left. `vertex` is the vertex of the reference face that the line goes through.
+pub(super) fn clip(
+    segment: [ClipVertex; 2],
+    normal: Vec2,
+    offset: f32,
+    vertex: usize,
+) -> Option<[ClipVertex; 2]> {
+    let [first, second] = segment;
+    let d0 = dot(normal, first.v) - offset;
+    let d1 = dot(normal, second.v) - offset;
+    // a distance product that rounds to zero leaves too few points: no contact
+    let cut = || {
+        let v = first.v + d0 / (d0 - d1) * (second.v - first.v);
+        ClipVertex { v, id: [Feature::vertex(vertex), Feature::face(usize::from(first.id[1].index))] }
+    };
+    match (d0 <= 0.0, d1 <= 0.0) {
+        (true, true) => Some(segment),
+        (true, false) if d0 * d1 < 0.0 => Some([first, cut()]),
+        (false, true) if d0 * d1 < 0.0 => Some([second, cut()]),
+        _ => None,
+    }
+}

@@ -1,0 +1,177 @@
+//! A step of the world: contacts, islands, times of impact.
+
+use super::contact::Contact;
+use super::island::Island;
+use super::math::pose_about;
+use super::{Box2d, TimeStep};
+
+impl Box2d {
+    pub(in crate::physics) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+        self.events.clear();
+        if self.new_fixture {
+            self.find_new_contacts();
+            self.new_fixture = false;
+        }
+        let step = TimeStep { dt, ratio: self.inv_dt0 * dt, velocity_iterations, position_iterations };
+        self.update_contacts();
+        if dt > 0.0 {
+            let mut island = std::mem::take(&mut self.island);
+            self.solve(&mut island, &step);
+            self.solve_toi(&mut island, &step);
+            self.island = island;
+            self.inv_dt0 = 1.0 / dt;
+        }
+        for &id in &self.dynamic {
+            let body = &mut self.bodies[id];
+            body.force.fill(0.0);
+            body.torque = 0.0;
+        }
+    }
+
+    /// Updates the contacts of bodies that are awake and drops those whose boxes came apart.
+    fn update_contacts(&mut self) {
+        for i in (0..self.contacts.len()).rev() {
+            let contact = &self.contacts[i];
+            let Contact { fixture_a, fixture_b, body_a, body_b, refilter, .. } = *contact;
+            if refilter {
+                if !self.should_collide(fixture_a, fixture_b) {
+                    self.destroy_contact(i);
+                    continue;
+                }
+                self.contacts[i].refilter = false;
+            }
+            if !self.bodies[body_a].active() && !self.bodies[body_b].active() {
+                continue;
+            }
+            if !self.broad_phase.overlap(self.fixtures[fixture_a].proxy, self.fixtures[fixture_b].proxy) {
+                self.destroy_contact(i);
+                continue;
+            }
+            self.contacts[i].update(&mut self.bodies, &self.fixtures, &mut self.events);
+        }
+    }
+
+    /// Whether two fixtures of different bodies may touch.
+    fn should_collide(&self, a: u32, b: u32) -> bool {
+        let (a, b) = (&self.fixtures[a], &self.fixtures[b]);
+        let jointed = |id: &u32| {
+            let joint = &self.joints[*id];
+            joint.other(a.body) == Some(b.body) && !joint.collide_connected
+        };
+        a.body != b.body
+            && (self.bodies[a.body].dynamic || self.bodies[b.body].dynamic)
+            && a.filter.meets(&b.filter)
+            && !self.joint_order.iter().any(jointed)
+    }
+
+    /// Makes contacts of pairs of boxes that have come to overlap.
+    pub(super) fn find_new_contacts(&mut self) {
+        if !self.broad_phase.has_moved() {
+            return;
+        }
+        let mut pairs = std::mem::take(&mut self.pairs);
+        self.broad_phase.find_pairs(&mut pairs);
+        for &(a, b) in &pairs {
+            let (a, b) = (self.broad_phase.fixture(a), self.broad_phase.fixture(b));
+            let known = |contact: &Contact| {
+                let (x, y) = (contact.fixture_a, contact.fixture_b);
+                (x, y) == (a, b) || (x, y) == (b, a)
+            };
+            if !self.should_collide(a, b) || self.contacts.iter().any(known) {
+                continue;
+            }
+            let Some(contact) = Contact::new(&self.fixtures, a, b) else { continue };
+            if !contact.sensor {
+                self.bodies[contact.body_a].wake();
+                self.bodies[contact.body_b].wake();
+            }
+            self.contacts.push(contact);
+        }
+        self.pairs = pairs;
+    }
+
+    /// Finds the islands, from the newest body on, and solves each.
+    fn solve(&mut self, island: &mut Island, step: &TimeStep) {
+        for &id in &self.dynamic {
+            self.bodies[id].island = false;
+        }
+        for contact in &mut self.contacts {
+            contact.island = false;
+        }
+        for &id in &self.joint_order {
+            self.joints[id].island = false;
+        }
+        for i in (0..self.dynamic.len()).rev() {
+            let seed = self.dynamic[i];
+            if self.bodies[seed].island || !self.bodies[seed].awake {
+                continue;
+            }
+            self.gather(island, seed);
+            island.solve(self, step);
+            // static bodies may take part in several islands
+            for &id in &island.bodies {
+                let body = &mut self.bodies[id];
+                body.island &= body.dynamic;
+            }
+        }
+        for i in (0..self.dynamic.len()).rev() {
+            let id = self.dynamic[i];
+            if self.bodies[id].island {
+                self.synchronize_fixtures(id);
+            }
+        }
+        self.find_new_contacts();
+    }
+
+    /// All that `seed` touches or is joined to, depth first; static bodies are not passed through.
+    fn gather(&mut self, island: &mut Island, seed: u32) {
+        island.clear();
+        let mut stack = std::mem::take(&mut island.stack);
+        stack.push(seed);
+        self.bodies[seed].island = true;
+        while let Some(id) = stack.pop() {
+            island.add_body(self, id);
+            let body = &mut self.bodies[id];
+            body.wake();
+            if !body.dynamic {
+                continue;
+            }
+            for (index, contact) in self.contacts.iter_mut().enumerate().rev() {
+                let Some(other) = contact.other(id) else { continue };
+                if contact.island || !contact.enabled || !contact.touching || contact.sensor {
+                    continue;
+                }
+                contact.island = true;
+                island.contacts.push(index);
+                if !std::mem::replace(&mut self.bodies[other].island, true) {
+                    stack.push(other);
+                }
+            }
+            for &joint in self.joint_order.iter().rev() {
+                let Some(other) = self.joints[joint].other(id) else { continue };
+                if std::mem::replace(&mut self.joints[joint].island, true) {
+                    continue;
+                }
+                island.joints.push(joint);
+                if !std::mem::replace(&mut self.bodies[other].island, true) {
+                    stack.push(other);
+                }
+            }
+        }
+        island.stack = stack;
+    }
+
+    /// Tells the broad phase where a body's fixtures went.
+    pub(super) fn synchronize_fixtures(&mut self, id: u32) {
+        let body = &self.bodies[id];
+        let before = pose_about(body.sweep.c0, body.sweep.a0, body.sweep.local_center);
+        let displacement = body.xf.translation.vector - before.translation.vector;
+        let mut next = body.fixtures;
+        while let Some(id) = next {
+            let fixture = &self.fixtures[id];
+            let swept = fixture.shape.aabb(&before).union(&fixture.shape.aabb(&body.xf));
+            self.broad_phase.update(fixture.proxy, &swept, displacement);
+            next = fixture.next;
+        }
+    }
+}

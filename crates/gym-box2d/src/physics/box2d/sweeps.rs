@@ -1,0 +1,125 @@
+//! Velocity sweeps, and how many of them are saved.
+//!
+//! What a sweep does follows from the velocities and the contacts' impulses that it starts from, and
+//! from the joints' impulses only where these meet a bound. After some sweeps velocities and contact
+//! impulses stop changing, or alternate between two states in their last bits. From then on each
+//! sweep adds to the joints' impulses what the one two before has added, and only these additions are
+//! made, as long as the bounds act alike. The bits are those of all sweeps.
+
+use super::contact_solver::Constraint as Contact;
+use super::island::Velocity;
+use super::joint::{Constraint as Joint, Increment};
+use super::{BODIES, CONTACTS, JOINTS};
+
+/// What a sweep starts from.
+#[derive(Clone, Debug, Default)]
+struct Start {
+    velocities: Vec<Velocity>,
+    impulses: Vec<[f32; 4]>,
+}
+
+/// Working memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sweeps {
+    /// Where the last sweep and the one before started.
+    starts: [Start; 2],
+    /// What they added to the joints' impulses.
+    increments: [Vec<Increment>; 2],
+}
+
+impl Sweeps {
+    pub(super) fn new() -> Self {
+        let start =
+            || Start { velocities: Vec::with_capacity(BODIES), impulses: Vec::with_capacity(CONTACTS) };
+        Self { starts: [start(), start()], increments: [JOINTS; 2].map(Vec::with_capacity) }
+    }
+}
+
+impl Start {
+    fn clear(&mut self) {
+        self.velocities.clear();
+        self.impulses.clear();
+    }
+
+    fn set(&mut self, velocities: &[Velocity], contacts: &[Contact]) {
+        self.clear();
+        self.velocities.extend_from_slice(velocities);
+        self.impulses.extend(contacts.iter().map(Contact::impulses));
+    }
+
+    fn is(&self, velocities: &[Velocity], contacts: &[Contact]) -> bool {
+        let bits = |x: &Velocity| [x.v.x, x.v.y, x.w].map(f32::to_bits);
+        self.velocities.len() == velocities.len()
+            && self.velocities.iter().zip(velocities).all(|(a, b)| bits(a) == bits(b))
+            && self.impulses.len() == contacts.len()
+            && (self.impulses.iter().zip(contacts))
+                .all(|(a, b)| a.map(f32::to_bits) == b.impulses().map(f32::to_bits))
+    }
+}
+
+/// All joints, then all contacts.
+pub(super) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
+    for joint in joints {
+        joint.solve_velocity(velocities);
+    }
+    for contact in contacts {
+        contact.solve_velocity(velocities);
+    }
+}
+
+impl Sweeps {
+    /// Does what so many sweeps do.
+    pub(super) fn run(
+        &mut self,
+        sweeps: u32,
+        joints: &mut [Joint],
+        contacts: &mut [Contact],
+        velocities: &mut [Velocity],
+    ) {
+        self.starts.iter_mut().for_each(Start::clear);
+        let mut left = sweeps;
+        while left > 0 {
+            let slot = (left % 2) as usize;
+            self.starts[slot].set(velocities, contacts);
+            self.increments[slot].clear();
+            for joint in &mut *joints {
+                self.increments[slot].push(joint.solve_velocity(velocities));
+            }
+            for contact in &mut *contacts {
+                contact.solve_velocity(velocities);
+            }
+            left -= 1;
+            // the other slot has the start of the sweep before this one
+            if left > 0 && self.starts[1 - slot].is(velocities, contacts) {
+                left = self.repeat(left, joints);
+                let start = &self.starts[(left % 2) as usize];
+                velocities.copy_from_slice(&start.velocities);
+                for (contact, impulses) in contacts.iter_mut().zip(&start.impulses) {
+                    contact.set_impulses(impulses);
+                }
+                self.starts.iter_mut().for_each(Start::clear);
+            }
+        }
+    }
+
+    /// Makes the additions of sweeps that repeat; gives how many are left to be made in full.
+    fn repeat(&self, mut left: u32, joints: &mut [Joint]) -> u32 {
+        let mut unchanged = 0;
+        while left > 0 {
+            let increments = &self.increments[(left % 2) as usize];
+            if !joints.iter().zip(increments).all(|(joint, increment)| joint.repeats(increment)) {
+                break;
+            }
+            let mut changed = false;
+            for (joint, increment) in joints.iter_mut().zip(increments) {
+                changed |= joint.repeat(increment);
+            }
+            left -= 1;
+            unchanged = if changed { 0 } else { unchanged + 1 };
+            if unchanged == 2 {
+                return left % 2; // both sweeps of the cycle do nothing any more
+            }
+        }
+        left
+    }
+}

@@ -1,0 +1,192 @@
+//! Behaviour of the engine as a whole.
+
+use super::*;
+use crate::physics::{BodyId, Filter, FixtureId, Shape};
+
+fn v(x: f32, y: f32) -> Vec2 {
+    Vec2::new(x, y)
+}
+
+fn rect(half_width: f32, half_height: f32) -> FixtureDef {
+    FixtureDef { density: 1.0, ..FixtureDef::new(Shape::Rect { half_width, half_height }) }
+}
+
+/// A ground, and a chain of links with motors and limits that hangs over it from a heavy block.
+fn chain() -> Box2d {
+    let mut world = Box2d::new(v(0.0, -10.0));
+    let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
+    for i in -3..3 {
+        let (x, y) = (i as f32 * 2.0, (i * i) as f32 * 0.1);
+        let edge = Shape::Edge(v(x, y), v(x + 2.0, ((i + 1) * (i + 1)) as f32 * 0.1));
+        world.create_fixture(ground, &FixtureDef { friction: 0.9, ..FixtureDef::new(edge) });
+    }
+    let filter = Filter { category: 2, mask: 1 };
+    let mut last = world.create_body(&BodyDef::dynamic(v(0.0, 3.0), 0.1));
+    world.create_fixture(last, &FixtureDef { density: 20.0, filter, ..rect(0.5, 0.3) });
+    for i in 1..4 {
+        let link = world.create_body(&BodyDef::dynamic(v(i as f32 * 0.8, 3.0), 0.1 * i as f32));
+        world.create_fixture(link, &FixtureDef { filter, ..rect(0.4, 0.1) });
+        world.create_revolute_joint(&RevoluteJointDef {
+            body_a: BodyId(last),
+            body_b: BodyId(link),
+            local_anchor_a: v(0.4, 0.0),
+            local_anchor_b: v(-0.4, 0.0),
+            limits: Some((-0.6, 0.4)),
+            motor: i % 2 == 1,
+            motor_speed: 1.5,
+            max_motor_torque: 3.0,
+            collide_connected: false,
+        });
+        last = link;
+    }
+    world
+}
+
+fn json(world: &Box2d) -> serde_json::Value {
+    serde_json::to_value(world).unwrap()
+}
+
+#[test]
+fn saved_sweeps_keep_the_bits() {
+    let (mut quick, mut plain) = (chain(), chain());
+    plain.island.plain = true;
+    for step in 0..600 {
+        if step % 150 == 149 {
+            for world in [&mut quick, &mut plain] {
+                world.body_mut(1).apply_impulse(v(step as f32 * 0.1, 30.0), v(0.3, 2.0));
+            }
+        }
+        quick.step(0.02, 180, 60);
+        plain.step(0.02, 180, 60);
+        assert!(json(&quick) == json(&plain), "step {step}");
+    }
+}
+
+#[test]
+fn a_stored_world_continues_identically() {
+    let mut world = chain();
+    for step in 0..300 {
+        if step % 37 == 0 {
+            let stored = json(&world);
+            let mut read: Box2d = serde_json::from_value(stored.clone()).unwrap();
+            assert!(read.is_valid());
+            assert_eq!(json(&read), stored);
+            let mut copy = world.clone();
+            for _ in 0..20 {
+                read.step(0.02, 50, 20);
+                copy.step(0.02, 50, 20);
+            }
+            assert_eq!(json(&read), json(&copy));
+        }
+        world.step(0.02, 50, 20);
+    }
+}
+
+#[test]
+fn damaged_worlds_are_refused() {
+    let stored = json(&chain());
+    let damage = |path: &str, value: serde_json::Value| {
+        let mut damaged = stored.clone();
+        *damaged.pointer_mut(path).unwrap() = value;
+        serde_json::from_value::<Box2d>(damaged).is_ok_and(|world| world.is_valid())
+    };
+    assert!(damage("/gravity/0", 1.5.into()));
+    assert!(!damage("/dynamic/0", 77.into()));
+    assert!(!damage("/fixtures/slots/1/next", 6.into()));
+    assert!(!damage("/fixtures/slots/1/body", 9.into()));
+    assert!(!damage("/joints/slots/0/body_a", 9.into()));
+    assert!(!damage("/broad_phase/moved", serde_json::json!([99])));
+    assert!(!damage("/bodies/free", serde_json::json!([0])));
+}
+
+#[test]
+fn bodies_rest_sleep_and_wake() {
+    let mut world = Box2d::new(v(0.0, -10.0));
+    let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
+    world.create_fixture(ground, &FixtureDef::new(Shape::Edge(v(-9.0, 0.0), v(9.0, 0.0))));
+    let stack: Vec<u32> =
+        (0..3).map(|i| world.create_body(&BodyDef::dynamic(v(0.0, 0.6 + 1.1 * i as f32), 0.0))).collect();
+    for body in &stack {
+        world.create_fixture(*body, &rect(0.5, 0.5));
+    }
+    let mut begun = 0;
+    for _ in 0..200 {
+        world.step(0.02, 30, 10);
+        begun += world.events().iter().filter(|event| event.begin).count();
+    }
+    assert_eq!(begun, 3);
+    for (i, body) in stack.iter().enumerate() {
+        let body = world.body(*body);
+        assert!(!body.awake);
+        assert!((body.xf.translation.y - (0.5 + i as f32)).abs() < 0.05, "{:?}", body.xf);
+    }
+    // what lay on a body that goes falls down
+    world.destroy_body(stack[0]);
+    world.step(0.02, 30, 10);
+    assert!(world.body(stack[1]).awake);
+    for _ in 0..200 {
+        world.step(0.02, 30, 10);
+    }
+    assert!((world.body(stack[1]).xf.translation.y - 0.5).abs() < 0.03);
+    assert!(world.is_valid());
+}
+
+#[test]
+fn fast_bodies_do_not_tunnel() {
+    let mut world = Box2d::new(v(0.0, 0.0));
+    let wall = world.create_body(&BodyDef::fixed(v(5.0, 0.0), 0.0));
+    world.create_fixture(wall, &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))));
+    for shape in [
+        Shape::Circle { center: v(0.0, 0.0), radius: 0.1 },
+        Shape::Rect { half_width: 0.1, half_height: 0.1 },
+    ] {
+        let bullet = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.3));
+        world.create_fixture(bullet, &FixtureDef { density: 1.0, ..FixtureDef::new(shape) });
+        let mass = world.body(bullet).mass;
+        world.body_mut(bullet).apply_impulse(v(90.0 * mass, 0.0), v(0.0, 0.0));
+        for _ in 0..10 {
+            world.step(0.02, 10, 5);
+        }
+        assert!(world.body(bullet).xf.translation.x < 5.0);
+        world.destroy_body(bullet);
+    }
+}
+
+#[test]
+fn sensors_tell_and_rays_meet() {
+    let mut world = Box2d::new(v(0.0, 0.0));
+    let gate = world.create_body(&BodyDef::fixed(v(2.0, 0.0), 0.0));
+    let sensor = world.create_fixture(gate, &FixtureDef { sensor: true, ..rect(0.5, 0.5) });
+    let body = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.0));
+    let circle = Shape::Circle { center: v(0.0, 0.0), radius: 0.25 };
+    let disc = world.create_fixture(body, &FixtureDef { density: 1.0, ..FixtureDef::new(circle) });
+    world.body_mut(body).velocity = v(5.0, 0.0);
+    let mut events = Vec::new();
+    for _ in 0..50 {
+        world.step(0.02, 10, 5);
+        events.extend(world.events().iter().map(|event| (event.begin, event.fixtures[0], event.fixtures[1])));
+    }
+    let pair = (FixtureId(sensor), FixtureId(disc));
+    assert_eq!(events, [(true, pair.0, pair.1), (false, pair.0, pair.1)]);
+    assert_eq!(world.body(body).velocity, v(5.0, 0.0));
+
+    let hit = world.ray_cast(v(0.0, 0.25), v(4.0, 0.25), 1).unwrap();
+    assert_eq!((hit.fixture, hit.fraction), (FixtureId(sensor), 0.375));
+    assert_eq!(world.ray_cast(v(0.0, 0.25), v(4.0, 0.25), 2), None);
+    assert_eq!(world.ray_cast(v(0.0, 0.25), v(1.0, 0.25), 1), None);
+}
+
+/// Masses as pybox2d 2.3.10 computes them.
+#[test]
+fn masses_are_box2ds() {
+    let mut world = Box2d::new(v(0.0, 0.0));
+    let lander = [[-14.0, 17.0], [-17.0, 0.0], [-17.0, -10.0], [17.0, -10.0], [17.0, 0.0], [14.0, 17.0]];
+    let points = lander.map(|[x, y]: [f64; 2]| v((x / 30.0) as f32, (y / 30.0) as f32)).to_vec();
+    let body = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.0));
+    world.create_fixture(body, &FixtureDef { density: 5.0, ..FixtureDef::new(Shape::Polygon(points)) });
+    let body = world.body(body);
+    assert_eq!(body.mass, 4.816_666_6);
+    assert_eq!(body.sweep.local_center.y, 0.101_307_19);
+    let about_origin = body.inertia + body.mass * math::dot(body.sweep.local_center, body.sweep.local_center);
+    assert_eq!(about_origin, 0.833_314_9);
+}

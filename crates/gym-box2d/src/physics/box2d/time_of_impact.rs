@@ -1,0 +1,180 @@
+//! When two moving shapes first touch: conservative advancement with root finding, as
+//! `b2TimeOfImpact.cpp` has it.
+
+use super::distance::{Cache, distance, support};
+use super::math::{Pose, Sweep, Vec2, cross_one, dot, max, normalize, rotate, rotate_back, transform};
+use super::settings::{LINEAR_SLOP, MAX_PUSH_BACKS};
+use super::shape::Geometry;
+
+const MAX_ITERATIONS: u32 = 20;
+const MAX_ROOT_ITERATIONS: u32 = 50;
+
+/// A shape and its motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moving<'a> {
+    pub(super) shape: &'a Geometry,
+    pub(super) sweep: Sweep,
+}
+
+/// The part of the motion after which the shapes touch, or `None` where they stay apart, overlap
+/// from the start, or no time is found.
+pub(super) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
+    const T_MAX: f32 = 1.0;
+    let a = Moving { sweep: a.sweep.normalized(), ..a };
+    let b = Moving { sweep: b.sweep.normalized(), ..b };
+    let target = max(LINEAR_SLOP, a.shape.radius + b.shape.radius - 3.0 * LINEAR_SLOP);
+    let tolerance = 0.25 * LINEAR_SLOP;
+
+    let mut t1 = 0.0;
+    let mut cache = Cache::default();
+    for _ in 0..MAX_ITERATIONS {
+        let (xf_a, xf_b) = (a.sweep.pose(t1), b.sweep.pose(t1));
+        let apart = distance(a.shape, &xf_a, b.shape, &xf_b, &mut cache);
+        if apart <= 0.0 {
+            return None; // they overlap
+        }
+        if apart < target + tolerance {
+            return Some(t1);
+        }
+        let separation = Separation::new(&cache, &a, &xf_a, &b, &xf_b);
+
+        // resolve the deepest points one after the other
+        let mut t2 = T_MAX;
+        for _ in 0..MAX_PUSH_BACKS {
+            let (witness, mut s2) = separation.deepest(t2);
+            if s2 > target + tolerance {
+                return None; // they stay apart
+            }
+            if s2 > target - tolerance {
+                t1 = t2; // advance
+                break;
+            }
+            let mut s1 = separation.at(witness, t1);
+            if s1 < target - tolerance {
+                return None; // the separation is not that of the simplex: give up
+            }
+            if s1 <= target + tolerance {
+                return Some(t1);
+            }
+            // the root of separation - target between t1 and t2
+            let (mut a1, mut a2) = (t1, t2);
+            for iteration in 0..MAX_ROOT_ITERATIONS {
+                let t = if iteration % 2 == 1 {
+                    a1 + (target - s1) * (a2 - a1) / (s2 - s1)
+                } else {
+                    0.5 * (a1 + a2)
+                };
+                let s = separation.at(witness, t);
+                if (s - target).abs() < tolerance {
+                    t2 = t;
+                    break;
+                }
+                if s > target {
+                    a1 = t;
+                    s1 = s;
+                } else {
+                    a2 = t;
+                    s2 = s;
+                }
+            }
+        }
+    }
+    None
+}
+
+/// The axis along which two shapes are apart.
+struct Separation<'a> {
+    a: &'a Moving<'a>,
+    b: &'a Moving<'a>,
+    kind: Kind,
+    axis: Vec2,
+    /// A point of the face that has the axis as its normal.
+    local_point: Vec2,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    /// Two vertices; the axis is in world coordinates.
+    Points,
+    /// A face of A.
+    FaceA,
+    /// A face of B.
+    FaceB,
+}
+
+/// The vertices of A and B that a separation is measured between.
+#[derive(Clone, Copy)]
+struct Witness {
+    a: usize,
+    b: usize,
+}
+
+impl<'a> Separation<'a> {
+    /// From the features that are closest in the given poses.
+    fn new(cache: &Cache, a: &'a Moving<'a>, xf_a: &Pose, b: &'a Moving<'a>, xf_b: &Pose) -> Self {
+        let point_a = |i: usize| a.shape.vertices()[cache.index_a[i]];
+        let point_b = |i: usize| b.shape.vertices()[cache.index_b[i]];
+        if cache.count == 1 {
+            let axis = normalize(transform(xf_b, point_b(0)) - transform(xf_a, point_a(0))).0;
+            return Self { a, b, kind: Kind::Points, axis, local_point: Vec2::zeros() };
+        }
+        // a face of one shape, and a vertex of the other
+        let on_b = cache.index_a[0] == cache.index_a[1];
+        let (kind, [p1, p2], face, xf_face, vertex) = if on_b {
+            let vertex = transform(xf_a, point_a(0));
+            (Kind::FaceB, [point_b(0), point_b(1)], b, xf_b, vertex)
+        } else {
+            let vertex = transform(xf_b, point_b(0));
+            (Kind::FaceA, [point_a(0), point_a(1)], a, xf_a, vertex)
+        };
+        debug_assert!(face.shape.vertices().len() > 1);
+        let axis = normalize(cross_one(p2 - p1)).0;
+        let normal = rotate(xf_face.rotation, axis);
+        let local_point = 0.5 * (p1 + p2);
+        let s = dot(vertex - transform(xf_face, local_point), normal);
+        Self { a, b, kind, axis: if s < 0.0 { -axis } else { axis }, local_point }
+    }
+
+    /// The vertices that are deepest at `t`, and how far they are apart.
+    fn deepest(&self, t: f32) -> (Witness, f32) {
+        let (xf_a, xf_b) = (self.a.sweep.pose(t), self.b.sweep.pose(t));
+        let (va, vb) = (self.a.shape.vertices(), self.b.shape.vertices());
+        let witness = match self.kind {
+            Kind::Points => Witness {
+                a: support(va, rotate_back(xf_a.rotation, self.axis)),
+                b: support(vb, rotate_back(xf_b.rotation, -self.axis)),
+            },
+            Kind::FaceA => {
+                let normal = rotate(xf_a.rotation, self.axis);
+                Witness { a: 0, b: support(vb, rotate_back(xf_b.rotation, -normal)) }
+            }
+            Kind::FaceB => {
+                let normal = rotate(xf_b.rotation, self.axis);
+                Witness { a: support(va, rotate_back(xf_a.rotation, -normal)), b: 0 }
+            }
+        };
+        (witness, self.between(witness, &xf_a, &xf_b))
+    }
+
+    /// How far two vertices are apart at `t`.
+    fn at(&self, witness: Witness, t: f32) -> f32 {
+        self.between(witness, &self.a.sweep.pose(t), &self.b.sweep.pose(t))
+    }
+
+    fn between(&self, witness: Witness, xf_a: &Pose, xf_b: &Pose) -> f32 {
+        let point_a = |local| transform(xf_a, local);
+        let point_b = |local| transform(xf_b, local);
+        let (vertex_a, vertex_b) = (self.a.shape.vertices()[witness.a], self.b.shape.vertices()[witness.b]);
+        match self.kind {
+            Kind::Points => dot(point_b(vertex_b) - point_a(vertex_a), self.axis),
+            Kind::FaceA => {
+                let normal = rotate(xf_a.rotation, self.axis);
+                dot(point_b(vertex_b) - point_a(self.local_point), normal)
+            }
+            Kind::FaceB => {
+                let normal = rotate(xf_b.rotation, self.axis);
+                dot(point_a(vertex_a) - point_b(self.local_point), normal)
+            }
+        }
+    }
+}

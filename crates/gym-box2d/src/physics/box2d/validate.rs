@@ -1,0 +1,61 @@
+//! Whether a world read from outside can be stepped without a panic.
+
+use super::math::{Vec2, length};
+use super::{Box2d, arena::Arena};
+
+fn finite(numbers: &[f32]) -> bool {
+    numbers.iter().all(|x| x.is_finite())
+}
+
+fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
+    slots.iter().all(|slot| arena.get(*slot).is_some())
+}
+
+impl Box2d {
+    /// Whether every reference leads somewhere and every number is finite.
+    pub(in crate::physics) fn is_valid(&self) -> bool {
+        let vectors = |vectors: &[Vec2]| vectors.iter().all(|v| length(*v).is_finite());
+        let bodies = self.bodies.iter().all(|(id, body)| {
+            let s = &body.sweep;
+            vectors(&[s.local_center, s.c0, s.c, body.velocity, body.force, body.xf.translation.vector])
+                && finite(&[s.a0, s.a, s.alpha0, body.angular_velocity, body.torque, body.sleep_time])
+                && finite(&[body.inv_mass, body.inv_inertia, body.xf.rotation.re, body.xf.rotation.im])
+                && has(&self.fixtures, body.fixtures.as_slice())
+                && body.dynamic == self.dynamic.contains(&id)
+        });
+        let fixtures = self.fixtures.iter().all(|(id, fixture)| {
+            // each list of fixtures ends: it leads to older ones, and no two lead to the same
+            has(&self.bodies, &[fixture.body])
+                && has(&self.fixtures, fixture.next.as_slice())
+                && self.fixtures.iter().filter(|(_, other)| other.next == Some(id)).count()
+                    + usize::from(self.bodies[fixture.body].fixtures == Some(id))
+                    == 1
+                && fixture.shape.is_valid()
+                && finite(&[fixture.density, fixture.friction, fixture.restitution])
+        });
+        let joints = self.joints.iter().all(|(id, joint)| {
+            has(&self.bodies, &[joint.body_a, joint.body_b])
+                && self.joint_order.contains(&id)
+                && finite(&[joint.motor_speed, joint.max_motor_torque, joint.motor_impulse])
+        });
+        let contacts = self.contacts.iter().all(|contact| {
+            has(&self.fixtures, &[contact.fixture_a, contact.fixture_b])
+                && self.fixtures[contact.fixture_a].body == contact.body_a
+                && self.fixtures[contact.fixture_b].body == contact.body_b
+                && has(&self.bodies, &[contact.body_a, contact.body_b])
+        });
+        self.bodies.is_valid()
+            && self.fixtures.is_valid()
+            && self.joints.is_valid()
+            && bodies
+            && fixtures
+            && joints
+            && contacts
+            && has(&self.bodies, &self.dynamic)
+            && has(&self.joints, &self.joint_order)
+            && self
+                .broad_phase
+                .is_valid(|fixture, id| self.fixtures.get(fixture).is_some_and(|fixture| fixture.proxy == id))
+            && finite(&[self.gravity.x, self.gravity.y, self.inv_dt0])
+    }
+}

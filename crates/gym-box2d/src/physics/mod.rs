@@ -1,0 +1,35 @@
+//! A small two-dimensional world of rigid bodies, in the manner of Box2D: bodies carry fixtures,
+//! revolute joints with motors and limits hold them together, contacts begin and end, rays find what
+//! is in the way, and what lies still falls asleep. It knows nothing of environments.
+//!
+//! ```
+//! use gym_box2d::physics::{BodyDef, FixtureDef, Shape, Vec2, World};
+//!
+//! let mut world = World::new(Vec2::new(0.0, -10.0));
+//! let ground = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+//! world.create_fixture(ground, &FixtureDef::new(Shape::Edge(Vec2::new(-9.0, 0.0), Vec2::new(9.0, 0.0))));
+//! let ball = world.create_body(&BodyDef::dynamic(Vec2::new(0.0, 3.0), 0.0));
+//! let circle = Shape::Circle { center: Vec2::zeros(), radius: 0.5 };
+//! world.create_fixture(ball, &FixtureDef { density: 1.0, ..FixtureDef::new(circle) });
+//! while world.is_awake(ball) {
+//!     world.step(0.02, 8, 3);
+//! }
+//! assert!((world.position(ball).y - 0.5).abs() < 0.02);
+//! ```
+//!
+//! Lengths are in metres, masses in kilograms, angles in radians, counterclockwise. Numbers given to
+//! a world must be finite, and an id belongs to the world that gave it, until its body is destroyed.
+
+mod box2d;
+mod def;
+mod world;
+
+pub use def::{
+    BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
+};
+pub use world::World;
+
+/// A point or a vector.
+pub type Vec2 = nalgebra::Vector2<f32>;
+/// Position and rotation of a body.
+pub type Pose = nalgebra::Isometry2<f32>;

@@ -1,0 +1,175 @@
+//! The door behind which the engines stand.
+
+use serde::{Deserialize, Serialize};
+
+use super::box2d::Box2d;
+use super::{
+    BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef, Vec2,
+};
+
+/// A world of rigid bodies. Its whole state is plain data: a copy, or one that was stored and read
+/// again, continues identically.
+///
+/// # Panics
+/// Methods that take an id panic, as indexing does, if what it names was destroyed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct World {
+    engine: Engine,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Engine {
+    Box2d(Box<Box2d>),
+}
+
+/// Passes a call on to the engine.
+macro_rules! engine {
+    ($world:expr, $engine:ident => $call:expr) => {
+        match $world {
+            Engine::Box2d($engine) => $call,
+        }
+    };
+}
+
+impl World {
+    /// An empty world of Box2D's engine.
+    pub fn new(gravity: Vec2) -> Self {
+        Self { engine: Engine::Box2d(Box::new(Box2d::new(gravity))) }
+    }
+
+    /// Adds a body.
+    pub fn create_body(&mut self, def: &BodyDef) -> BodyId {
+        BodyId(engine!(&mut self.engine, world => world.create_body(def)))
+    }
+
+    /// Adds a fixture to a body, and its mass.
+    pub fn create_fixture(&mut self, body: BodyId, def: &FixtureDef) -> FixtureId {
+        FixtureId(engine!(&mut self.engine, world => world.create_fixture(body.0, def)))
+    }
+
+    /// Hinges two bodies.
+    pub fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> JointId {
+        JointId(engine!(&mut self.engine, world => world.create_revolute_joint(def)))
+    }
+
+    /// Takes a body away, with its fixtures and joints.
+    pub fn destroy_body(&mut self, body: BodyId) {
+        engine!(&mut self.engine, world => world.destroy_body(body.0));
+    }
+
+    /// Lets `dt` seconds pass. More iterations make joints and contacts stiffer.
+    pub fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+        engine!(&mut self.engine, world => world.step(dt, velocity_iterations, position_iterations));
+    }
+
+    /// Contacts that began or ended since the last step began, in order.
+    pub fn contact_events(&self) -> &[ContactEvent] {
+        engine!(&self.engine, world => world.events())
+    }
+
+    /// The first fixture that a ray meets, of those in one of `categories`.
+    pub fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
+        engine!(&self.engine, world => world.ray_cast(from, to, categories))
+    }
+
+    /// Pushes at a body's centre of mass, in N, for the next step, and wakes it.
+    pub fn apply_force_to_center(&mut self, body: BodyId, force: Vec2) {
+        engine!(&mut self.engine, world => world.body_mut(body.0).apply_force(force));
+    }
+
+    /// Turns a body, in N m, for the next step, and wakes it.
+    pub fn apply_torque(&mut self, body: BodyId, torque: f32) {
+        engine!(&mut self.engine, world => world.body_mut(body.0).apply_torque(torque));
+    }
+
+    /// Kicks a body at a point of the world, in N s, and wakes it.
+    pub fn apply_linear_impulse(&mut self, body: BodyId, impulse: Vec2, point: Vec2) {
+        engine!(&mut self.engine, world => world.body_mut(body.0).apply_impulse(impulse, point));
+    }
+
+    /// Where a body and its coordinates are.
+    pub fn pose(&self, body: BodyId) -> Pose {
+        engine!(&self.engine, world => world.body(body.0).xf)
+    }
+
+    /// Where a body's origin is.
+    pub fn position(&self, body: BodyId) -> Vec2 {
+        self.pose(body).translation.vector
+    }
+
+    /// How far a body is turned, all turns counted.
+    pub fn angle(&self, body: BodyId) -> f32 {
+        engine!(&self.engine, world => world.body(body.0).sweep.a)
+    }
+
+    /// Velocity of a body's centre of mass.
+    pub fn linear_velocity(&self, body: BodyId) -> Vec2 {
+        engine!(&self.engine, world => world.body(body.0).velocity)
+    }
+
+    /// Angular velocity of a body.
+    pub fn angular_velocity(&self, body: BodyId) -> f32 {
+        engine!(&self.engine, world => world.body(body.0).angular_velocity)
+    }
+
+    /// Mass of a body.
+    pub fn mass(&self, body: BodyId) -> f32 {
+        engine!(&self.engine, world => world.body(body.0).mass)
+    }
+
+    /// Whether a body is not asleep.
+    pub fn is_awake(&self, body: BodyId) -> bool {
+        engine!(&self.engine, world => world.body(body.0).awake)
+    }
+
+    /// The vertices of a fixture's shape in the coordinates of its body: one for a circle, two for
+    /// an edge.
+    pub fn vertices(&self, fixture: FixtureId) -> &[Vec2] {
+        engine!(&self.engine, world => world.fixture(fixture.0).shape.vertices())
+    }
+
+    /// The body of a fixture.
+    pub fn body_of(&self, fixture: FixtureId) -> BodyId {
+        BodyId(engine!(&self.engine, world => world.fixture(fixture.0).body))
+    }
+
+    /// The angle of a joint.
+    pub fn joint_angle(&self, joint: JointId) -> f32 {
+        engine!(&self.engine, world => world.joint_angle(joint.0))
+    }
+
+    /// The angular speed of a joint.
+    pub fn joint_speed(&self, joint: JointId) -> f32 {
+        engine!(&self.engine, world => world.joint_speed(joint.0))
+    }
+
+    /// Sets the speed that a joint's motor strives for, and wakes both bodies.
+    pub fn set_motor_speed(&mut self, joint: JointId, speed: f32) {
+        engine!(&mut self.engine, world => world.set_motor_speed(joint.0, speed));
+    }
+
+    /// Sets the most that a joint's motor exerts, and wakes both bodies.
+    pub fn set_max_motor_torque(&mut self, joint: JointId, torque: f32) {
+        engine!(&mut self.engine, world => world.set_max_motor_torque(joint.0, torque));
+    }
+
+    /// Whether a world that was read from outside can be worked with.
+    pub fn is_valid(&self) -> bool {
+        engine!(&self.engine, world => world.is_valid())
+    }
+
+    /// Whether an id read from outside names a body of this world.
+    pub fn has_body(&self, body: BodyId) -> bool {
+        engine!(&self.engine, world => world.has_body(body.0))
+    }
+
+    /// Whether an id read from outside names a fixture of this world.
+    pub fn has_fixture(&self, fixture: FixtureId) -> bool {
+        engine!(&self.engine, world => world.has_fixture(fixture.0))
+    }
+
+    /// Whether an id read from outside names a joint of this world.
+    pub fn has_joint(&self, joint: JointId) -> bool {
+        engine!(&self.engine, world => world.has_joint(joint.0))
+    }
+}

@@ -1,0 +1,61 @@
+//! What every environment must keep: the same bits from the same seed, from a copy and from a
+//! snapshot in mid-flight; errors instead of panics.
+
+use gym_box2d as _;
+use gym_core::{BoxEnv, Env, Value, builder, make};
+
+const IDS: [&str; 8] = [
+    "LunarLander-v2",
+    "LunarLander-v3",
+    "LunarLanderContinuous-v2",
+    "LunarLanderContinuous-v3",
+    "BipedalWalker-v3",
+    "BipedalWalkerHardcore-v3",
+    "CarRacing-v2",
+    "CarRacing-v3",
+];
+
+/// Observations and rewards of some random steps, over the ends of episodes.
+fn run(env: &mut BoxEnv, seed: u64, steps: usize) -> Vec<(Value, f64)> {
+    let mut actions = env.action_sampler(seed).unwrap();
+    (0..steps)
+        .map(|_| {
+            let step = env.step(&actions.sample()).unwrap();
+            if step.done() {
+                env.reset(()).unwrap();
+            }
+            (step.observation, step.reward)
+        })
+        .collect()
+}
+
+#[test]
+fn copies_snapshots_and_used_environments_agree() {
+    for id in IDS {
+        let steps = if id.starts_with("Car") { 40 } else { 250 };
+        let mut env = make(id).unwrap();
+        env.reset(7).unwrap();
+        let first = run(&mut env, 1, steps);
+        let (mut copy, snapshot) = (env.clone(), env.snapshot().unwrap());
+        let mut restored = make(id).unwrap();
+        restored.restore(&snapshot).unwrap();
+        let next = run(&mut env, 2, steps);
+        assert!(next == run(&mut copy, 2, steps), "{id}: a copy");
+        assert!(next == run(&mut restored, 2, steps), "{id}: a snapshot");
+        env.reset(7).unwrap();
+        assert!(first == run(&mut env, 1, steps), "{id}: a used environment");
+    }
+}
+
+#[test]
+fn impossible_actions_are_errors() {
+    let mut lander = builder("LunarLanderContinuous-v3").disable_env_checker(true).build().unwrap();
+    lander.reset(0).unwrap();
+    let action = |x: f32| Value::Array([x, 0.0].to_vec().into());
+    assert!(lander.step(&action(f32::NAN)).is_err());
+    assert!(lander.step(&action(f32::INFINITY)).is_err());
+    assert!(lander.step(&Value::Int(1)).is_err());
+    assert!(lander.step(&action(1.0)).is_ok());
+    assert!(builder("LunarLander-v3").arg("gravity", -12.0).build().is_err());
+    assert!(builder("LunarLander-v3").arg("gravity", 0.5).build().is_err());
+}

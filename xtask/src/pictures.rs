@@ -14,7 +14,10 @@ pub(crate) struct Arguments {
 }
 
 /// The environments of the README's picture, their frame size there, and how many random steps in.
-const SHEET: [(&str, (u32, u32), usize); 6] = [
+const SHEET: [(&str, (u32, u32), usize); 9] = [
+    ("LunarLander-v3", (360, 240), 40),
+    ("BipedalWalker-v3", (360, 240), 30),
+    ("CarRacing-v3", (360, 240), 60),
     ("CartPole-v1", (360, 240), 12),
     ("MountainCar-v0", (360, 240), 30),
     ("Taxi-v4", (282, 240), 20),

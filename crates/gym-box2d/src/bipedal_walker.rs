@@ -378,18 +378,16 @@ impl Episode {
     }
 
     fn draw_ground(&self, canvas: &mut dyn Canvas, scroll: f64) {
-        let visible = |left: f64, right: f64| right >= scroll && left <= scroll + VIEWPORT_W / SCALE;
-        let segments = || {
-            (0..TERRAIN_LENGTH - 1)
-                .map(|i| (i, i as f64 * TERRAIN_STEP))
-                .filter(|(_, x)| visible(*x, x + TERRAIN_STEP))
-                .map(|(i, x)| {
-                    (i, [[x, self.terrain_y[i]], [(i + 1) as f64 * TERRAIN_STEP, self.terrain_y[i + 1]]])
-                })
-        };
-        for (_, [p1, p2]) in segments() {
-            canvas.polygon(&[p1, p2, [p2[0], 0.0], [p1[0], 0.0]], Color::rgb(102, 153, 76));
+        let point = |i: usize| [i as f64 * TERRAIN_STEP, self.terrain_y[i]];
+        let first = ((scroll / TERRAIN_STEP) as usize).min(TERRAIN_LENGTH - 1);
+        let last = (((scroll + VIEWPORT_W / SCALE) / TERRAIN_STEP) as usize + 1).min(TERRAIN_LENGTH - 1);
+        // in one piece, as pieces side by side would show their seams
+        let mut ground = [[0.0; 2]; TERRAIN_LENGTH + 2];
+        for i in first..=last {
+            ground[i + 1] = point(i);
         }
+        (ground[first], ground[last + 2]) = ([point(first)[0], 0.0], [point(last)[0], 0.0]);
+        canvas.polygon(&ground[first..=last + 2], Color::rgb(102, 153, 76));
         // the beam of the lidar sweeps down and up
         let i = self.steps as usize % 100;
         if i < 2 * LIDAR_RAYS {
@@ -399,9 +397,9 @@ impl Episode {
             let [p1, p2] = [p1, p2].map(|p| [f64::from(p.x), f64::from(p.y)]);
             canvas.line(p1, p2, 1.0 / SCALE, Color::rgb(255, 0, 0));
         }
-        for (i, [p1, p2]) in segments() {
+        for i in first..last {
             let green = if i % 2 == 0 { 255 } else { 204 };
-            canvas.line(p1, p2, 1.0 / SCALE, Color::rgb(76, green, 76));
+            canvas.line(point(i), point(i + 1), 1.0 / SCALE, Color::rgb(76, green, 76));
         }
         for fixture in &self.obstacles {
             let grey = Color::rgb(153, 153, 153);

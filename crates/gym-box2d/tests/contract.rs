@@ -59,3 +59,31 @@ fn impossible_actions_are_errors() {
     assert!(builder("LunarLander-v3").arg("gravity", -12.0).build().is_err());
     assert!(builder("LunarLander-v3").arg("gravity", 0.5).build().is_err());
 }
+
+/// A fixture whose box is missing would be looked for in the next step.
+#[test]
+fn snapshots_without_a_box_are_refused() {
+    fn drop_a_box(json: &mut serde_json::Value) {
+        match json {
+            serde_json::Value::Object(entries) => {
+                for (key, value) in entries {
+                    match value {
+                        serde_json::Value::Array(proxies) if key == "proxies" => drop(proxies.pop()),
+                        value => drop_a_box(value),
+                    }
+                }
+            }
+            serde_json::Value::Array(items) => items.iter_mut().for_each(drop_a_box),
+            _ => {}
+        }
+    }
+
+    for id in IDS {
+        let mut env = make(id).unwrap();
+        env.reset(0).unwrap();
+        let mut json = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        env.restore(&serde_json::from_value(json.clone()).unwrap()).unwrap();
+        drop_a_box(&mut json);
+        assert!(env.restore(&serde_json::from_value(json).unwrap()).is_err(), "{id}");
+    }
+}

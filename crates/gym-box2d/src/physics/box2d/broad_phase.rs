@@ -106,6 +106,11 @@ impl BroadPhase {
         self.proxies[id as usize].fixture
     }
 
+    /// Whether there is such a proxy and it is that of a fixture.
+    pub(super) fn holds(&self, id: u32, fixture: u32) -> bool {
+        self.proxies.get(id as usize).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
+    }
+
     /// The fixtures whose box meets `aabb`.
     pub(super) fn query(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let hit = move |proxy: &&Proxy| proxy.fat.overlaps(&aabb) && proxy.used;

@@ -30,6 +30,7 @@ impl Box2d {
                 && self.fixtures.iter().filter(|(_, other)| other.next == Some(id)).count()
                     + usize::from(self.bodies[fixture.body].fixtures == Some(id))
                     == 1
+                && self.broad_phase.holds(fixture.proxy, id)
                 && fixture.shape.is_valid()
                 && finite(&[fixture.density, fixture.friction, fixture.restitution])
         });

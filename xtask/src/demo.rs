@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use gym::render::RenderMode;
-use gym::rendering::Plot;
+use gym::rendering::{Plot, Recorder};
 use gym::{EnvSpec, Error, Result, registry};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::gif::Recording;
 use crate::policy::{Episode, Policy};
 use crate::run::summary;
 
@@ -54,14 +53,14 @@ fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<E
     let path = arguments.out.join(format!("{}.gif", crate::file_stem(&spec.id)));
     let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
     let mut env = EnvSpec { max_episode_steps, render_mode: Some(RenderMode::RgbArray), ..spec }.make()?;
-    let mut recording = Recording::create(&path, &env, arguments.max_frames)?;
+    let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
     let episodes = (0..arguments.episodes)
         .map(|seed| {
             bar.inc(1);
-            Policy::Random.play(&mut env, seed, |env| recording.watch(env))
+            Policy::Random.play(&mut env, seed, |env| recorder.capture(env))
         })
         .collect::<Result<_>>()?;
-    recording.finish()?;
+    recorder.finish()?;
     Ok(episodes)
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use gym::render::{RenderMode, Rendered};
-use gym::rendering::GifWriter;
-use gym::{BoxEnv, Env, Error, Kwargs, Result};
+use gym::render::RenderMode;
+use gym::rendering::Recorder;
+use gym::{Kwargs, Result};
 
 use crate::policy::Policy;
 
@@ -24,7 +24,8 @@ pub(crate) struct Arguments {
     /// Ends the recording after that many frames.
     #[arg(long, default_value_t = 500)]
     max_frames: u64,
-    /// The file; by default the id with `.gif`.
+    /// The file, whose extension is its format: .gif, .png (animated) or .mp4 (through `ffmpeg`). By
+    /// default the id with `.gif`.
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -36,40 +37,9 @@ pub(crate) fn gif(arguments: &Arguments) -> Result<()> {
         .build()?;
     let path = arguments.out.clone();
     let path = path.unwrap_or_else(|| format!("{}.gif", crate::file_stem(&arguments.id)).into());
-    let mut recording = Recording::create(&path, &env, arguments.max_frames)?;
-    arguments.policy.play(&mut env, arguments.seed, |env| recording.watch(env))?;
-    let frames = recording.finish()?;
+    let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
+    arguments.policy.play(&mut env, arguments.seed, |env| recorder.capture(env))?;
+    let frames = recorder.finish()?;
     println!("{}: {frames} frames", path.display());
     Ok(())
-}
-
-/// The first frames of what an environment shows, as a GIF.
-pub(crate) struct Recording {
-    gif: GifWriter,
-    frames: u64,
-    max_frames: u64,
-}
-
-impl Recording {
-    pub(crate) fn create(path: &std::path::Path, env: &BoxEnv, max_frames: u64) -> Result<Self> {
-        let gif = GifWriter::create(path, env.metadata().render_fps)?;
-        Ok(Self { gif, frames: 0, max_frames })
-    }
-
-    pub(crate) fn watch(&mut self, env: &mut BoxEnv) -> Result<()> {
-        if self.frames == self.max_frames {
-            return Ok(());
-        }
-        self.frames += 1;
-        match env.render()? {
-            Rendered::Frame(frame) => self.gif.write(&frame),
-            other => Err(Error::Contract(format!("`rgb_array` rendered {other:?}"))),
-        }
-    }
-
-    /// Completes the file; gives the number of frames.
-    pub(crate) fn finish(self) -> Result<u64> {
-        self.gif.finish()?;
-        Ok(self.frames)
-    }
 }

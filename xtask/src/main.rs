@@ -3,8 +3,10 @@
 mod conform;
 mod demo;
 mod gif;
+mod keys;
 mod list;
 mod pictures;
+mod play;
 mod policy;
 mod replay;
 mod run;
@@ -26,8 +28,10 @@ enum Command {
     List(list::Arguments),
     /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
     Demo(demo::Arguments),
-    /// Records one episode as a GIF.
+    /// Records one episode as a GIF, animated PNG or MP4.
     Gif(gif::Arguments),
+    /// Lets you play, with the keyboard.
+    Play(play::Arguments),
     /// Plays one episode per seed and prints returns and lengths.
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
@@ -44,6 +48,7 @@ fn main() -> ExitCode {
         Command::List(arguments) => list::list(&arguments),
         Command::Demo(arguments) => demo::demo(&arguments),
         Command::Gif(arguments) => gif::gif(&arguments),
+        Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Pictures(arguments) => pictures::pictures(&arguments),

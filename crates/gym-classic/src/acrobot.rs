@@ -145,18 +145,18 @@ impl Dynamics for AcrobotDynamics {
         const RADIUS: f64 = 0.1 * SCALE;
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(500.0).then(Transform::translate(250.0, 250.0)));
-        let goal = SCALE.floor(); // a line lies on whole pixels
-        canvas.line([-BOUND * SCALE, goal], [BOUND * SCALE, goal], 1.0, Color::BLACK);
-        canvas.push(Transform::rotate(state.theta1 - PI / 2.0));
-        for (length, bend) in [(LINK_LENGTH_1 * SCALE, state.theta2), (LINK_LENGTH_2 * SCALE, 0.0)] {
-            pixels::rect(canvas, [0.0, -RADIUS], [length, 2.0 * RADIUS], Color::rgb(0, 204, 204));
-            pixels::circle(canvas, [0.0, 0.0], RADIUS, Color::rgb(204, 204, 0));
-            canvas.push(Transform::translate(length, 0.0).then(Transform::rotate(bend)));
+        canvas.push(pixels::flipped(500.0));
+        let shoulder = Transform::translate(250.0, 250.0);
+        let goal = (250.0 + SCALE).floor();
+        canvas.line([0.0, goal], [500.0, goal], 1.0, Color::BLACK);
+        let upper = shoulder.then(Transform::rotate(state.theta1 - PI / 2.0));
+        let elbow = upper.then(Transform::translate(LINK_LENGTH_1 * SCALE, 0.0));
+        let lower = elbow.then(Transform::rotate(state.theta2));
+        for (link, length) in [(upper, LINK_LENGTH_1 * SCALE), (lower, LINK_LENGTH_2 * SCALE)] {
+            pixels::rect(canvas, link, [0.0, -RADIUS], [length, RADIUS], Color::rgb(0, 204, 204));
+            pixels::circle(canvas, link.origin, RADIUS, Color::rgb(204, 204, 0));
         }
-        for _ in 0..4 {
-            canvas.pop();
-        }
+        canvas.pop();
     }
 }
 

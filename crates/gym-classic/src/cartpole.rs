@@ -162,15 +162,15 @@ impl Dynamics for CartPoleDynamics {
 
         canvas.clear(Color::WHITE);
         canvas.push(pixels::flipped(400.0));
+        let cart = Transform::translate(state.x * SCALE + 300.0, CART_Y);
+        let [width, height] = CART.map(|side| side / 2.0);
+        pixels::rect(canvas, cart, [-width, -height], [width, height], Color::BLACK);
+        let axle = cart.then(Transform::translate(0.0, CART[1] / 4.0));
+        let pole = axle.then(Transform::rotate(-state.theta));
+        let half = POLE_WIDTH / 2.0;
+        pixels::rect(canvas, pole, [-half, -half], [half, POLE_LENGTH - half], Color::rgb(202, 152, 101));
+        pixels::circle(canvas, axle.origin, half, Color::rgb(129, 132, 203));
         canvas.line([0.0, CART_Y], [600.0, CART_Y], 1.0, Color::BLACK);
-        canvas.push(Transform::translate(state.x * SCALE + 300.0, CART_Y));
-        pixels::rect(canvas, [-CART[0] / 2.0, -CART[1] / 2.0], CART, Color::BLACK);
-        canvas.push(Transform::translate(0.0, CART[1] / 4.0).then(Transform::rotate(-state.theta)));
-        let foot = [-POLE_WIDTH / 2.0, -POLE_WIDTH / 2.0];
-        pixels::rect(canvas, foot, [POLE_WIDTH, POLE_LENGTH], Color::rgb(202, 152, 101));
-        pixels::circle(canvas, [0.0, 0.0], POLE_WIDTH / 2.0, Color::rgb(129, 132, 203));
-        canvas.pop();
-        canvas.pop();
         canvas.pop();
     }
 }

@@ -142,6 +142,7 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
     const CAR: [f64; 2] = [40.0, 20.0];
     const WHEEL_RADIUS: f64 = CAR[1] / 2.5;
     const POINTS: usize = 100;
+    const HILL_WIDTH: f64 = 0.8; // pygame's line is thinner than a pixel where it is steep
     let height = |x: f64| (3.0 * x).sin() * 0.45 + 0.55;
     let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
 
@@ -150,22 +151,22 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
         pixel(MIN_POSITION + (MAX_POSITION - MIN_POSITION) * i as f64 / (POINTS - 1) as f64)
     });
-    canvas.stroke(Shape::Polyline(&hill), 1.0, Color::BLACK);
+    canvas.stroke(Shape::Polyline(&hill), HILL_WIDTH, Color::BLACK);
 
     let [x, y] = pixel(position);
     // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
     let slope = Transform::rotate((3.0 * position).cos());
-    canvas.push(Transform::translate(x, y + CLEARANCE).then(slope));
-    pixels::rect(canvas, [-CAR[0] / 2.0, 0.0], CAR, Color::BLACK);
+    let car = Transform::translate(x, y + CLEARANCE).then(slope);
+    pixels::rect(canvas, car, [-CAR[0] / 2.0, 0.0], [CAR[0] / 2.0, CAR[1]], Color::BLACK);
     for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
-        pixels::circle(canvas, [wheel, 0.0], WHEEL_RADIUS, Color::rgb(128, 128, 128));
+        pixels::circle(canvas, car.apply([wheel, 0.0]), WHEEL_RADIUS, Color::rgb(128, 128, 128));
     }
-    canvas.pop();
 
-    let [x, y] = pixel(goal_position);
+    let [x, y] = pixels::whole(canvas, pixel(goal_position));
     let top = y + 50.0;
-    canvas.line([x, y], [x, top], 1.0, Color::BLACK);
-    canvas.polygon(&[[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]], Color::rgb(204, 204, 0));
+    canvas.line([x, y - 0.5], [x, top + 0.5], 1.0, Color::BLACK);
+    let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
+    pixels::polygon(canvas, Transform::IDENTITY, flag, Color::rgb(204, 204, 0));
     canvas.pop();
 }
 

@@ -148,24 +148,30 @@ impl Dynamics for PendulumDynamics {
         const ROD: Color = Color::rgb(204, 77, 77);
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(500.0).then(Transform::translate(250.0, 250.0)));
-        canvas.push(Transform::rotate(state.theta + PI / 2.0));
-        pixels::rect(canvas, [0.0, -ROD_RADIUS], [SCALE, 2.0 * ROD_RADIUS], ROD);
-        pixels::circle(canvas, [0.0, 0.0], ROD_RADIUS, ROD);
-        pixels::circle(canvas, [SCALE, 0.0], ROD_RADIUS, ROD);
-        canvas.pop();
+        canvas.push(pixels::flipped(500.0));
+        let axle = Transform::translate(250.0, 250.0);
+        let rod = axle.then(Transform::rotate(state.theta + PI / 2.0));
+        pixels::rect(canvas, rod, [0.0, -ROD_RADIUS], [SCALE, ROD_RADIUS], ROD);
+        pixels::circle(canvas, axle.origin, ROD_RADIUS, ROD);
+        pixels::circle(canvas, rod.apply([SCALE, 0.0]), ROD_RADIUS, ROD);
         if let Some(torque) = state.last_torque {
+            canvas.push(axle);
             draw_torque(f64::from(torque), SCALE, canvas);
+            canvas.pop();
         }
-        pixels::circle(canvas, [0.0, 0.0], 0.05 * SCALE, Color::BLACK);
+        pixels::circle(canvas, axle.origin, 0.05 * SCALE, Color::BLACK);
         canvas.pop();
     }
 }
 
 /// An arrow around the axle, as large as the torque and in its direction.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    const WIDTH: f64 = 0.065; // of the line, for a radius of 1
-    const HEAD: [Point; 4] = [[0.86, -0.1], [1.0, -0.02], [1.14, -0.1], [1.0, 0.3]];
+    // measured from Gymnasium's picture, for a radius of 1: its circle is no circle and off the axle
+    const WIDTH: f64 = 0.065; // of the line
+    const WIDE: f64 = 0.973;
+    const HIGH: f64 = 1.034;
+    const SHIFT: f64 = 0.064;
+    const HEAD: [Point; 4] = [[0.77, -0.1], [0.91, -0.02], [1.05, -0.1], [0.91, 0.3]];
     let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole picture is twice as wide
     if size < 1.0 {
         return;
@@ -173,6 +179,7 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     // drawn counterclockwise; a negative torque turns the other way
     canvas.push(Transform::scale(size * torque.signum(), size));
     let line: [Point; 33] = arc([0.0, 0.0], 1.0, -1.5 * PI, 0.0);
+    let line = line.map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
     canvas.stroke(Shape::Polyline(&line), WIDTH, Color::BLACK);
     canvas.polygon(&HEAD, Color::BLACK);
     canvas.pop();

@@ -166,6 +166,12 @@ pub trait Canvas {
     /// Returns to the coordinates before the last [`push`](Canvas::push).
     fn pop(&mut self);
 
+    /// Whether one unit of the outermost coordinates is one pixel. Shapes can then be moved to whole
+    /// pixels, for sharp edges; at any other size they are better left where they are.
+    fn unit_is_pixel(&self) -> bool {
+        false
+    }
+
     /// Fills a polygon.
     fn polygon(&mut self, points: &[Point], color: Color) {
         self.fill(Shape::Polygon(points), color);

@@ -200,3 +200,27 @@ inventory::collect!(PainterProvider);
 pub fn painter() -> Option<Box<dyn Painter>> {
     inventory::iter::<PainterProvider>.into_iter().next().map(|provider| (provider.new)())
 }
+
+/// A live window. A rendering crate submits a [`ScreenProvider`].
+pub trait Screen: Send {
+    /// Shows a picture when the one before has been there for its time, and returns whether the
+    /// window is still open; if it is not, at once.
+    fn show(&mut self, frame: &Frame) -> bool;
+}
+
+/// Opens a window: title, size of the frames, frames per second.
+pub type OpenScreen = fn(&str, (u32, u32), u32) -> Result<Box<dyn Screen>>;
+
+/// Link-time registration of a [`Screen`].
+#[derive(Debug)]
+pub struct ScreenProvider {
+    /// Opens one; fails where there is no display.
+    pub open: OpenScreen,
+}
+
+inventory::collect!(ScreenProvider);
+
+/// What opens windows, or `None` where no crate that does is linked.
+pub fn open_screen() -> Option<OpenScreen> {
+    inventory::iter::<ScreenProvider>.into_iter().next().map(|provider| provider.open)
+}

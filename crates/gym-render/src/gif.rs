@@ -11,14 +11,16 @@
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gif::{Encoder, EncodingError, Repeat};
+use gym_core::Result;
 use gym_core::file::AtomicFile;
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
 
+use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
+use crate::stream::{Format, Stream};
 
 /// Where the shared colour table lies in the file: behind signature and screen descriptor (GIF89a
 /// specification, sections 17 and 18).
@@ -37,93 +39,39 @@ const SHORTEST_DELAY: u64 = 2;
 /// The file appears under its name when it is finished. Dropping the writer finishes it too if a
 /// frame was written, but cannot report errors.
 #[derive(Debug)]
-pub struct GifWriter {
-    path: PathBuf,
-    fps: u32,
-    state: State,
-}
-
-#[derive(Debug)]
-enum State {
-    /// No frame yet.
-    Created(AtomicFile),
-    Running(Box<Animation<AtomicFile>>),
-    /// Finished, or failed.
-    Over,
-}
+pub struct GifWriter(Stream<Animation<AtomicFile>>);
 
 impl GifWriter {
     /// Starts a file of that many frames per second.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for 0 frames per second, [`Error::Io`] if the file cannot be
-    /// created.
+    /// `Error::InvalidArgument` for 0 frames per second, `Error::Io` if the file cannot be created.
     pub fn create(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
-        if fps == 0 {
-            return Err(Error::argument("GifWriter", "fps is 0: give the frames per second, 1 or more"));
-        }
-        let path = path.as_ref().to_owned();
-        let state = State::Created(AtomicFile::create(&path)?);
-        Ok(Self { path, fps, state })
+        Stream::create(path.as_ref(), fps).map(Self)
     }
 
     /// Appends a frame.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a frame that is empty, larger than 65535 pixels a side, or
-    /// of another size than the first; it is left out. [`Error::Io`] if writing fails; the file is
+    /// `Error::InvalidArgument` for a frame that is empty, larger than 65535 pixels a side, or
+    /// of another size than the first; it is left out. `Error::Io` if writing fails; the file is
     /// then removed, and every later call fails.
     pub fn write(&mut self, frame: &Frame) -> Result<()> {
-        let result = match std::mem::replace(&mut self.state, State::Over) {
-            State::Created(file) => match screen_size(frame) {
-                Ok(size) => Animation::start(file, size, self.fps, frame)
-                    .map(|animation| State::Running(Box::new(animation))),
-                Err(error) => {
-                    self.state = State::Created(file);
-                    return Err(error);
-                }
-            },
-            State::Running(mut animation) => {
-                if let Err(error) = animation.check(frame) {
-                    self.state = State::Running(animation);
-                    return Err(error);
-                }
-                animation.write(frame).map(|()| State::Running(animation))
-            }
-            State::Over => Err(io::Error::other("writing this file failed before")),
-        };
-        self.state = result.map_err(|error| Error::io(&self.path, error))?;
-        Ok(())
+        self.0.write(frame)
     }
 
     /// Completes the file and gives it its name.
     ///
     /// # Errors
-    /// [`Error::Io`] if writing fails, now or before; [`Error::InvalidArgument`] if no frame was
+    /// `Error::Io` if writing fails, now or before; `Error::InvalidArgument` if no frame was
     /// written. There is no file then.
     pub fn finish(mut self) -> Result<()> {
-        self.end()
+        self.0.finish()
     }
 
-    fn end(&mut self) -> Result<()> {
-        match std::mem::replace(&mut self.state, State::Over) {
-            State::Created(_) => {
-                Err(Error::argument("GifWriter", "no frame was written: write one before `finish`"))
-            }
-            State::Running(animation) => {
-                animation.finish().map_err(|error| Error::io(&self.path, error))?.commit()
-            }
-            State::Over => Err(Error::io(&self.path, io::Error::other("writing this file failed before"))),
-        }
-    }
-}
-
-impl Drop for GifWriter {
-    fn drop(&mut self) {
-        if let State::Running(_) = self.state {
-            // There is no one to tell.
-            let _ = self.end();
-        }
+    /// Gives the file up; nothing of it stays.
+    pub fn abandon(mut self) {
+        self.0.abandon();
     }
 }
 
@@ -134,21 +82,10 @@ impl Drop for GifWriter {
 pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = GifWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {
-        writer.state = State::Over;
+        writer.abandon();
         return Err(error);
     }
     writer.finish()
-}
-
-/// Width and height of an animation that starts with this frame.
-fn screen_size(frame: &Frame) -> Result<(u16, u16)> {
-    match (u16::try_from(frame.width()), u16::try_from(frame.height())) {
-        (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok((width, height)),
-        _ => Err(Error::argument(
-            "GifWriter",
-            format!("{frame:?} does not fit: a GIF is 1 to 65535 pixels wide and high"),
-        )),
-    }
 }
 
 /// An animation being written. The last frame is held back until its duration is known.
@@ -168,8 +105,27 @@ struct Animation<W: Write + Seek> {
     entries: Vec<u8>,
 }
 
+impl Format for Animation<AtomicFile> {
+    const NAME: &'static str = "GifWriter";
+    const MAX_SIDE: u32 = u16::MAX as u32;
+    const MAX_FPS: u32 = u32::MAX;
+
+    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
+        Self::start(file, fps, frame)
+    }
+
+    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+        self.write(frame)
+    }
+
+    fn finish(self) -> io::Result<AtomicFile> {
+        self.finish()
+    }
+}
+
 impl<W: Write + Seek> Animation<W> {
-    fn start(writer: W, (width, height): (u16, u16), fps: u32, frame: &Frame) -> io::Result<Self> {
+    fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
+        let (width, height) = (frame.width() as u16, frame.height() as u16);
         let mut encoder = Encoder::new(writer, width, height, &[0; ENTRIES * 3]).map_err(io_error)?;
         encoder.set_repeat(Repeat::Infinite).map_err(io_error)?;
         Ok(Self {
@@ -183,15 +139,6 @@ impl<W: Write + Seek> Animation<W> {
             pixels: Vec::new(),
             entries: Vec::new(),
         })
-    }
-
-    /// Whether the frame has the size of the animation.
-    fn check(&self, frame: &Frame) -> Result<()> {
-        if (frame.width(), frame.height()) == (self.pending.width(), self.pending.height()) {
-            return Ok(());
-        }
-        let reason = format!("{frame:?} cannot follow {:?}: all frames must have one size", self.pending);
-        Err(Error::argument("GifWriter", reason))
     }
 
     fn write(&mut self, frame: &Frame) -> io::Result<()> {
@@ -281,25 +228,6 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
     }
 }
 
-/// The smallest rectangle that holds every changed pixel; one pixel if none changed.
-fn changed(old: Option<&Frame>, new: &Frame) -> (Range<usize>, Range<usize>) {
-    let Some(old) = old else { return (0..new.width() as usize, 0..new.height() as usize) };
-    let row = new.width() as usize * 3;
-    let (mut columns, mut rows) = (row..0, 0..0);
-    for (y, (old, new)) in old.pixels().chunks_exact(row).zip(new.pixels().chunks_exact(row)).enumerate() {
-        if old == new {
-            continue;
-        }
-        rows = if rows.is_empty() { y..y + 1 } else { rows.start..y + 1 };
-        let differs = |(old, new): (&u8, &u8)| old != new;
-        let before = old[..columns.start].iter().zip(&new[..columns.start]).position(differs);
-        columns.start = before.unwrap_or(columns.start);
-        let after = old[columns.end..].iter().zip(&new[columns.end..]).rposition(differs);
-        columns.end += after.map_or(0, |distance| distance + 1);
-    }
-    if rows.is_empty() { (0..1, 0..1) } else { (columns.start / 3..columns.end.div_ceil(3), rows) }
-}
-
 /// Appends the pixels of a rectangle, `None` for those that did not change.
 fn gather(
     old: Option<&Frame>,
@@ -338,6 +266,7 @@ mod tests {
     use gif::{ColorOutput, DecodeOptions, DisposalMethod};
 
     use super::*;
+    use gym_core::Error;
     use tempfile::TempDir;
 
     use crate::testing::names;
@@ -382,8 +311,7 @@ mod tests {
     }
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
-        let size = screen_size(&frames[0]).unwrap();
-        let mut animation = Animation::start(Cursor::new(Vec::new()), size, fps, &frames[0]).unwrap();
+        let mut animation = Animation::start(Cursor::new(Vec::new()), fps, &frames[0]).unwrap();
         frames[1..].iter().for_each(|frame| animation.write(frame).unwrap());
         animation.finish().unwrap().into_inner()
     }
@@ -568,7 +496,7 @@ mod tests {
         let size = encode(50, &frames).len();
         let write = |room: usize| {
             let writer = Full(Cursor::new(Vec::new()), room);
-            let mut animation = Animation::start(writer, (60, 10), 50, &frames[0])?;
+            let mut animation = Animation::start(writer, 50, &frames[0])?;
             frames[1..].iter().try_for_each(|frame| animation.write(frame))?;
             animation.finish().map(|_| ())
         };
@@ -585,7 +513,7 @@ mod tests {
         writer.write(&Frame::new(2, 2)).unwrap();
         // The folder is gone when the file is to get its name.
         fs::remove_dir_all(folder.path()).unwrap();
-        assert!(matches!(writer.end(), Err(Error::Io { .. })));
+        assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
         assert!(matches!(writer.write(&Frame::new(2, 2)), Err(Error::Io { .. })));
         assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }

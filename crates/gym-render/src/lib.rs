@@ -1,13 +1,16 @@
 //! Drawing and recording of environments, without window, C or system fonts.
 //!
-//! Linking this crate gives every environment the render mode `rgb_array`: it submits
+//! Linking this crate gives every environment the render mode `rgb_array`, and with the feature
+//! `human` the mode of that name: it submits
 //! [`Raster`] as the [`Painter`](gym_core::render::Painter) that `gym_core` looks for. The rest
 //! turns frames and drawings into files:
 //!
 //! | to get | use |
 //! |---|---|
 //! | one frame of a drawing | [`frame`] |
-//! | an animation | [`GifWriter`], [`write_gif`] |
+//! | episodes of an environment | [`Recorder`], [`RecordVideo`] |
+//! | an animation as GIF | [`GifWriter`], [`write_gif`] |
+//! | an animation as GIF, PNG or MP4 | [`VideoWriter`], [`write_video`] |
 //! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
 //! | a vector picture | [`svg`], [`write_svg`] |
 //! | returns and lengths of training runs | [`Plot`] |
@@ -26,8 +29,11 @@
 //! assert_eq!(frame.pixels()[(4 + 1) * 3..][..3], [255, 0, 0]);
 //! ```
 
+mod apng;
+mod changes;
 mod font;
 mod gif;
+mod mp4;
 mod number;
 mod outline;
 mod palette;
@@ -36,10 +42,16 @@ mod plot;
 mod png;
 mod raster;
 mod record;
+mod record_video;
+mod recorder;
+mod stream;
 mod svg;
 #[cfg(test)]
 mod testing;
 mod transforms;
+mod video;
+#[cfg(feature = "human")]
+mod window;
 
 pub use font::text_width;
 pub use gif::{GifWriter, write_gif};
@@ -47,4 +59,9 @@ pub use plot::Plot;
 pub use png::{contact_sheet, write_png, write_png_sequence};
 pub use raster::{Raster, frame};
 pub use record::Recording;
+pub use record_video::{RecordVideo, capped_cubic};
+pub use recorder::Recorder;
 pub use svg::{Svg, svg, write_svg};
+pub use video::{VideoWriter, write_video};
+#[cfg(feature = "human")]
+pub use window::Window;

@@ -67,7 +67,7 @@ impl Painter for Raster {
         }
         let scale = |pixels: u32, units: u32| f64::from(pixels) / f64::from(units.max(1));
         self.transforms.restart(Transform::scale(scale(width, size.0), scale(height, size.1)));
-        draw(&mut Surface { raster: self, frame });
+        draw(&mut Surface { raster: self, unit_is_pixel: (width, height) == size, frame });
     }
 }
 
@@ -88,6 +88,7 @@ pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Frame {
 struct Surface<'a> {
     raster: &'a mut Raster,
     frame: &'a mut Frame,
+    unit_is_pixel: bool,
 }
 
 impl Surface<'_> {
@@ -179,6 +180,10 @@ impl Canvas for Surface<'_> {
 
     fn pop(&mut self) {
         self.raster.transforms.pop();
+    }
+
+    fn unit_is_pixel(&self) -> bool {
+        self.unit_is_pixel
     }
 }
 

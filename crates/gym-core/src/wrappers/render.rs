@@ -1,16 +1,31 @@
 use std::fmt;
 
 use crate::canvas::Canvas;
-use crate::render::{Frame, Painter, RenderMode, Rendered, painter};
+use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
 use crate::{Env, EnvSpec, Error, Outcome, Reset, Result};
 
 /// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
 /// what [`render`](Env::render) returns, one picture or text at a time.
+///
+/// In the mode `human` each reset and step shows a picture in a window, no faster than the
+/// environment's frames per second. The window opens at the first reset. Once it is closed, nothing
+/// is drawn any more and steps take no longer than without it. A clone opens no window.
 pub struct Render<E> {
     env: E,
     mode: RenderMode,
     size: (u32, u32),
     painter: Option<Box<dyn Painter>>,
+    window: Window,
+}
+
+/// The window of the mode `human`.
+enum Window {
+    /// None is wanted, or it was closed.
+    None,
+    /// It opens with the first picture.
+    Wanted,
+    /// It is open, and the frame is what it shows.
+    Open(Box<dyn Screen>, Frame),
 }
 
 impl<E: Env> Render<E> {
@@ -19,7 +34,7 @@ impl<E: Env> Render<E> {
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] if the environment lacks the mode, or no crate that draws is
-    /// linked.
+    /// linked, or none that opens windows for the mode `human`.
     pub fn new(env: E, mode: RenderMode) -> Result<Self> {
         let metadata = env.metadata();
         let unsupported = |reason: String| Error::UnsupportedMode {
@@ -36,12 +51,22 @@ impl<E: Env> Render<E> {
         }
         let painter = match mode {
             RenderMode::Ansi => None,
-            RenderMode::Human => return Err(unsupported("no crate that opens a window is linked".into())),
             _ => Some(painter().ok_or_else(|| {
                 unsupported("no crate that draws is linked: add gym-render and `use gym_render as _;`".into())
             })?),
         };
-        Ok(Self { env, mode, size: metadata.render_size, painter })
+        let window = match mode {
+            RenderMode::Human if open_screen().is_none() => {
+                return Err(unsupported(
+                    "no crate that opens a window is linked: add gym-render with the feature `human` and \
+                     `use gym_render as _;`"
+                        .into(),
+                ));
+            }
+            RenderMode::Human => Window::Wanted,
+            _ => Window::None,
+        };
+        Ok(Self { env, mode, size: metadata.render_size, painter, window })
     }
 
     /// Renders at another size; drawings are vectors and scale.
@@ -63,6 +88,25 @@ impl<E: Env> Render<E> {
     pub fn into_inner(self) -> E {
         self.env
     }
+
+    /// Shows the picture in the window, if there is one.
+    fn show(&mut self) -> Result<()> {
+        if let Window::Wanted = self.window
+            && let Some(open) = open_screen()
+        {
+            let title = self.env.spec().map_or_else(|| self.env.describe(), |spec| spec.id);
+            let screen = open(&title, self.size, self.env.metadata().render_fps)?;
+            self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1));
+        }
+        if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter) {
+            let size = self.env.metadata().render_size;
+            painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), frame);
+            if !screen.show(frame) {
+                self.window = Window::None;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl<E: Env> Env for Render<E> {
@@ -70,14 +114,20 @@ impl<E: Env> Env for Render<E> {
     type Action = E::Action;
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
+        self.env.reset_into(reset, observation)?;
+        self.show()
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        self.env.step_into(action, observation)
+        let outcome = self.env.step_into(action, observation)?;
+        self.show()?;
+        Ok(outcome)
     }
 
     fn render(&mut self) -> Result<Rendered> {
+        if self.mode == RenderMode::Human {
+            return Ok(Rendered::Shown);
+        }
         let Some(painter) = &mut self.painter else {
             return self.env.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"));
         };
@@ -96,15 +146,18 @@ impl<E: Env> Env for Render<E> {
         self.env.describe()
     }
 
-    crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, close
-    );
+    fn close(&mut self) {
+        self.window = Window::None;
+        self.env.close();
+    }
+
+    crate::forward!(env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base);
 }
 
 impl<E: Clone> Clone for Render<E> {
     fn clone(&self) -> Self {
         let painter = self.painter.as_ref().and_then(|_| painter());
-        Self { env: self.env.clone(), mode: self.mode, size: self.size, painter }
+        Self { env: self.env.clone(), mode: self.mode, size: self.size, painter, window: Window::None }
     }
 }
 

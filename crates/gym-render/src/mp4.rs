@@ -1,0 +1,95 @@
+//! MP4 through the program `ffmpeg`, which takes raw frames from a pipe.
+
+use std::io::{self, Read, Write};
+use std::process::{Child, Command, Stdio};
+
+use gym_core::file::AtomicFile;
+use gym_core::render::Frame;
+use gym_core::{Error, Result};
+
+use crate::stream::Format;
+
+const PROGRAM: &str = "ffmpeg";
+
+/// A file that `ffmpeg` is writing.
+#[derive(Debug)]
+pub(crate) struct Mp4 {
+    ffmpeg: Ffmpeg,
+    file: AtomicFile,
+}
+
+/// The running program; dropped early, it is ended.
+#[derive(Debug)]
+struct Ffmpeg(Child);
+
+impl Drop for Ffmpeg {
+    fn drop(&mut self) {
+        // Both fail if it has ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Format for Mp4 {
+    const NAME: &'static str = "VideoWriter";
+    const MAX_SIDE: u32 = 16_384; // of H.264 as `libx264` writes it
+    const MAX_FPS: u32 = 1000;
+
+    fn available() -> Result<()> {
+        let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
+        match Command::new(PROGRAM).arg("-version").stdin(stdin).stdout(stdout).stderr(stderr).status() {
+            Ok(status) if status.success() => Ok(()),
+            _ => Err(Error::argument(
+                Self::NAME,
+                "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a name \
+                 that ends in .gif or .png",
+            )),
+        }
+    }
+
+    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
+        let size = format!("{}x{}", frame.width(), frame.height());
+        let ffmpeg = Command::new(PROGRAM)
+            .args(["-loglevel", "error", "-xerror"])
+            .args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &fps.to_string(), "-i", "-"])
+            // players want colours at half resolution, and so even sizes
+            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p"])
+            .args(["-movflags", "+faststart", "-f", "mp4", "-y"])
+            .arg(file.temporary_path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()?;
+        let mut mp4 = Self { ffmpeg: Ffmpeg(ffmpeg), file };
+        mp4.write(frame)?;
+        Ok(mp4)
+    }
+
+    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+        let Some(pipe) = &mut self.ffmpeg.0.stdin else {
+            return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
+        };
+        // A broken pipe says nothing; `ffmpeg` says why it gave up.
+        pipe.write_all(frame.pixels()).or_else(|error| self.wait().and(Err(error)))
+    }
+
+    fn finish(mut self) -> io::Result<AtomicFile> {
+        self.wait()?;
+        Ok(self.file)
+    }
+}
+
+impl Mp4 {
+    /// Closes the pipe and waits until the file is complete.
+    fn wait(&mut self) -> io::Result<()> {
+        drop(self.ffmpeg.0.stdin.take());
+        let mut message = String::new();
+        if let Some(mut stderr) = self.ffmpeg.0.stderr.take() {
+            stderr.read_to_string(&mut message)?;
+        }
+        if self.ffmpeg.0.wait()?.success() {
+            return Ok(());
+        }
+        Err(io::Error::other(format!("`ffmpeg` failed: {}", message.trim())))
+    }
+}

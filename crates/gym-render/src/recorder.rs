@@ -1,0 +1,120 @@
+//! Recording an environment by hand.
+
+use std::path::Path;
+
+use gym_core::render::Rendered;
+use gym_core::{Env, Error, Result};
+
+use crate::VideoWriter;
+
+/// Records what an environment renders, over one episode or many, to one file.
+///
+/// The environment has the render mode `rgb_array`, and [`capture`](Self::capture) is called after
+/// each reset and step; or it has `rgb_array_list`, and `capture` is called before each further reset
+/// and at the end. The file's extension is its format, as for [`VideoWriter`]. Frames go to the file
+/// at once: a recording of any length takes the memory of a few frames.
+///
+/// Dropping the recorder finishes the file, but cannot report errors.
+///
+/// ```
+/// use gym_core::{Env, Result};
+/// use gym_render::Recorder;
+///
+/// /// Records an episode of random actions; the environment has the mode `rgb_array`.
+/// fn record<E: Env>(env: &mut E, path: &str) -> Result<u64> {
+///     let mut recorder = Recorder::new(path, env)?;
+///     let mut actions = env.action_sampler(0)?;
+///     env.reset(0)?;
+///     recorder.capture(env)?;
+///     loop {
+///         let done = env.step(&actions.sample())?.done();
+///         recorder.capture(env)?;
+///         if done {
+///             return recorder.finish();
+///         }
+///     }
+/// }
+/// ```
+#[derive(Debug)]
+pub struct Recorder {
+    video: VideoWriter,
+    frames: u64,
+    max_frames: u64,
+}
+
+impl Recorder {
+    /// Starts a file that plays at the environment's own speed.
+    ///
+    /// # Errors
+    /// As [`VideoWriter::create`].
+    pub fn new<E: Env>(path: impl AsRef<Path>, env: &E) -> Result<Self> {
+        Self::with_fps(path, env.metadata().render_fps)
+    }
+
+    /// Starts a file that plays at another speed.
+    ///
+    /// # Errors
+    /// As [`VideoWriter::create`].
+    pub fn with_fps(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
+        Ok(Self { video: VideoWriter::create(path, fps)?, frames: 0, max_frames: u64::MAX })
+    }
+
+    /// Records that many frames and ignores the rest.
+    #[must_use]
+    pub fn max_frames(self, max_frames: u64) -> Self {
+        Self { max_frames, ..self }
+    }
+
+    /// The frames recorded.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Records what the environment shows now, or the list of frames it has gathered. Once enough
+    /// frames are recorded, nothing is rendered any more.
+    ///
+    /// # Errors
+    /// [`Error::UnsupportedMode`] if it has another render mode, what [`Env::render`] answers, and
+    /// as [`VideoWriter::write`].
+    pub fn capture<E: Env>(&mut self, env: &mut E) -> Result<()> {
+        if self.frames >= self.max_frames {
+            return Ok(());
+        }
+        let frames = match env.render()? {
+            Rendered::Frame(frame) => vec![frame],
+            Rendered::Frames(frames) => frames,
+            other => return Err(not_frames(env, &other)),
+        };
+        for frame in frames {
+            if self.frames < self.max_frames {
+                self.video.write(&frame)?;
+                self.frames += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Completes the file; gives the number of frames in it.
+    ///
+    /// # Errors
+    /// As [`VideoWriter::finish`].
+    pub fn finish(self) -> Result<u64> {
+        self.video.finish()?;
+        Ok(self.frames)
+    }
+}
+
+/// The error for an environment that renders something else than frames.
+pub(crate) fn not_frames<E: Env>(env: &E, rendered: &Rendered) -> Error {
+    let mode = match rendered {
+        Rendered::Shown => "human",
+        Rendered::Text(_) => "ansi",
+        Rendered::Texts(_) => "ansi_list",
+        Rendered::Frame(_) | Rendered::Frames(_) => "rgb_array",
+    };
+    Error::UnsupportedMode {
+        target: env.describe(),
+        mode: "frames to record".into(),
+        reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    }
+}

@@ -1,0 +1,204 @@
+//! Live windows.
+
+use std::cell::RefCell;
+use std::fmt;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use gym_core::inventory;
+use gym_core::render::{Frame, Screen, ScreenProvider};
+use gym_core::{Error, Result};
+use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
+
+/// How often a window looks for what its user does, per second.
+const UPDATES: usize = 60;
+
+inventory::submit! {
+    ScreenProvider { open: |title, size, fps| Ok(Box::new(Live::open(title, size, fps)?)) }
+}
+
+/// A window that shows frames and knows which keys are down.
+///
+/// It can be resized; frames are stretched to fill it without changing their shape. It stays on the
+/// thread that opened it, which calls [`show`](Self::show) or [`update`](Self::update) often enough
+/// for the window to answer.
+pub struct Window {
+    window: minifb::Window,
+    /// What it shows: 0x00RRGGBB.
+    pixels: Vec<u32>,
+    size: (usize, usize),
+    pressed: Pressed,
+}
+
+/// The keys pressed since somebody asked: some are up again before the next look at the keyboard.
+#[derive(Clone, Default)]
+struct Pressed(Rc<RefCell<Vec<Key>>>);
+
+impl InputCallback for Pressed {
+    fn add_char(&mut self, _: u32) {}
+
+    fn set_key_state(&mut self, key: Key, is_down: bool) {
+        let mut keys = self.0.borrow_mut();
+        if is_down && !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+}
+
+impl Window {
+    /// Opens a window for frames of that size.
+    ///
+    /// # Errors
+    /// [`Error::UnsupportedMode`] if there is no display.
+    pub fn open(title: &str, size: (u32, u32)) -> Result<Self> {
+        let size = (size.0 as usize, size.1 as usize);
+        let options = WindowOptions {
+            resize: true,
+            scale_mode: ScaleMode::AspectRatioStretch,
+            ..WindowOptions::default()
+        };
+        let mut window =
+            minifb::Window::new(title, size.0, size.1, options).map_err(|error| no_window(&error))?;
+        window.set_target_fps(UPDATES);
+        window.set_background_color(232, 232, 232);
+        let pressed = Pressed::default();
+        window.set_input_callback(Box::new(pressed.clone()));
+        Ok(Self { window, pixels: vec![0; size.0 * size.1], size, pressed })
+    }
+
+    /// Shows a frame; one of another size than the window was opened for is left out.
+    pub fn show(&mut self, frame: &Frame) {
+        if (frame.width() as usize, frame.height() as usize) == self.size {
+            let (pixels, _) = frame.pixels().as_chunks();
+            for (shown, &[r, g, b]) in self.pixels.iter_mut().zip(pixels) {
+                *shown = u32::from_be_bytes([0, r, g, b]);
+            }
+        }
+        self.update();
+    }
+
+    /// Handles what the user did, and shows the last frame again. Waits for a sixtieth of a second
+    /// since the last time.
+    pub fn update(&mut self) {
+        if self.window.update_with_buffer(&self.pixels, self.size.0, self.size.1).is_err() {
+            self.window.update();
+        }
+    }
+
+    /// Whether the user has not closed it.
+    pub fn is_open(&self) -> bool {
+        self.window.is_open()
+    }
+
+    /// Changes the title.
+    pub fn set_title(&mut self, title: &str) {
+        self.window.set_title(title);
+    }
+
+    /// The names of the keys that are down or were pressed since the last call, such as `Left`,
+    /// `Space`, `A` or `Key1`.
+    pub fn keys(&mut self) -> Vec<String> {
+        let mut keys = self.window.get_keys();
+        keys.extend(self.pressed.0.take());
+        keys.sort_by_key(|key| *key as usize);
+        keys.dedup();
+        keys.iter().map(|key| format!("{key:?}")).collect()
+    }
+}
+
+impl fmt::Debug for Window {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Window").field("size", &self.size).finish_non_exhaustive()
+    }
+}
+
+fn no_window(reason: &dyn fmt::Display) -> Error {
+    Error::UnsupportedMode {
+        target: "this system".into(),
+        mode: "human".into(),
+        reason: format!("no window could be opened ({reason}): is there a display? `rgb_array` needs none"),
+    }
+}
+
+/// A window on a thread of its own: it answers its user whatever the environment is busy with, and
+/// the environment never waits for it longer than a frame lasts.
+struct Live {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+    /// When the next frame is due, and how long each lasts.
+    due: Instant,
+    period: Duration,
+}
+
+struct Shared {
+    /// The newest frame, until the window has taken it.
+    frame: Mutex<Option<Frame>>,
+    open: AtomicBool,
+}
+
+impl Live {
+    fn open(title: &str, size: (u32, u32), fps: u32) -> Result<Self> {
+        if cfg!(target_os = "macos") {
+            return Err(no_window(&"macOS has windows on the main thread only"));
+        }
+        let shared = Arc::new(Shared { frame: Mutex::new(None), open: AtomicBool::new(true) });
+        let (answer, opened) = mpsc::channel();
+        let (theirs, title) = (shared.clone(), title.to_owned());
+        let thread = thread::Builder::new()
+            .name("gym window".into())
+            .spawn(move || serve(&title, size, &theirs, &answer))
+            .map_err(|error| no_window(&error))?;
+        opened.recv().map_err(|_| no_window(&"the window's thread ended"))??;
+        let period = Duration::from_secs(1) / fps.max(1);
+        Ok(Self { shared, thread: Some(thread), due: Instant::now(), period })
+    }
+}
+
+/// Opens the window, says so, and shows frames until either side closes it.
+fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<()>>) {
+    // Sending fails only if nobody waits any more.
+    match Window::open(title, size) {
+        Err(error) => drop(answer.send(Err(error))),
+        Ok(mut window) => {
+            let _ = answer.send(Ok(()));
+            while window.is_open() && shared.open.load(Ordering::Relaxed) {
+                let frame = shared.frame.lock().unwrap_or_else(PoisonError::into_inner).take();
+                match frame {
+                    Some(frame) => window.show(&frame),
+                    None => window.update(),
+                }
+            }
+        }
+    }
+    shared.open.store(false, Ordering::Relaxed);
+}
+
+impl Screen for Live {
+    fn show(&mut self, frame: &Frame) -> bool {
+        // A thread that panicked does not say that the window is gone.
+        let alive = self.thread.as_ref().is_some_and(|thread| !thread.is_finished());
+        if !alive || !self.shared.open.load(Ordering::Relaxed) {
+            return false;
+        }
+        let now = Instant::now();
+        thread::sleep(self.due.saturating_duration_since(now));
+        // After a pause the rhythm starts anew.
+        self.due = self.due.max(now) + self.period;
+        *self.shared.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
+        true
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.shared.open.store(false, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // If it panicked, the window is gone all the same.
+            let _ = thread.join();
+        }
+    }
+}

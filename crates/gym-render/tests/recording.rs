@@ -1,0 +1,323 @@
+//! Recording of environments, typed and erased.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use gym_core::canvas::{Canvas, Color};
+use gym_core::render::{Metadata, RenderMode};
+use gym_core::wrappers::{Render, RenderCollection};
+use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Space};
+use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
+use tempfile::TempDir;
+
+/// Counts to 3, and shows it.
+#[derive(Clone, Default, Debug)]
+struct Count(i64);
+
+impl Env for Count {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(4)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(1)
+    }
+
+    fn reset_into(&mut self, _reset: &Reset, observation: &mut i64) -> Result<()> {
+        self.0 = 0;
+        *observation = 0;
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &i64, observation: &mut i64) -> Result<Outcome> {
+        self.0 += 1;
+        *observation = self.0;
+        Ok(Outcome { reward: 1.0, terminated: self.0 == 3, truncated: false })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.0)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        snapshot.get().map(|count| self.0 = count)
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(10, (8, 4))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        canvas.clear(Color::WHITE);
+        canvas.rect([0.0, 0.0], [2.0 * self.0 as f64, 4.0], Color::BLACK);
+    }
+}
+
+fn drawn() -> Render<Count> {
+    Render::new(Count::default(), RenderMode::RgbArray).unwrap()
+}
+
+/// Plays whole episodes.
+fn play<E: Env>(env: &mut E, episodes: u32) {
+    let mut actions = env.action_sampler(0).unwrap();
+    for _ in 0..episodes {
+        env.reset(()).unwrap();
+        while !env.step(&actions.sample()).unwrap().done() {}
+    }
+}
+
+/// The names of the files in a folder, hidden ones too.
+fn names(folder: &Path) -> Vec<String> {
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+    let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
+    names.sort();
+    names
+}
+
+/// How far the bar reaches in each picture of a GIF, in steps.
+fn counts(path: &Path) -> Vec<usize> {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(fs::File::open(path).unwrap()).unwrap();
+    let mut row = [255; 8];
+    let mut counts = Vec::new();
+    while let Some(picture) = decoder.read_next_frame().unwrap() {
+        for (x, pixel) in picture.buffer.chunks(4).take(usize::from(picture.width)).enumerate() {
+            if pixel[3] > 0 {
+                row[usize::from(picture.left) + x] = pixel[0];
+            }
+        }
+        counts.push(row.iter().filter(|&&shade| shade == 0).count() / 2);
+    }
+    counts
+}
+
+#[test]
+fn a_recorder_takes_single_frames_and_lists() {
+    let folder = TempDir::new().unwrap();
+    let [single, list] = ["single.gif", "list.gif"].map(|name| folder.path().join(name));
+    let mut env = drawn();
+    let mut recorder = Recorder::new(&single, &env).unwrap();
+    for _ in 0..2 {
+        env.reset(0).unwrap();
+        recorder.capture(&mut env).unwrap();
+        for _ in 0..3 {
+            env.step(&0).unwrap();
+            recorder.capture(&mut env).unwrap();
+        }
+    }
+    assert_eq!(recorder.finish().unwrap(), 8);
+
+    let mut env = BoxEnv::new(RenderCollection::new(drawn()));
+    let mut recorder = Recorder::new(&list, &env).unwrap();
+    for _ in 0..2 {
+        play(&mut env, 1);
+        recorder.capture(&mut env).unwrap();
+    }
+    assert_eq!(recorder.frames(), 8);
+    drop(recorder);
+    assert_eq!(counts(&single), [0, 1, 2, 3, 0, 1, 2, 3]);
+    assert_eq!(fs::read(single).unwrap(), fs::read(list).unwrap());
+}
+
+#[test]
+fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.gif");
+    let mut env = RenderCollection::new(drawn());
+    let mut recorder = Recorder::new(&path, &env).unwrap().max_frames(3);
+    play(&mut env, 1);
+    recorder.capture(&mut env).unwrap();
+    recorder.capture(&mut env).unwrap();
+    assert_eq!(recorder.finish().unwrap(), 3);
+    assert_eq!(counts(&path), [0, 1, 2]);
+    let mut recorder = Recorder::new(folder.path().join("b.gif"), &env).unwrap();
+    assert!(matches!(recorder.capture(&mut Count::default()), Err(Error::UnsupportedMode { .. })));
+    assert!(matches!(recorder.finish(), Err(Error::InvalidArgument { .. })));
+    assert_eq!(names(folder.path()), ["a.gif"]);
+}
+
+#[test]
+fn cubes_are_recorded() {
+    let recorded: Vec<_> = (0..3001).filter(|&episode| capped_cubic(episode)).collect();
+    assert_eq!(recorded, [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000, 3000]);
+    let folder = TempDir::new().unwrap();
+    let videos = folder.path().join("new/videos");
+    let mut env = RecordVideo::new(drawn(), &videos).unwrap();
+    play(&mut env, 10);
+    let expected = [0, 1, 8].map(|episode| format!("rl-video-episode-{episode}.gif"));
+    assert_eq!(names(&videos), expected);
+    assert_eq!(counts(&videos.join(&expected[2])), [0, 1, 2, 3]);
+}
+
+#[test]
+fn triggers_length_and_prefix() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(BoxEnv::new(drawn()), folder.path())
+        .unwrap()
+        .step_trigger(|step| step == 4)
+        .video_length(5)
+        .name_prefix("try");
+    play(&mut env, 4);
+    assert!(!env.is_recording());
+    assert_eq!(names(folder.path()), ["try-step-4.gif"]);
+    assert_eq!(counts(&folder.path().join("try-step-4.gif")), [2, 3, 0, 1, 2]);
+
+    let mut both = RecordVideo::new(drawn(), folder.path())
+        .unwrap()
+        .step_trigger(|step| step == 1)
+        .episode_trigger(|episode| episode == 0)
+        .extension("png");
+    play(&mut both, 2);
+    let expected = ["rl-video-episode-0.png", "rl-video-step-1.png", "try-step-4.gif"];
+    assert_eq!(names(folder.path()), expected);
+}
+
+#[test]
+fn a_file_is_finished_by_close_drop_and_into_inner() {
+    type End = fn(RecordVideo<Render<Count>>);
+    let ends: [End; 3] = [|mut env| env.close(), drop, |env| drop(env.into_inner())];
+    for end in ends {
+        let folder = TempDir::new().unwrap();
+        let mut env = RecordVideo::new(drawn(), folder.path()).unwrap();
+        env.reset(0).unwrap();
+        env.step(&0).unwrap();
+        assert!(names(folder.path())[0].starts_with('.'));
+        end(env);
+        assert_eq!(counts(&folder.path().join("rl-video-episode-0.gif")), [0, 1]);
+    }
+}
+
+#[test]
+fn recording_is_no_part_of_clones_and_snapshots() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(drawn(), folder.path()).unwrap();
+    env.reset(0).unwrap();
+    assert_eq!(env.snapshot().unwrap(), drawn().snapshot().unwrap());
+    let start = env.snapshot().unwrap();
+    env.step(&0).unwrap();
+    let mut clone = env.clone();
+    play(&mut clone, 9);
+    drop(clone);
+    env.restore(&start).unwrap();
+    env.step(&0).unwrap();
+    env.step(&0).unwrap();
+    drop(env);
+    assert_eq!(names(folder.path()), ["rl-video-episode-0.gif"]);
+    // 0, 1, and after the restore 1 and 2
+    assert_eq!(counts(&folder.path().join("rl-video-episode-0.gif")), [0, 1, 2]);
+}
+
+#[test]
+fn the_list_of_frames_stays_complete() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(RenderCollection::new(drawn()), folder.path()).unwrap();
+    for _ in 0..3 {
+        play(&mut env, 1);
+        assert_eq!(env.render().unwrap().into_frames().unwrap().len(), 4);
+        assert_eq!(env.render().unwrap().into_frames().unwrap().len(), 0);
+    }
+    assert_eq!(counts(&folder.path().join("rl-video-episode-1.gif")), [0, 1, 2, 3]);
+}
+
+#[test]
+fn an_environment_without_frames_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(Count::default(), folder.path()).unwrap();
+    assert!(matches!(env.reset(0), Err(Error::UnsupportedMode { .. })));
+}
+
+#[test]
+fn a_file_that_cannot_be_written_does_not_stop_the_training() {
+    let folder = TempDir::new().unwrap();
+    let videos = folder.path().join("videos");
+    let mut env = RecordVideo::new(drawn(), &videos).unwrap();
+    env.reset(0).unwrap();
+    fs::remove_dir_all(&videos).unwrap();
+    play(&mut env, 2);
+    assert!(matches!(env.take_error(), Some(Error::Io { .. })));
+    assert!(env.take_error().is_none());
+    fs::create_dir(&videos).unwrap();
+    play(&mut env, 6);
+    assert_eq!(names(&videos), ["rl-video-episode-8.gif"]);
+}
+
+#[test]
+fn formats_go_by_the_extension() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RenderCollection::new(drawn());
+    play(&mut env, 1);
+    let frames = env.render().unwrap().into_frames().unwrap();
+    for (name, signature) in [("a.gif", &b"GIF89a"[..]), ("b.PNG", b"\x89PNG"), ("c.apng", b"\x89PNG")] {
+        let path = folder.path().join(name);
+        write_video(&path, 10, &frames).unwrap();
+        assert!(fs::read(path).unwrap().starts_with(signature), "{name}");
+    }
+    for name in ["a.webm", "a", ".gif"] {
+        let error = VideoWriter::create(folder.path().join(name), 10).unwrap_err();
+        assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
+    }
+    assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
+    assert_eq!(names(folder.path()), ["a.gif", "b.PNG", "c.apng"]);
+}
+
+#[test]
+fn mp4_needs_ffmpeg_and_says_so() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.mp4");
+    let mut env = RenderCollection::new(drawn());
+    play(&mut env, 1);
+    let frames = env.render().unwrap().into_frames().unwrap();
+    let installed = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok();
+    let written = write_video(&path, 10, &frames);
+    if installed {
+        written.unwrap();
+        assert_eq!(&fs::read(path).unwrap()[4..8], b"ftyp");
+        let mut given_up = VideoWriter::create(folder.path().join("b.mp4"), 10).unwrap();
+        given_up.write(&frames[0]).unwrap();
+        given_up.abandon();
+        assert_eq!(names(folder.path()), ["a.mp4"]);
+    } else {
+        assert!(written.unwrap_err().to_string().contains("`ffmpeg`, which was not found"));
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+}
+
+const FOLDER: &str = "GYM_RENDER_TEST_FOLDER";
+
+/// Records until it is killed; does nothing unless the test below starts it.
+#[test]
+fn endless_recording() {
+    let Some(folder) = std::env::var_os(FOLDER) else { return };
+    let env = RecordVideo::new(drawn(), folder).unwrap();
+    let mut env = env.episode_trigger(|episode| episode == 0).video_length(u64::MAX);
+    loop {
+        play(&mut env, 1);
+    }
+}
+
+#[test]
+fn a_killed_recording_leaves_only_a_hidden_file() {
+    let folder = TempDir::new().unwrap();
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "endless_recording"])
+        .env(FOLDER, folder.path())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let written =
+        || names(folder.path()).iter().any(|name| folder.path().join(name).metadata().unwrap().len() > 0);
+    let start = Instant::now();
+    while !written() && start.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let names = names(folder.path());
+    assert!(names.len() == 1 && names[0].starts_with(".rl-video-episode-0.gif"), "{names:?}");
+}

@@ -97,7 +97,7 @@ impl<E: Env> Env for Render<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, close
+        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator, close
     );
 }
 

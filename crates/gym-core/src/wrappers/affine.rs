@@ -122,7 +122,9 @@ impl Affine {
                 )));
             }
         }
-        if let Some((min, max)) = min.iter().zip(&max).find(|(min, max)| !(min <= max)) {
+        if let Some((min, max)) =
+            min.iter().zip(&max).find(|(min, max)| min > max || min.is_nan() || max.is_nan())
+        {
             return Err(Error::custom(format!(
                 "the lower bound {min} must not be above the upper one, {max}"
             )));

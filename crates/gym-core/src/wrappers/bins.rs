@@ -90,7 +90,7 @@ impl Grid {
         let x = if x > high { high } else { x };
         let edges = &self.edges[i];
         // numpy's `digitize`: how many inner edges are not above; NaN is above all
-        edges[1..edges.len() - 1].iter().filter(|edge| !(x < **edge)).count() as i64
+        edges[1..edges.len() - 1].iter().filter(|edge| x >= **edge || x.is_nan()).count() as i64
     }
 
     /// The edges of a bin of the element `i`; a bin that does not exist counts as the nearest.

@@ -24,7 +24,7 @@ impl<E: Env> ClipReward<E> {
         match (min_reward, max_reward) {
             (None, None) => refuse("neither min_reward nor max_reward is given: give at least one".into()),
             (Some(bound), None) | (None, Some(bound)) if bound.is_nan() => refuse("a bound is NaN".into()),
-            (Some(min), Some(max)) if !(min <= max) => {
+            (Some(min), Some(max)) if min > max || min.is_nan() || max.is_nan() => {
                 refuse(format!("min_reward {min} must not be above max_reward {max}"))
             }
             _ => Ok(Self { env, min_reward, max_reward }),

@@ -54,4 +54,7 @@ mod documents {
 
     #[doc = include_str!("../../docs/plugins.md")]
     struct Plugins;
+
+    #[doc = include_str!("../../docs/wrappers.md")]
+    struct Wrappers;
 }

@@ -42,10 +42,9 @@ fn state(env: &BoxEnv) -> Option<Json> {
 /// What a spec says is part of a trace too.
 #[test]
 fn specs_and_spaces_of_traces() {
-    for Reference { name, json, .. } in references().iter().filter(|reference| reference.is_trace()) {
-        let id = json["id"].as_str().expect("an id");
-        let kwargs = json["kwargs"].as_object().cloned().unwrap_or_default();
-        let env = gym::builder(id).args(kwargs).build().unwrap_or_else(|error| panic!("{name}: {error}"));
+    for Reference { name, json, text } in references().iter().filter(|reference| reference.is_trace()) {
+        let trace: Trace = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let env = trace.make().unwrap_or_else(|error| panic!("{name}: {error}"));
         let spec = env.spec().expect("made by id");
         let known = json!({
             "max_episode_steps": spec.max_episode_steps,

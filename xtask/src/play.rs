@@ -119,7 +119,12 @@ impl Session {
             env,
             frame: Frame::default(),
             video,
-            trace: Trace { id: spec.id, kwargs: arguments.kwargs.clone(), events: Vec::new() },
+            trace: Trace {
+                id: spec.id,
+                kwargs: arguments.kwargs.clone(),
+                wrappers: Vec::new(),
+                events: Vec::new(),
+            },
             episode: 0,
             episodes: arguments.episodes,
             steps: 0,

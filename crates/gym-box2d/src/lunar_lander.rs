@@ -494,6 +494,10 @@ impl Env for LunarLander {
         Ok(())
     }
 
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
     fn metadata(&self) -> Metadata {
         Metadata::drawn(FPS as u32, (VIEWPORT_W as u32, VIEWPORT_H as u32))
     }

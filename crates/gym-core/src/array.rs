@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq};
 
+use crate::spaces::number::{Number, Numeric, with_type};
 use crate::{Error, Result};
 
 /// A number type that an [`Array`] can hold.
@@ -262,6 +263,38 @@ impl Array {
     /// The numbers, widened to `f64`.
     pub fn iter_f64(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(|i| self.data.get_f64(i))
+    }
+
+    /// Overwrites the numbers with those of an array of as many, cast as numpy's `astype`.
+    pub(crate) fn assign_cast(&mut self, source: &Self) -> Result<()> {
+        if self.len() != source.len() {
+            let [from, to] = [source.len(), self.len()];
+            return Err(Error::Contract(format!("an array has {from} numbers and should have {to}")));
+        }
+        with_type!(self.dtype(), T => {
+            let numbers = self.as_mut_slice::<T>().unwrap_or_default();
+            match source.as_slice::<T>() {
+                Some(source) => numbers.copy_from_slice(source),
+                None => numbers.iter_mut().zip(Number::all(source.data())).for_each(|(x, y)| *x = T::cast(y)),
+            }
+        });
+        Ok(())
+    }
+
+    /// Overwrites one number, cast as numpy's `astype`.
+    pub(crate) fn set_f64(&mut self, index: usize, x: f64) {
+        with_type!(self.dtype(), T => {
+            if let Some(number) = self.as_mut_slice::<T>().and_then(|numbers| numbers.get_mut(index)) {
+                *number = T::cast(Number::Float(x));
+            }
+        });
+    }
+
+    /// Overwrites each number with an integer.
+    pub(crate) fn fill_int(&mut self, i: i64) {
+        with_type!(self.dtype(), T => {
+            self.as_mut_slice::<T>().unwrap_or_default().fill(T::cast(Number::Int(i.into())));
+        });
     }
 
     /// Whether no number is infinite or NaN.

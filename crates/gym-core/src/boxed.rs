@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::canvas::Canvas;
 use crate::render::{Metadata, Rendered};
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Element, Env, EnvSpec, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// An environment whose type is erased, with [`Value`]s for observations and actions.
 ///
@@ -64,6 +64,7 @@ trait Erased: Send {
     fn spec(&self) -> Option<EnvSpec>;
     fn describe(&self) -> String;
     fn base(&self) -> &dyn Any;
+    fn generator(&mut self) -> Option<&mut Generator>;
     fn close(&mut self);
 }
 
@@ -150,6 +151,10 @@ impl<E: Env> Erased for Layer<E> {
     fn base(&self) -> &dyn Any {
         self.env.base()
     }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.env.generator()
+    }
 }
 
 impl Env for BoxEnv {
@@ -170,6 +175,6 @@ impl Env for BoxEnv {
 
     crate::forward!(
         0: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, spec,
-        base, close
+        base, generator, close
     );
 }

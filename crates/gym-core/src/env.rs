@@ -4,7 +4,7 @@ use std::any::Any;
 
 use crate::canvas::Canvas;
 use crate::render::{Metadata, Rendered};
-use crate::{Element, EnvSpec, Error, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
+use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
 
 /// A task for an agent: Gymnasium's `Env`.
 ///
@@ -213,6 +213,15 @@ pub trait Env: Clone + Send + 'static {
     /// [`unwrapped`](Env::unwrapped).
     fn base(&self) -> &dyn Any {
         self
+    }
+
+    /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
+    ///
+    /// Wrappers with randomness of their own, such as
+    /// [`StickyAction`](crate::wrappers::StickyAction), draw from it as well, so that one seed
+    /// settles an episode. An environment without one gives `None` and cannot be wrapped in these.
+    fn generator(&mut self) -> Option<&mut Generator> {
+        None
     }
 
     /// Ends the use of the environment: later steps are an `Err`.

@@ -219,6 +219,10 @@ impl<D: Dynamics> Env for Stateful<D> {
         D::NAME.to_owned()
     }
 
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
     fn close(&mut self) {
         self.episode = None;
     }

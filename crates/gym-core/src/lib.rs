@@ -36,3 +36,4 @@ pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
+pub use wrappers::Wrap;

@@ -14,7 +14,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json, value::RawValue};
 
-use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, builder};
+use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, WrapperSpec, builder};
 
 /// The resets and steps of one environment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,6 +24,10 @@ pub struct Trace {
     /// Its constructor's arguments.
     #[serde(default)]
     pub kwargs: Kwargs,
+    /// Wrappers around what `make` gives, innermost first. The wall-clock time of episode statistics
+    /// is left out of such traces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wrappers: Vec<WrapperSpec>,
     /// What happened, in order.
     pub events: Vec<Event>,
 }
@@ -92,13 +96,29 @@ impl Trace {
     /// # Errors
     /// What the environment answers with an error, and at which event.
     pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
-        let mut env = builder(&self.id).args(self.kwargs.clone()).build()?;
+        let mut env = self.make()?;
         let mut events = Vec::with_capacity(self.events.len());
         for (i, event) in self.events.iter().enumerate() {
             let answer = event.replay(&mut env, &state);
-            events.push(answer.map_err(|error| Error::custom(format!("event {i}: {error}")))?);
+            let mut answer = answer.map_err(|error| Error::custom(format!("event {i}: {error}")))?;
+            if let Some(Json::Object(episode)) = answer.info.as_mut().and_then(|info| info.get_mut("episode"))
+                && !self.wrappers.is_empty()
+            {
+                episode.remove("t");
+            }
+            events.push(answer);
         }
-        Ok(Self { id: self.id.clone(), kwargs: self.kwargs.clone(), events })
+        let Self { id, kwargs, wrappers, .. } = self;
+        Ok(Self { id: id.clone(), kwargs: kwargs.clone(), wrappers: wrappers.clone(), events })
+    }
+
+    /// The environment of the trace, in its wrappers.
+    ///
+    /// # Errors
+    /// As [`make`](crate::make), and for a wrapper that is not known.
+    pub fn make(&self) -> Result<BoxEnv> {
+        let env = builder(&self.id).args(self.kwargs.clone()).build()?;
+        self.wrappers.iter().try_fold(env, |env, wrapper| wrapper.wrap(env))
     }
 
     /// Where another trace of the same requests first has another answer than this one records: the

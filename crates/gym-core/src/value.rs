@@ -14,7 +14,7 @@ use crate::array::{Array, Scalar};
 /// Which variant belongs to which space is told by [`Space`](crate::Space): an element of a
 /// `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`, of a
 /// `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur in `info` alone.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub enum Value {
     /// Nothing.
     #[default]
@@ -37,6 +37,39 @@ pub enum Value {
     Graph(Box<GraphInstance>),
     /// The index of the chosen space, and an element of it.
     OneOf(usize, Box<Value>),
+}
+
+/// `clone_from` keeps the storage where kind, type and shape agree.
+impl Clone for Value {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Null => Self::Null,
+            Self::Bool(b) => Self::Bool(*b),
+            Self::Int(i) => Self::Int(*i),
+            Self::Float(x) => Self::Float(*x),
+            Self::Text(text) => Self::Text(text.clone()),
+            Self::Array(array) => Self::Array(array.clone()),
+            Self::Tuple(items) => Self::Tuple(items.clone()),
+            Self::Dict(entries) => Self::Dict(entries.clone()),
+            Self::Graph(graph) => Self::Graph(graph.clone()),
+            Self::OneOf(index, value) => Self::OneOf(*index, value.clone()),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        match (self, source) {
+            (Self::Text(to), Self::Text(from)) => to.clone_from(from),
+            (Self::Array(to), Self::Array(from)) => to.clone_from(from),
+            (Self::Tuple(to), Self::Tuple(from)) => to.clone_from(from),
+            (Self::Dict(to), Self::Dict(from)) if to.len() == from.len() => {
+                for ((to_key, to), (from_key, from)) in to.iter_mut().zip(from) {
+                    to_key.clone_from(from_key);
+                    to.clone_from(from);
+                }
+            }
+            (to, from) => *to = from.clone(),
+        }
+    }
 }
 
 /// An element of a `Graph` space.

@@ -272,7 +272,7 @@ impl<E: Env> Env for RecordVideo<E> {
     }
 
     gym_core::forward!(
-        env: observation_space, action_space, snapshot, info, metadata, draw, ansi, base, describe
+        env: observation_space, action_space, snapshot, info, metadata, draw, ansi, base, generator, describe
     );
 }
 

@@ -450,6 +450,10 @@ impl Env for CarRacing {
         }
     }
 
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
     fn metadata(&self) -> Metadata {
         Metadata::drawn(FPS as u32, (VIDEO_W, VIDEO_H))
     }

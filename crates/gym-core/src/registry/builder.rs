@@ -5,10 +5,8 @@ use serde_json::Value as Json;
 
 use super::{EnvSpec, find, resolve};
 use crate::render::RenderMode;
-use crate::wrappers::{
-    OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, Render, RenderCollection, TimeLimit,
-};
-use crate::{BoxEnv, Error, Kwargs, Result, WrapperSpec};
+use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, RenderCollection, TimeLimit};
+use crate::{BoxEnv, Error, Kwargs, Result};
 
 /// Makes an environment with its default arguments and wrappers, as Gymnasium's `make`.
 ///
@@ -169,7 +167,7 @@ impl EnvBuilder {
             env = BoxEnv::new(TimeLimit::new(env, steps)?);
         }
         for wrapper in &additional_wrappers {
-            env = wrap(env, wrapper)?;
+            env = wrapper.wrap(env)?;
         }
         if render_mode.is_some_and(RenderMode::is_list) {
             env = BoxEnv::new(RenderCollection::new(env));
@@ -201,47 +199,4 @@ impl EnvSpec {
         };
         self.kwargs.remove(name).map(parse).transpose()
     }
-}
-
-/// Puts a wrapper that a spec names around an environment.
-fn wrap(env: BoxEnv, wrapper: &WrapperSpec) -> Result<BoxEnv> {
-    fn arguments<T: DeserializeOwned>(wrapper: &WrapperSpec) -> Result<T> {
-        serde_json::from_value(Json::Object(wrapper.kwargs.clone()))
-            .map_err(|error| Error::argument(&wrapper.name, error.to_string()))
-    }
-
-    #[derive(serde::Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct TimeLimitArguments {
-        max_episode_steps: u32,
-    }
-
-    #[derive(serde::Deserialize)]
-    #[serde(default, deny_unknown_fields)]
-    struct StatisticsArguments {
-        buffer_length: usize,
-    }
-
-    impl Default for StatisticsArguments {
-        fn default() -> Self {
-            Self { buffer_length: 100 }
-        }
-    }
-
-    Ok(match wrapper.name.as_str() {
-        "TimeLimit" => {
-            let TimeLimitArguments { max_episode_steps } = arguments(wrapper)?;
-            BoxEnv::new(TimeLimit::new(env, max_episode_steps)?)
-        }
-        "RecordEpisodeStatistics" => {
-            let StatisticsArguments { buffer_length } = arguments(wrapper)?;
-            BoxEnv::new(RecordEpisodeStatistics::new(env).with_buffer_length(buffer_length)?)
-        }
-        name => {
-            return Err(Error::argument(
-                "additional_wrappers",
-                format!("unknown wrapper `{name}`: known are TimeLimit, RecordEpisodeStatistics"),
-            ));
-        }
-    })
 }

@@ -8,6 +8,7 @@ mod builder;
 mod id;
 mod registration;
 mod spec;
+mod wrappers;
 
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
@@ -16,6 +17,7 @@ pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration};
 pub use spec::{EnvSpec, WrapperSpec};
+pub use wrappers::WrapperRegistration;
 
 use crate::{Error, Result};
 

@@ -56,6 +56,13 @@ impl EnvSpec {
         EnvBuilder::from_spec(self.clone()).build()
     }
 
+    /// The steps after which the outermost time limit truncates an episode.
+    pub fn time_limit(&self) -> Option<u32> {
+        let outermost = self.additional_wrappers.iter().rev().find(|wrapper| wrapper.name == "TimeLimit");
+        let limit = outermost.and_then(|wrapper| wrapper.kwargs.get("max_episode_steps")?.as_u64());
+        limit.and_then(|limit| u32::try_from(limit).ok()).or(self.max_episode_steps)
+    }
+
     /// The spec of this environment in one more wrapper.
     #[must_use]
     pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {

@@ -52,6 +52,13 @@ impl Generator {
         if high_inclusive <= low {
             return out.fill(low);
         }
+        self.integers_u8_each(low, &[high_inclusive], out);
+    }
+
+    /// The same where the elements of `out` take turns with upper bounds of their own: numpy's
+    /// `integers(low, high, dtype=np.uint8, endpoint=True)` with an array of bounds that are broadcast
+    /// along the last axis.
+    pub(crate) fn integers_u8_each(&mut self, low: u8, highs_inclusive: &[u8], out: &mut [u8]) {
         let (mut bytes, mut left) = (0u32, 0);
         let mut next = || {
             if left == 0 {
@@ -61,11 +68,13 @@ impl Generator {
             (bytes, left) = (bytes >> 8, left - 1);
             byte
         };
-        let n = (high_inclusive - low).checked_add(1);
-        out.fill_with(|| match n {
-            Some(n) => low + below_u8(n, &mut next),
-            None => next(),
-        });
+        for (out, high) in out.iter_mut().zip(highs_inclusive.iter().cycle()) {
+            *out = match high.saturating_sub(low) {
+                0 => low,
+                u8::MAX => next(),
+                range => low + below_u8(range + 1, &mut next),
+            };
+        }
     }
 
     /// An index below `n`, all alike: numpy's `choice` from a sequence of length `n`.

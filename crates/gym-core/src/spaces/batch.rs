@@ -9,7 +9,27 @@ use crate::{Data, Error, Result, Value};
 
 use super::fault::{Fault, expect_array};
 use super::number::{Number, can_cast, collect, into_data, with_numbers};
-use super::{BoxSpace, MultiBinary, MultiDiscrete, Space, invalid, numpy_fmt};
+use super::{BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, invalid, numpy_fmt};
+
+impl Space {
+    /// The space of `n` elements as one value.
+    pub(crate) fn batch(&self, n: usize) -> Result<Self> {
+        Ok(match self {
+            Self::Box(_) | Self::Discrete(_) | Self::MultiDiscrete(_) | Self::MultiBinary(_) => {
+                batch_space(self, n)?
+            }
+            Self::Tuple(space) => {
+                let spaces = space.spaces().iter().map(|space| space.batch(n));
+                TupleSpace::new(spaces.collect::<Result<Vec<_>>>()?).into()
+            }
+            Self::Dict(space) => {
+                let spaces = space.spaces().iter().map(|(key, space)| Ok((key, space.batch(n)?)));
+                DictSpace::in_order(spaces.collect::<Result<Vec<_>>>()?)?.into()
+            }
+            _ => TupleSpace::new(vec![self.clone(); n]).into(),
+        })
+    }
+}
 
 /// The space of `n` elements in one array, for the spaces whose elements are arrays or integers.
 pub(super) fn batch_space(space: &Space, n: usize) -> Result<Space> {
@@ -69,7 +89,8 @@ pub(super) fn concatenate(space: &Space, items: &[&Value]) -> Result<Value, Faul
             Value::Tuple(columns.collect::<Result<_, _>>()?)
         }
         Space::Dict(dict) => {
-            let rows = items.iter().map(|item| dict.members(item)).collect::<Result<Vec<_>, _>>()?;
+            let rows = items.iter().map(|item| Ok(dict.members(item)?.collect()));
+            let rows = rows.collect::<Result<Vec<Vec<_>>, Fault>>()?;
             let columns = dict.spaces().iter().enumerate();
             let columns = columns.map(|(j, (key, space))| Ok((key.clone(), column(space, &rows, j)?)));
             Value::Dict(columns.collect::<Result<_, _>>()?)

@@ -81,7 +81,10 @@ impl DictSpace {
     }
 
     /// Each member space with the value under its key, if the keys are exactly those of the space.
-    pub(super) fn members<'a>(&'a self, value: &'a Value) -> Result<Vec<(&'a Space, &'a Value)>, Fault> {
+    pub(super) fn members<'a>(
+        &'a self,
+        value: &'a Value,
+    ) -> Result<impl Iterator<Item = (&'a Space, &'a Value)>, Fault> {
         let Value::Dict(entries) = value else { return Err(Fault::kind("a dict", value)) };
         if let Some((key, _)) = entries.iter().find(|(key, _)| self.get(key).is_none()) {
             return Err(Fault::new(format!("the key {key:?} is not one of the space's")));
@@ -89,11 +92,10 @@ impl DictSpace {
         if entries.len() > self.spaces.len() {
             return Err(Fault::new("a key occurs twice"));
         }
-        let member = |(key, space): &'a (String, Space)| match value.get(key) {
-            Some(member) => Ok((space, member)),
-            None => Err(Fault::new(format!("the key {key:?} is missing"))),
-        };
-        self.spaces.iter().map(member).collect()
+        if let Some((key, _)) = self.spaces.iter().find(|(key, _)| value.get(key).is_none()) {
+            return Err(Fault::new(format!("the key {key:?} is missing")));
+        }
+        Ok(self.spaces.iter().filter_map(|(key, space)| Some((space, value.get(key)?))))
     }
 
     pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {

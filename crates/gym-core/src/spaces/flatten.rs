@@ -35,11 +35,16 @@ impl Space {
             return self.convert(value, self, &self.flatten_space()?, Self::flatten);
         }
         let mut array = Array::zeros(self.flat_dtype()?, [self.flatdim()?]);
-        let written = with_type!(array.dtype(), T => {
-            self.write_flat(value, array.as_mut_slice::<T>().unwrap_or_default())
-        });
-        written.map_err(|fault| self.refuse(value, &fault))?;
+        self.flatten_into(value, &mut array)?;
         Ok(Value::Array(array))
+    }
+
+    /// [`flatten`](Self::flatten) into an array of that type and length.
+    pub(crate) fn flatten_into(&self, value: &Value, out: &mut Array) -> Result<()> {
+        let written = with_type!(out.dtype(), T => {
+            self.write_flat(value, out.as_mut_slice::<T>().unwrap_or_default())
+        });
+        written.map_err(|fault| self.refuse(value, &fault))
     }
 
     /// The element that [`flatten`](Self::flatten) made a row of, with its types restored.

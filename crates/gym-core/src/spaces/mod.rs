@@ -15,7 +15,7 @@ mod graph;
 mod json;
 mod multi_binary;
 mod multi_discrete;
-mod number;
+pub(crate) mod number;
 mod numpy_fmt;
 mod one_of;
 mod sampler;
@@ -26,6 +26,7 @@ mod tests;
 mod text;
 mod tuple;
 mod weight;
+mod zero;
 
 use std::fmt;
 
@@ -268,7 +269,7 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
 }
 
 /// The array in `out`, made anew unless it has that type and shape.
-fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
+pub(crate) fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {
         *out = Value::Array(Array::zeros(dtype, shape));

@@ -34,18 +34,18 @@ macro_rules! with_type {
     };
 }
 
-pub(super) use {with_numbers, with_type};
+pub(crate) use {with_numbers, with_type};
 
 /// One number, exactly.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Number {
+pub(crate) enum Number {
     Int(i128),
     Float(f64),
 }
 
 impl Number {
     /// Rounded to the nearest `f64`.
-    pub(super) fn to_f64(self) -> f64 {
+    pub(crate) fn to_f64(self) -> f64 {
         match self {
             Self::Int(i) => i as f64,
             Self::Float(x) => x,
@@ -53,7 +53,7 @@ impl Number {
     }
 
     /// The number as an `i128`, if it is whole.
-    pub(super) fn to_int(self) -> Option<i128> {
+    pub(crate) fn to_int(self) -> Option<i128> {
         match self {
             Self::Int(i) => Some(i),
             Self::Float(x) => (x.fract() == 0.0).then_some(x as i128),
@@ -61,18 +61,18 @@ impl Number {
     }
 
     /// The element of an array in row-major order.
-    pub(super) fn at(data: &Data, index: usize) -> Self {
+    pub(crate) fn at(data: &Data, index: usize) -> Self {
         with_numbers!(data, values => values[index].number())
     }
 
     /// All elements of an array in row-major order.
-    pub(super) fn all(data: &Data) -> impl Iterator<Item = Self> + '_ {
+    pub(crate) fn all(data: &Data) -> impl Iterator<Item = Self> + '_ {
         (0..data.len()).map(|index| Self::at(data, index))
     }
 
     /// Whether a type holds this number, a fraction being rounded to its precision. Infinities are
     /// numbers of the real types; NaN is a number of none.
-    pub(super) fn fits(self, dtype: DType) -> bool {
+    pub(crate) fn fits(self, dtype: DType) -> bool {
         let (min, max) = limits(dtype);
         match self {
             Self::Float(x) if dtype.is_float() => x.is_infinite() || (min <= self && self <= max),
@@ -106,7 +106,7 @@ impl PartialOrd for Number {
 }
 
 /// A number type, seen through [`Number`].
-pub(super) trait Numeric: Scalar + PartialOrd {
+pub(crate) trait Numeric: Scalar + PartialOrd {
     const MIN: Self;
     const MAX: Self;
 
@@ -162,17 +162,17 @@ numeric!(Int, i128: i8, u8, i16, u16, i32, u32, i64, u64);
 numeric!(Float, f64: f32, f64);
 
 /// The smallest and the largest finite number of a type.
-pub(super) fn limits(dtype: DType) -> (Number, Number) {
+pub(crate) fn limits(dtype: DType) -> (Number, Number) {
     with_type!(dtype, T => (<T as Numeric>::MIN.number(), <T as Numeric>::MAX.number()))
 }
 
 /// Numbers of a type, each made with [`Numeric::cast`].
-pub(super) fn collect(dtype: DType, numbers: impl IntoIterator<Item = Number>) -> Data {
+pub(crate) fn collect(dtype: DType, numbers: impl IntoIterator<Item = Number>) -> Data {
     with_type!(dtype, T => T::into_data(numbers.into_iter().map(T::cast).collect()))
 }
 
 /// Numbers of any type as [`Data`].
-pub(super) fn into_data<T: Scalar>(numbers: Vec<T>) -> Data {
+pub(crate) fn into_data<T: Scalar>(numbers: Vec<T>) -> Data {
     T::into_data(numbers)
 }
 
@@ -187,7 +187,7 @@ fn bits(dtype: DType) -> u32 {
 
 /// numpy's `can_cast(from, to)`: whether every number of one type is a number of the other. As
 /// there, 64-bit integers count as `float64`.
-pub(super) fn can_cast(from: DType, to: DType) -> bool {
+pub(crate) fn can_cast(from: DType, to: DType) -> bool {
     promote(from, to) == to
 }
 
@@ -218,7 +218,7 @@ fn wider(a: DType, b: DType) -> DType {
 
 /// numpy's `result_type` of some types; `None` for no types. A real type among them is promoted
 /// with each of the others, rather than with the type that those have in common.
-pub(super) fn result_type(dtypes: impl IntoIterator<Item = DType>) -> Option<DType> {
+pub(crate) fn result_type(dtypes: impl IntoIterator<Item = DType>) -> Option<DType> {
     let mut dtypes: Vec<_> = dtypes.into_iter().collect();
     dtypes.sort_by_key(|dtype| !dtype.is_float());
     dtypes.into_iter().reduce(promote)

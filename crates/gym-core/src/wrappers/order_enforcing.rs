@@ -79,5 +79,5 @@ impl<E: Env> Env for OrderEnforcing<E> {
         self.env.spec().map(|spec| EnvSpec { order_enforce: true, ..spec })
     }
 
-    crate::forward!(env: observation_space, action_space, info, metadata, draw, ansi, base, describe);
+    crate::forward!(env: observation_space, action_space, info, metadata, draw, ansi, base, generator, describe);
 }

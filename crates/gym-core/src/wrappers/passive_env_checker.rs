@@ -74,6 +74,6 @@ impl<E: Env> Env for PassiveEnvChecker<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, close, describe
+        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
     );
 }

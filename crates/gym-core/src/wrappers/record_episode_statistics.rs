@@ -146,6 +146,6 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, metadata, draw, ansi, render, base, close, describe
+        env: observation_space, action_space, metadata, draw, ansi, render, base, generator, close, describe
     );
 }

@@ -151,7 +151,7 @@ impl<E: Env> Env for Render<E> {
         self.env.close();
     }
 
-    crate::forward!(env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base);
+    crate::forward!(env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator);
 }
 
 impl<E: Clone> Clone for Render<E> {

@@ -76,6 +76,6 @@ impl<E: Env> Env for RenderCollection<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, base, close, describe
+        env: observation_space, action_space, info, metadata, draw, ansi, base, generator, close, describe
     );
 }

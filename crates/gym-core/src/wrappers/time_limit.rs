@@ -1,4 +1,4 @@
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is left as it is:
 /// both can be set by the same step.
@@ -66,10 +66,19 @@ impl<E: Env> Env for TimeLimit<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| EnvSpec { max_episode_steps: Some(self.max_episode_steps), ..spec })
+        let limit = self.max_episode_steps;
+        self.env.spec().map(|spec| {
+            // the limit that `make` sets is inside all other wrappers, and a shorter one replaces it
+            let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);
+            if replaces && spec.additional_wrappers.is_empty() {
+                EnvSpec { max_episode_steps: Some(limit), ..spec }
+            } else {
+                spec.wrapped(WrapperSpec::new("TimeLimit").arg("max_episode_steps", limit))
+            }
+        })
     }
 
     crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, close, describe
+        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
     );
 }

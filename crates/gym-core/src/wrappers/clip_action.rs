@@ -1,0 +1,77 @@
+use crate::spaces::BoxSpace;
+use crate::spaces::number::with_type;
+use crate::{Env, EnvSpec, Outcome, Reset, Result, Space, Value, WrapperSpec};
+
+/// Clips actions to the bounds of the environment's `Box`, and so takes any numbers: its own action
+/// space is unbounded.
+#[derive(Clone, Debug)]
+pub struct ClipAction<E> {
+    env: E,
+    space: Space,
+    bounds: BoxSpace,
+    inner: Value,
+}
+
+impl<E: Env> ClipAction<E> {
+    /// Clips the actions for `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if they are not in a `Box`;
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if they are unsigned integers, whose space
+    /// cannot be unbounded.
+    pub fn new(env: E) -> Result<Self> {
+        let bounds = super::expect_box("ClipAction", "action", &env.action_space())?.clone();
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?.into();
+        Ok(Self { env, space, bounds, inner: Value::Null })
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+}
+
+impl<E: Env> Env for ClipAction<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let Self { env, space, bounds, inner } = self;
+        super::expect_action(space, action, inner)?;
+        with_type!(bounds.dtype(), T => {
+            let numbers = match inner {
+                Value::Array(array) => array.as_mut_slice::<T>().unwrap_or_default(),
+                _ => &mut [],
+            };
+            let (low, high) = (bounds.low().as_slice::<T>(), bounds.high().as_slice::<T>());
+            let limits = low.unwrap_or_default().iter().zip(high.unwrap_or_default());
+            for (x, (low, high)) in numbers.iter_mut().zip(limits) {
+                // comparisons that NaN fails, so that it stays
+                if *x < *low {
+                    *x = *low;
+                } else if *x > *high {
+                    *x = *high;
+                }
+            }
+        });
+        super::act(env, inner, observation)
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        self.env.spec().map(|spec| spec.wrapped(WrapperSpec::new("ClipAction")))
+    }
+
+    crate::forward!(
+        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        describe
+    );
+}

@@ -1,0 +1,135 @@
+use crate::spaces::{BoxSpace, array_of};
+use crate::{
+    DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+};
+
+use super::running::{RunningMeanStd, check_epsilon};
+
+/// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`.
+///
+/// The estimate is made of every observation since the wrapper was made; resets do not clear it.
+#[derive(Clone, Debug)]
+pub struct NormalizeObservation<E> {
+    env: E,
+    space: Space,
+    epsilon: f64,
+    update_running_mean: bool,
+    running: RunningMeanStd,
+    inner: Value,
+}
+
+impl<E: Env> NormalizeObservation<E> {
+    /// Gymnasium's default for what is added to the variance.
+    pub const EPSILON: f64 = 1e-8;
+
+    /// Normalizes the observations of `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless they are arrays or integers.
+    pub fn new(env: E) -> Result<Self> {
+        let inner = env.observation_space();
+        let Some(shape) = inner.shape() else {
+            let reason = format!("it needs observations with a shape, and the space is {inner}");
+            return Err(Error::argument("NormalizeObservation", reason));
+        };
+        let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, DType::F32)?;
+        let running = RunningMeanStd::new(space.low().len());
+        let space = space.into();
+        Ok(Self {
+            env,
+            space,
+            epsilon: Self::EPSILON,
+            update_running_mean: true,
+            running,
+            inner: Value::Null,
+        })
+    }
+
+    /// Adds another number to the variance than 1e-8.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless it is above 0.
+    pub fn with_epsilon(self, epsilon: f64) -> Result<Self> {
+        check_epsilon("NormalizeObservation", epsilon)?;
+        Ok(Self { epsilon, ..self })
+    }
+
+    /// Goes on estimating (as it does from the start), or keeps the estimate as it is, as for
+    /// evaluation.
+    pub fn update_running_mean(&mut self, update: bool) {
+        self.update_running_mean = update;
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+
+    fn observe(&mut self, out: &mut Value) -> Result<()> {
+        let shape = self.space.shape().unwrap_or_default();
+        let out = array_of(out, DType::F32, shape).as_mut_slice::<f32>().unwrap_or_default();
+        match &self.inner {
+            Value::Array(array) if array.len() == out.len() => {
+                if self.update_running_mean {
+                    self.running.update(array.dtype(), array.iter_f64());
+                }
+                self.running.normalize(array.dtype(), array.iter_f64(), self.epsilon, out);
+            }
+            Value::Int(i) if out.len() == 1 => {
+                let x = *i as f64;
+                if self.update_running_mean {
+                    self.running.update(DType::I64, std::iter::once(x));
+                }
+                self.running.normalize(DType::I64, std::iter::once(x), self.epsilon, out);
+            }
+            other => return Err(super::not_an_array(other)),
+        }
+        Ok(())
+    }
+}
+
+impl<E: Env> Env for NormalizeObservation<E> {
+    type Observation = Value;
+    type Action = E::Action;
+
+    fn observation_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        let Self { env, inner, .. } = self;
+        E::Observation::fill(inner, |inner| env.reset_into(reset, inner))?;
+        self.observe(observation)
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
+        let Self { env, inner, .. } = self;
+        let outcome = E::Observation::fill(inner, |inner| env.step_into(action, inner))?;
+        self.observe(observation)?;
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.env.snapshot()?, &self.running, self.update_running_mean))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (env, running, update): (_, RunningMeanStd, bool) = snapshot.get()?;
+        let len = self.space.shape().unwrap_or_default().iter().product();
+        if !running.is_valid(len) {
+            return Err(Error::Snapshot(format!("it does not hold the statistics of {len} numbers")));
+        }
+        self.env.restore(&env)?;
+        (self.running, self.update_running_mean) = (running, update);
+        Ok(())
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        let wrapper = WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon);
+        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    }
+
+    crate::forward!(
+        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
+    );
+}

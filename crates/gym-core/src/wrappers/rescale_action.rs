@@ -1,0 +1,74 @@
+use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
+
+use super::affine::{Affine, Bound};
+
+/// Maps actions linearly from other bounds to those of the environment's `Box`.
+#[derive(Clone, Debug)]
+pub struct RescaleAction<E> {
+    env: E,
+    space: Space,
+    min_action: Bound,
+    max_action: Bound,
+    map: Affine,
+    inner: Value,
+}
+
+impl<E: Env> RescaleAction<E> {
+    /// Takes actions between the new bounds, as in `RescaleAction::new(env, -1.0, 1.0)`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless the actions are real numbers in a `Box`, the lower bounds are
+    /// below the upper ones, and exactly the bounds that were infinite are so again.
+    pub fn new(env: E, min_action: impl Into<Bound>, max_action: impl Into<Bound>) -> Result<Self> {
+        let (inner, min_action, max_action) = (env.action_space(), min_action.into(), max_action.into());
+        let inner = super::expect_box("RescaleAction", "action", &inner)?;
+        let refuse = |reason: String| Error::argument("RescaleAction", reason);
+        let (map, space) =
+            Affine::new(inner, &min_action, &max_action).map_err(|error| refuse(error.to_string()))?;
+        let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
+        if let Some((bound, _)) = bounds.find(|(low, high)| low == high) {
+            return Err(refuse(format!("the bounds of an element are both {bound}: they must differ")));
+        }
+        drop(bounds);
+        Ok(Self { env, space: space.into(), min_action, max_action, map, inner: Value::Null })
+    }
+
+    /// The environment within.
+    pub fn into_inner(self) -> E {
+        self.env
+    }
+}
+
+impl<E: Env> Env for RescaleAction<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let Self { env, space, map, inner, .. } = self;
+        super::expect_action(space, action, inner)?;
+        if let Value::Array(array) = inner {
+            map.backward(array);
+        }
+        super::act(env, inner, observation)
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        let wrapper = WrapperSpec::new("RescaleAction")
+            .arg("min_action", self.min_action.to_json())
+            .arg("max_action", self.max_action.to_json());
+        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    }
+
+    crate::forward!(
+        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        describe
+    );
+}

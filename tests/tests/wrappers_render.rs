@@ -1,0 +1,115 @@
+//! Wrappers of pictures.
+
+use gym::render::{Frame, RenderMode, Rendered};
+use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView};
+use gym::{
+    Array, DType, Data, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Wrap, spaces::BoxSpace,
+};
+
+/// Observes a picture, and renders another of one colour.
+#[derive(Clone)]
+struct Picture(Option<Generator>);
+
+impl Env for Picture {
+    type Observation = Array;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        BoxSpace::uniform(0.0, 255.0, [4, 6, 3], DType::U8).expect("bounds").into()
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.0 = reset.seed.as_ref().map(Generator::new);
+        *observation = Array::new([4, 6, 3], Data::U8((0..72).map(|i| (i * 3) as u8).collect()))?;
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &i64, _observation: &mut Array) -> Result<Outcome> {
+        Ok(Outcome::default())
+    }
+
+    fn render(&mut self) -> Result<Rendered> {
+        let mut frame = Frame::new(5, 4);
+        frame.pixels_mut().fill(9);
+        Ok(Rendered::Frame(frame))
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.0.as_mut()
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.0)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        snapshot.get().map(|rng| self.0 = rng)
+    }
+}
+
+/// The rendered pixels that are not of the one colour, and the next number of the generator.
+fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
+    assert!(env.render().is_err(), "there is no generator before the first reset");
+    env.reset(5).unwrap();
+    let frame = env.render().unwrap().into_frame().unwrap();
+    let noise = frame.pixels().chunks(3).filter(|pixel| *pixel != [9; 3]).flatten().copied().collect();
+    (noise, env.generator().unwrap().integers(0, 1000))
+}
+
+/// Recorded from Gymnasium 1.4.0 with the same seed and picture.
+#[test]
+fn noise_is_gymnasiums() {
+    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.5, false).unwrap());
+    assert_eq!(pixels[..12], [167, 228, 183, 152, 203, 4, 36, 52, 212, 117, 3, 86]);
+    assert_eq!((&pixels[24..], next), (&[144, 103, 205][..], 45));
+    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.3, true).unwrap());
+    let grey: Vec<u8> = pixels.chunks(3).map(|pixel| pixel[0]).collect();
+    assert_eq!((grey, next), (vec![174, 159, 150, 147, 122, 60], 652));
+    let (pixels, next) = noise(ObstructView::new(Picture(None), 0.5, 2, false).unwrap());
+    assert_eq!(pixels[..9], [70, 41, 72, 236, 15, 193, 205, 12, 142]);
+    assert_eq!((&pixels[21..], next), (&[205, 52, 140][..], 148));
+}
+
+#[test]
+fn pictures_turn_grey_and_small() {
+    let env = Picture(None).grayscale_observation(false).unwrap();
+    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (4, 6), uint8)");
+    let mut env = env.resize_observation(2, 3).unwrap();
+    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (2, 3), uint8)");
+    let observation = env.reset(0).unwrap();
+    assert!(env.observation_space().contains(&observation));
+    let mut env = Picture(None).grayscale_observation(true).unwrap();
+    let first = [0.2125 * 0.0 + 0.7154 * 3.0 + 0.0721 * 6.0, 0.2125 * 9.0 + 0.7154 * 12.0 + 0.0721 * 15.0];
+    let observation = env.reset(0).unwrap();
+    assert_eq!(observation.as_slice::<u8>().unwrap()[..2], first.map(|x: f64| x as u8));
+    assert_eq!(observation.as_array().unwrap().shape(), [4, 6, 1]);
+}
+
+#[test]
+fn rendered_pictures_are_observed() {
+    let make = || {
+        let builder = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).render_size(60, 40);
+        builder.build().unwrap()
+    };
+    let mut env = make().add_render_observation().unwrap();
+    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (40, 60, 3), uint8)");
+    let observation = env.reset(0).unwrap();
+    let frame = env.render().unwrap().into_frame().unwrap();
+    assert_eq!(observation.as_slice::<u8>().unwrap(), frame.pixels());
+
+    let mut env = AddRenderObservation::with_state(make(), "pixels", "state").unwrap();
+    let observation = env.reset(0).unwrap();
+    env.observation_space().check(&observation).unwrap();
+    assert_eq!(observation.get("state"), Some(&make().reset(0).unwrap()));
+    let spec = env.spec().unwrap();
+    assert_eq!(spec.make().unwrap().spec(), Some(spec));
+    assert!(AddRenderObservation::with_state(make(), "x", "x").is_err());
+    assert!(gym::make("CartPole-v1").unwrap().add_render_observation().is_err(), "no render mode");
+
+    let mut noisy = make().add_white_noise(0.5).unwrap().add_render_observation().unwrap();
+    assert_ne!(noisy.reset(0).unwrap().as_slice::<u8>().unwrap(), frame.pixels());
+}

@@ -26,7 +26,9 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
-use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World};
+use crate::physics::{
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World,
+};
 
 const FPS: f64 = 50.0;
 const SCALE: f64 = 30.0; // pixels per m

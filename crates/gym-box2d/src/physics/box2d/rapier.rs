@@ -38,7 +38,9 @@ use super::distance::{Cache, distance};
 use super::island::{Position, Velocity};
 use super::joint::{Constraint, Joint};
 use super::math::{Vec2, cross, dot, rotate, rotation, vec2};
-use super::settings::{ANGULAR_SLEEP_TOLERANCE, LINEAR_SLEEP_TOLERANCE, LINEAR_SLOP, POLYGON_RADIUS, TIME_TO_SLEEP};
+use super::settings::{
+    ANGULAR_SLEEP_TOLERANCE, LINEAR_SLEEP_TOLERANCE, LINEAR_SLOP, POLYGON_RADIUS, TIME_TO_SLEEP,
+};
 use super::shape::{Geometry, Kind};
 use super::{Box2d, body::Body};
 use crate::physics::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
@@ -50,9 +52,6 @@ const SWEEPS: usize = 60;
 const IMPACT_DISTANCE: f32 = 2.0 * POLYGON_RADIUS - 3.0 * LINEAR_SLOP + 0.25 * LINEAR_SLOP;
 /// Stiffness of a motor: none but its torque limit is to be felt.
 const MOTOR_DAMPING: f32 = 1e10;
-/// Share of a motor's last impulse to start from. rapier bounds what it adds on both sides alike, so
-/// that from a full start a motor could not slacken.
-const MOTOR_START: f32 = 0.5;
 
 /// A world whose solver is rapier2d.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -147,7 +146,8 @@ fn parameters(dt: f32) -> IntegrationParameters {
         num_internal_stabilization_iterations: SWEEPS,
         max_ccd_substeps: 1,
         contact_recycling: false,
-        friction_in_bias_pass: true,
+        // friction while overlap is resolved lets a walker's feet stick and trip it
+        friction_in_bias_pass: false,
         warmstart_joints: false,
         ..IntegrationParameters::default()
     }
@@ -327,7 +327,11 @@ impl Rapier {
         for &id in joint_order.iter() {
             let joint = &mut joints[id];
             joint.impulse.z = 0.0;
-            joint.motor_impulse *= MOTOR_START;
+            let speed = bodies[joint.body_b].angular_velocity - bodies[joint.body_a].angular_velocity;
+            let most = dt * joint.max_motor_torque;
+            let reverses = (joint.motor_speed - speed) * joint.motor_impulse < 0.0;
+            // rapier bounds what it adds on both sides alike: from a full start a motor could not reverse
+            joint.motor_impulse = if reverses { 0.0 } else { joint.motor_impulse.clamp(-most, most) };
             let sides = (side(&bodies[joint.body_a]), side(&bodies[joint.body_b]));
             let times = (dt, *inv_dt0 * dt);
             constraints.push(Constraint::new(id, joint, sides, positions, velocities, times));
@@ -396,12 +400,13 @@ impl Rapier {
             let turns = std::f32::consts::TAU;
             let angle = pose.rotation.angle();
             let a = angle + turns * ((body.sweep.a0 - angle) / turns).round();
-            let c = vec2(pose.translation.x, pose.translation.y)
-                + rotate(rotation(a), body.sweep.local_center);
+            let c =
+                vec2(pose.translation.x, pose.translation.y) + rotate(rotation(a), body.sweep.local_center);
             positions[body.island_index] = Position { c, a };
             velocities[body.island_index] = Velocity { v: vec2(v.x, v.y), w: rapier.angvel() };
         }
-        let mut sweep = || constraints.iter().fold(true, |okay, joint| joint.solve_position(positions) & okay);
+        let mut sweep =
+            || constraints.iter().fold(true, |okay, joint| joint.solve_position(positions) & okay);
         let _ = constraints.is_empty() || (0..position_iterations).any(|_| sweep());
         for id in dynamic.iter() {
             let body = &mut bodies[*id];

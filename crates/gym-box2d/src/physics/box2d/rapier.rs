@@ -18,10 +18,13 @@
 //! | angles count all turns | wrap | unwrapped |
 //!
 //! What still differs: contacts are resolved as soft constraints, so that a landing or a stumble
-//! leaves Box2D's path within a few steps; a collision's restitution has no threshold of 1 m/s;
-//! and a foot that slides under a walker is held less evenly, so that its controller, which walks on
-//! Box2D, stumbles sooner. Sensors are not rapier's concern: the scene alone knows them.
+//! leaves Box2D's path within a few steps; a collision's restitution has no threshold of 1 m/s; a foot
+//! that slides is held less evenly, so that Gymnasium's controller of BipedalWalker, which barely walks
+//! on Box2D, stumbles at other places. Sensors are not rapier's concern: the scene alone knows them.
 //! A step allocates, since rapier's does.
+//!
+//! Over 200 seeds of LunarLander under Gymnasium's controller, 93 % end as they do on Box2D (with two
+//! throttles 100 %, in wind 83 %), and returns and lengths are not to be told apart.
 
 use std::fmt;
 

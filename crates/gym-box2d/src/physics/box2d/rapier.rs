@@ -24,7 +24,7 @@
 //! A step allocates, since rapier's does.
 //!
 //! Over 200 seeds of LunarLander under Gymnasium's controller, 93 % end as they do on Box2D (with two
-//! throttles 100 %, in wind 83 %), and returns and lengths are not to be told apart.
+//! throttles 100 %, in wind 83 % of 100), and returns and lengths are not to be told apart.
 
 use std::fmt;
 

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, sign, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
 };
 
 const FPS: f64 = 50.0;
@@ -56,6 +56,8 @@ const WALKER: Filter = Filter { category: 0x0020, mask: GROUND };
 pub struct Config {
     /// Whether stumps, stairs and pits are in the way.
     pub hardcore: bool,
+    /// Which engine moves the walker.
+    pub physics: Physics,
 }
 
 /// The environment.
@@ -225,7 +227,7 @@ fn cloud(rng: &mut Generator) -> [Point; 5] {
 impl Episode {
     /// Ground, clouds, hull and legs, in Gymnasium's order of draws and creation.
     fn new(config: Config, mut rng: Generator) -> Self {
-        let mut world = World::new(vec2(0.0, -10.0));
+        let mut world = World::with(config.physics, vec2(0.0, -10.0));
         let mut ground = Ground {
             rng: &mut rng,
             world: &mut world,
@@ -597,6 +599,29 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<BipedalWalker>("BipedalWalkerHardcore-v3")
         .kwargs(r#"{"hardcore": true}"#)
+        .max_episode_steps(2000)
+        .reward_threshold(300.0)
+);
+
+#[cfg(feature = "rapier")]
+const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[(
+    "observation-in-space",
+    "on impact rapier's joints can turn faster than five times their rated speed",
+)];
+
+#[cfg(feature = "rapier")]
+gym_core::register!(
+    Registration::new::<BipedalWalker>("rapier/BipedalWalker-v3")
+        .kwargs(r#"{"physics": "rapier"}"#)
+        .exceptions(RAPIER_EXCEPTIONS)
+        .max_episode_steps(1600)
+        .reward_threshold(300.0)
+);
+#[cfg(feature = "rapier")]
+gym_core::register!(
+    Registration::new::<BipedalWalker>("rapier/BipedalWalkerHardcore-v3")
+        .kwargs(r#"{"hardcore": true, "physics": "rapier"}"#)
+        .exceptions(RAPIER_EXCEPTIONS)
         .max_episode_steps(2000)
         .reward_threshold(300.0)
 );

@@ -26,7 +26,9 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
-use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, FixtureId, RevoluteJointDef, Shape, Vec2, World};
+use crate::physics::{
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World,
+};
 
 const FPS: f64 = 50.0;
 const SCALE: f64 = 30.0; // pixels per m
@@ -67,6 +69,8 @@ pub struct Config {
     pub turbulence_power: f64,
     /// The version whose rules hold: 2 or 3.
     pub version: u8,
+    /// Which engine moves the craft.
+    pub physics: Physics,
 }
 
 impl Default for Config {
@@ -78,6 +82,7 @@ impl Default for Config {
             wind_power: 15.0,
             turbulence_power: 1.5,
             version: 3,
+            physics: Physics::Box2d,
         }
     }
 }
@@ -217,7 +222,7 @@ impl LunarLander {
 impl Episode {
     /// Ground, lander and legs, in Gymnasium's order of draws and creation.
     fn new(config: &Config, mut rng: Generator) -> Self {
-        let mut world = World::new(vec2(0.0, config.gravity));
+        let mut world = World::with(config.physics, vec2(0.0, config.gravity));
 
         let mut height = [0.0; CHUNKS + 1];
         height.fill_with(|| rng.uniform(0.0, H / 2.0));
@@ -598,6 +603,21 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLanderContinuous-v3")
         .kwargs(r#"{"continuous": true}"#)
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
+);
+
+#[cfg(feature = "rapier")]
+gym_core::register!(
+    Registration::new::<LunarLander>("rapier/LunarLander-v3")
+        .kwargs(r#"{"physics": "rapier"}"#)
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
+);
+#[cfg(feature = "rapier")]
+gym_core::register!(
+    Registration::new::<LunarLander>("rapier/LunarLanderContinuous-v3")
+        .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)
 );

@@ -27,7 +27,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
-use crate::physics::{BodyDef, BodyId, FixtureDef, Shape, Vec2, World};
+use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
 use picture::{Camera, WINDOW_H, WINDOW_W};
 use track::Tile;
@@ -55,6 +55,8 @@ pub struct Config {
     pub continuous: bool,
     /// The version whose rules hold: 2 or 3.
     pub version: u8,
+    /// Which engine moves the car.
+    pub physics: Physics,
 }
 
 impl Default for Config {
@@ -65,6 +67,7 @@ impl Default for Config {
             domain_randomize: false,
             continuous: true,
             version: 3,
+            physics: Physics::Box2d,
         }
     }
 }
@@ -245,7 +248,7 @@ impl CarRacing {
                 None => Colors::random(&mut rng.clone()),
             };
         }
-        let mut episode = Episode::new(rng, colors);
+        let mut episode = Episode::new(self.config.physics, rng, colors);
         episode.advance(&self.config, None);
         self.episode = Some(episode);
         Ok(())
@@ -270,8 +273,8 @@ impl CarRacing {
 
 impl Episode {
     /// Track, tiles and car, in Gymnasium's order of draws and creation.
-    fn new(mut rng: Generator, colors: Colors) -> Self {
-        let mut world = World::new(Vec2::zeros());
+    fn new(physics: Physics, mut rng: Generator, colors: Colors) -> Self {
+        let mut world = World::with(physics, Vec2::zeros());
         let track = track::generate(&mut rng);
         let tiles = track::tiles(&track);
         let tile_bodies = tiles
@@ -487,4 +490,12 @@ gym_core::register!(
 );
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v3").max_episode_steps(1000).reward_threshold(900.0)
+);
+
+#[cfg(feature = "rapier")]
+gym_core::register!(
+    Registration::new::<CarRacing>("rapier/CarRacing-v3")
+        .kwargs(r#"{"physics": "rapier"}"#)
+        .max_episode_steps(1000)
+        .reward_threshold(900.0)
 );

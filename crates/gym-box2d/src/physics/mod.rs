@@ -27,7 +27,7 @@ mod world;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
 };
-pub use world::World;
+pub use world::{Physics, World};
 
 /// A point or a vector.
 pub type Vec2 = nalgebra::Vector2<f32>;

@@ -3,9 +3,23 @@
 use serde::{Deserialize, Serialize};
 
 use super::box2d::Box2d;
+#[cfg(feature = "rapier")]
+use super::box2d::rapier::Rapier;
 use super::{
     BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef, Vec2,
 };
+
+/// Which engine moves a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Physics {
+    /// Box2D 2.3, to the last bit.
+    #[default]
+    Box2d,
+    /// rapier2d, under the same rules of contact, joints and sleep.
+    #[cfg(feature = "rapier")]
+    Rapier,
+}
 
 /// A world of rigid bodies. Its whole state is plain data: a copy, or one that was stored and read
 /// again, continues identically.
@@ -20,6 +34,8 @@ pub struct World {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Engine {
     Box2d(Box<Box2d>),
+    #[cfg(feature = "rapier")]
+    Rapier(Box<Rapier>),
 }
 
 /// Passes a call on to the engine.
@@ -27,6 +43,8 @@ macro_rules! engine {
     ($world:expr, $engine:ident => $call:expr) => {
         match $world {
             Engine::Box2d($engine) => $call,
+            #[cfg(feature = "rapier")]
+            Engine::Rapier($engine) => $call,
         }
     };
 }
@@ -34,7 +52,17 @@ macro_rules! engine {
 impl World {
     /// An empty world of Box2D's engine.
     pub fn new(gravity: Vec2) -> Self {
-        Self { engine: Engine::Box2d(Box::new(Box2d::new(gravity))) }
+        Self::with(Physics::Box2d, gravity)
+    }
+
+    /// An empty world of this engine.
+    pub fn with(physics: Physics, gravity: Vec2) -> Self {
+        let engine = match physics {
+            Physics::Box2d => Engine::Box2d(Box::new(Box2d::new(gravity))),
+            #[cfg(feature = "rapier")]
+            Physics::Rapier => Engine::Rapier(Box::new(Rapier::new(gravity))),
+        };
+        Self { engine }
     }
 
     /// Adds a body.

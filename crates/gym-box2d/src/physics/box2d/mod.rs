@@ -15,6 +15,7 @@
 //! | `body`, `contact`, `joint` | what the world consists of | `Dynamics` |
 //! | `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
 //! | `step`, `continuous` | a step of the world | `b2World` |
+//! | `rapier` | the same world with rapier2d as its solver | |
 
 mod arena;
 mod body;
@@ -30,6 +31,8 @@ mod island;
 mod joint;
 mod manifold;
 mod math;
+#[cfg(feature = "rapier")]
+pub(super) mod rapier;
 mod settings;
 mod shape;
 mod step;

@@ -29,7 +29,7 @@ impl Box2d {
     }
 
     /// Updates the contacts of bodies that are awake and drops those whose boxes came apart.
-    fn update_contacts(&mut self) {
+    pub(super) fn update_contacts(&mut self) {
         for i in (0..self.contacts.len()).rev() {
             let contact = &self.contacts[i];
             let Contact { fixture_a, fixture_b, body_a, body_b, refilter, .. } = *contact;

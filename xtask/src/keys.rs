@@ -25,7 +25,9 @@ impl Keys {
     /// The keys of an environment that is known by name; otherwise the digits, for actions that are
     /// numbers.
     pub(crate) fn of(id: &str, space: &Space) -> Self {
-        let (name, _) = id.rsplit_once("-v").unwrap_or((id, ""));
+        // the same task has the same keys on another engine, `rapier/`
+        let name = id.rsplit('/').next().unwrap_or(id);
+        let (name, _) = name.rsplit_once("-v").unwrap_or((name, ""));
         let discrete = matches!(space, Space::Discrete(_));
         let (actions, idle) = match name {
             "CartPole" => (json!({"Left": 0, "Right": 1}), Idle::Repeat),

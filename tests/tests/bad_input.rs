@@ -145,3 +145,18 @@ fn damaged_snapshots() {
     says(env.restore(&other.snapshot().unwrap()), &["cannot restore", "other arguments"]);
     env.restore(&serde_json::from_str(&good).unwrap()).unwrap();
 }
+
+#[test]
+fn snapshots_of_other_arguments() {
+    for (id, name, value) in [
+        ("LunarLander-v3", "gravity", json!(-5.0)),
+        ("LunarLander-v3", "physics", json!("rapier")),
+        ("BipedalWalker-v3", "hardcore", json!(true)),
+        ("CarRacing-v3", "continuous", json!(false)),
+    ] {
+        let mut env = gym::make(id).unwrap();
+        let mut other = gym::builder(id).arg(name, value).build().unwrap();
+        other.reset(0).unwrap();
+        says(env.restore(&other.snapshot().unwrap()), &["cannot restore", "other arguments"]);
+    }
+}

@@ -437,7 +437,7 @@ impl Env for BipedalWalker {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
-        let rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut episode = Episode::new(self.config, rng);
         *observation = episode.step(&[0.0; 4]).0;
         self.episode = Some(episode);
@@ -455,11 +455,11 @@ impl Env for BipedalWalker {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&self.episode)
+        Snapshot::with_config(&self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.get()?;
+        let episode: Option<Episode> = snapshot.for_config("BipedalWalker", &self.config)?;
         if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
             return Err(Error::Snapshot("it is not a state of BipedalWalker".into()));
         }

@@ -1,7 +1,7 @@
 //! What the three environments share.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape};
-use gym_core::{Element, Error, Generator, Reset, Result, Space};
+use gym_core::{Element, Error, Space};
 
 use crate::physics::{FixtureId, Vec2, World};
 
@@ -23,15 +23,6 @@ pub(crate) fn points(points: &[[f64; 2]], f: impl Fn(f64) -> f64) -> Vec<Vec2> {
 /// numpy's `sign`: 0 for 0.
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
-}
-
-/// The generator of a reset: a new one of its seed, or the last episode's.
-pub(crate) fn generator(reset: &Reset, last: Option<&Generator>) -> Result<Generator> {
-    match (&reset.seed, last) {
-        (Some(seed), _) => Ok(Generator::new(seed)),
-        (None, Some(rng)) => Ok(rng.clone()),
-        (None, None) => Generator::from_os(),
-    }
 }
 
 /// The error of an action that is not in the action space, or not finite.

@@ -463,7 +463,7 @@ impl Env for LunarLander {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
-        let rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut episode = Episode::new(&self.config, rng);
         let idle =
             if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
@@ -487,11 +487,11 @@ impl Env for LunarLander {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&self.episode)
+        Snapshot::with_config(&self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.get()?;
+        let episode: Option<Episode> = snapshot.for_config("LunarLander", &self.config)?;
         if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
             return Err(Error::Snapshot("it is not a state of LunarLander".into()));
         }

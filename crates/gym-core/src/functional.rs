@@ -156,11 +156,7 @@ impl<D: Dynamics> Env for Stateful<D> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut D::Observation) -> Result<()> {
-        let mut rng = match (&reset.seed, &self.episode) {
-            (Some(seed), _) => Generator::new(seed),
-            (None, Some(episode)) => episode.rng.clone(),
-            (None, None) => Generator::from_os()?,
-        };
+        let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let state = self.dynamics.start(reset, &mut rng)?;
         *observation = self.dynamics.observe(&state);
         self.episode = Some(Episode { state, rng });
@@ -177,15 +173,11 @@ impl<D: Dynamics> Env for Stateful<D> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.dynamics.config(), &self.episode))
+        Snapshot::with_config(self.dynamics.config(), &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (config, episode): (D::Config, Option<Episode<D::State>>) = snapshot.get()?;
-        if config != *self.dynamics.config() {
-            let reason = format!("it was taken from a {} with other arguments", D::NAME);
-            return Err(Error::Snapshot(reason));
-        }
+        let episode: Option<Episode<D::State>> = snapshot.for_config(D::NAME, self.dynamics.config())?;
         if let Some(Episode { state, .. }) = &episode
             && !self.dynamics.is_valid(state)
         {

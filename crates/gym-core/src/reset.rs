@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
-use crate::{Error, Result, Seed};
+use crate::{Error, Generator, Result, Seed};
 
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
@@ -35,6 +35,19 @@ impl Reset {
     pub fn option(mut self, name: &str, value: impl Into<Json>) -> Self {
         self.options.insert(name.to_owned(), value.into());
         self
+    }
+
+    /// The generator of the episode: seeded afresh, or `last`, the one of the episode before, carried
+    /// on; the first time without a seed, one that the operating system seeds.
+    ///
+    /// # Errors
+    /// As [`Seed::from_os`].
+    pub fn generator(&self, last: Option<&Generator>) -> Result<Generator> {
+        match (&self.seed, last) {
+            (Some(seed), _) => Ok(Generator::new(seed)),
+            (None, Some(rng)) => Ok(rng.clone()),
+            (None, None) => Generator::from_os(),
+        }
     }
 
     /// The options as the environment's own type, whose fields not named keep their defaults.

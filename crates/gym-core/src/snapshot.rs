@@ -22,6 +22,32 @@ impl Snapshot {
         serde_json::to_value(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }
 
+    /// The snapshot of some state and of the arguments that its environment was built with.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn with_config<C: Serialize, T: Serialize>(config: &C, state: &T) -> Result<Self> {
+        Self::of(&(config, state))
+    }
+
+    /// The state of a snapshot made by [`with_config`](Self::with_config), for the environment
+    /// `env` built with `config`.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if this is the snapshot of something else, or of an environment with other
+    /// arguments.
+    pub fn for_config<C, T>(&self, env: &str, config: &C) -> Result<T>
+    where
+        C: DeserializeOwned + PartialEq,
+        T: DeserializeOwned,
+    {
+        let (taken_with, state): (C, T) = self.get()?;
+        if taken_with != *config {
+            return Err(Error::Snapshot(format!("it was taken from a {env} with other arguments")));
+        }
+        Ok(state)
+    }
+
     /// The state.
     ///
     /// # Errors

@@ -237,7 +237,7 @@ impl CarRacing {
     /// # Errors
     /// As [`Env::reset_into`].
     pub fn reset_state(&mut self, reset: &Reset) -> Result<()> {
-        let mut rng = common::generator(reset, self.episode.as_ref().map(|episode| &episode.rng))?;
+        let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut colors = Colors::DEFAULT;
         if self.config.domain_randomize {
             let Options { randomize } = reset.options("CarRacing")?;
@@ -434,11 +434,11 @@ impl Env for CarRacing {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&self.episode)
+        Snapshot::with_config(&self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.get()?;
+        let episode: Option<Episode> = snapshot.for_config("CarRacing", &self.config)?;
         if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
             return Err(Error::Snapshot("it is not a state of CarRacing".into()));
         }

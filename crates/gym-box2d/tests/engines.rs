@@ -1,0 +1,192 @@
+//! What a world promises, whichever engine moves it.
+
+use gym_box2d::physics::{
+    BodyDef, BodyId, Filter, FixtureDef, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
+};
+
+const ENGINES: &[Physics] = &[
+    Physics::Box2d,
+    #[cfg(feature = "rapier")]
+    Physics::Rapier,
+];
+
+fn v(x: f32, y: f32) -> Vec2 {
+    Vec2::new(x, y)
+}
+
+fn block(half_width: f32, half_height: f32) -> FixtureDef {
+    FixtureDef { density: 1.0, friction: 0.5, ..FixtureDef::new(Shape::Rect { half_width, half_height }) }
+}
+
+/// An empty world over a ground at height 0.
+fn over_ground(physics: Physics) -> World {
+    let mut world = World::with(physics, v(0.0, -10.0));
+    let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
+    world.create_fixture(ground, &FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0))));
+    world
+}
+
+/// Two blocks, hinged: a knee that a motor turns against its upper limit.
+fn knee(physics: Physics) -> (World, [BodyId; 2], JointId) {
+    let mut world = over_ground(physics);
+    let filter = Filter { category: 2, mask: 1 };
+    let [thigh, shin] = [2.0, 1.0].map(|y| {
+        let body = world.create_body(&BodyDef::dynamic(v(0.0, y), 0.0));
+        world.create_fixture(body, &FixtureDef { filter, ..block(0.1, 0.5) });
+        body
+    });
+    let joint = world.create_revolute_joint(&RevoluteJointDef {
+        body_a: thigh,
+        body_b: shin,
+        local_anchor_a: v(0.0, -0.5),
+        local_anchor_b: v(0.0, 0.5),
+        limits: Some((-0.6, 0.4)),
+        motor: true,
+        motor_speed: 2.0,
+        max_motor_torque: 40.0,
+        collide_connected: false,
+    });
+    (world, [thigh, shin], joint)
+}
+
+fn step(world: &mut World) {
+    world.step(0.02, 180, 60);
+}
+
+#[test]
+fn a_stack_comes_to_rest_and_sleeps() {
+    for &physics in ENGINES {
+        let mut world = over_ground(physics);
+        let stack = [0.6, 1.7].map(|y| {
+            let body = world.create_body(&BodyDef::dynamic(v(0.0, y), 0.0));
+            world.create_fixture(body, &block(0.5, 0.5));
+            body
+        });
+        let (mut begun, mut ended) = (0, 0);
+        for _ in 0..300 {
+            step(&mut world);
+            begun += world.contact_events().iter().filter(|event| event.begin).count();
+            ended += world.contact_events().iter().filter(|event| !event.begin).count();
+        }
+        assert_eq!(begun - ended, 2, "{physics:?}: the ground and the lower block, the blocks");
+        for (body, height) in stack.into_iter().zip([0.5, 1.5]) {
+            assert!(!world.is_awake(body), "{physics:?}");
+            assert!((world.position(body).y - height).abs() < 0.05, "{physics:?}: {}", world.position(body));
+        }
+        world.apply_linear_impulse(stack[1], v(3.0, 0.0), v(0.0, 1.5));
+        step(&mut world);
+        assert!(stack.iter().all(|body| world.is_awake(*body)), "{physics:?}: a kick wakes what it touches");
+    }
+}
+
+#[test]
+fn a_free_fall_is_semi_implicit_euler() {
+    for &physics in ENGINES {
+        let mut world = World::with(physics, v(0.0, -10.0));
+        let body = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.0));
+        world.create_fixture(body, &block(0.5, 0.5));
+        for _ in 0..50 {
+            step(&mut world);
+        }
+        // h g (1 + 2 + ... + 50) h
+        assert!((world.position(body).y + 10.0 * 0.02 * 0.02 * 1275.0).abs() < 1e-4, "{physics:?}");
+        assert!((world.linear_velocity(body).y + 10.0).abs() < 1e-4, "{physics:?}");
+    }
+}
+
+#[test]
+fn a_motor_turns_a_knee_to_its_limit() {
+    for &physics in ENGINES {
+        let (mut world, [thigh, shin], joint) = knee(physics);
+        let mut fastest: f32 = 0.0;
+        for _ in 0..60 {
+            step(&mut world);
+            fastest = fastest.max(world.joint_speed(joint));
+        }
+        assert!((world.joint_angle(joint) - 0.4).abs() < 0.06, "{physics:?}: {}", world.joint_angle(joint));
+        assert!((1.0..2.5).contains(&fastest), "{physics:?}: {fastest}");
+        // the hinge holds
+        let end = |body: BodyId, y: f32| world.pose(body) * nalgebra::Point2::new(0.0, y);
+        assert!((end(thigh, -0.5) - end(shin, 0.5)).norm() < 0.02, "{physics:?}");
+
+        world.set_motor_speed(joint, -2.0);
+        for _ in 0..60 {
+            step(&mut world);
+        }
+        assert!((world.joint_angle(joint) + 0.6).abs() < 0.06, "{physics:?}: {}", world.joint_angle(joint));
+    }
+}
+
+#[test]
+fn a_stored_world_continues_to_the_last_bit() {
+    for &physics in ENGINES {
+        let (mut world, bodies, joint) = knee(physics);
+        for i in 0..120 {
+            world.set_motor_speed(joint, if i % 40 < 20 { 3.0 } else { -3.0 });
+            if i % 30 == 0 {
+                let text = serde_json::to_string(&world).unwrap();
+                let mut read: World = serde_json::from_str(&text).unwrap();
+                assert!(read.is_valid());
+                let mut copy = world.clone();
+                for _ in 0..30 {
+                    step(&mut read);
+                    step(&mut copy);
+                }
+                for body in bodies {
+                    assert_eq!(read.pose(body), copy.pose(body), "{physics:?}");
+                    assert_eq!(read.linear_velocity(body), copy.linear_velocity(body), "{physics:?}");
+                }
+            }
+            step(&mut world);
+        }
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    for &physics in ENGINES {
+        let run = move || {
+            let (mut world, bodies, _) = knee(physics);
+            for _ in 0..200 {
+                step(&mut world);
+            }
+            bodies.map(|body| world.pose(body))
+        };
+        let here = run();
+        let there: Vec<_> = (0..3).map(|_| std::thread::spawn(run)).collect();
+        for thread in there {
+            assert_eq!(thread.join().unwrap(), here, "{physics:?}");
+        }
+    }
+}
+
+#[test]
+fn fast_bodies_stop_at_a_wall() {
+    for &physics in ENGINES {
+        let mut world = World::with(physics, v(0.0, 0.0));
+        let wall = world.create_body(&BodyDef::fixed(v(5.0, 0.0), 0.0));
+        world.create_fixture(wall, &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))));
+        let bullet = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.3));
+        world.create_fixture(bullet, &block(0.1, 0.1));
+        world.apply_linear_impulse(bullet, v(90.0 * world.mass(bullet), 0.0), v(0.0, 0.0));
+        for _ in 0..10 {
+            step(&mut world);
+        }
+        assert!(world.position(bullet).x < 5.0, "{physics:?}: {}", world.position(bullet));
+    }
+}
+
+#[test]
+fn what_is_destroyed_is_gone() {
+    for &physics in ENGINES {
+        let (mut world, [thigh, shin], joint) = knee(physics);
+        step(&mut world);
+        world.destroy_body(thigh);
+        assert!(!world.has_body(thigh) && !world.has_joint(joint) && world.has_body(shin), "{physics:?}");
+        for _ in 0..200 {
+            step(&mut world);
+        }
+        assert!(world.is_valid());
+        assert!(world.position(shin).y < 0.6, "{physics:?}: it falls");
+    }
+}

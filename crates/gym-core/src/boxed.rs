@@ -2,7 +2,6 @@
 
 use std::any::Any;
 use std::fmt;
-use std::sync::Arc;
 
 use crate::canvas::Canvas;
 use crate::render::{Metadata, Rendered};
@@ -19,12 +18,7 @@ pub struct BoxEnv(Box<dyn Erased>);
 impl BoxEnv {
     /// Erases the type of an environment.
     pub fn new<E: Env>(env: E) -> Self {
-        Self(Box::new(Layer { env, spec: None }))
-    }
-
-    /// Erases the type of an environment that was made from a spec.
-    pub(crate) fn with_spec<E: Env>(env: E, spec: EnvSpec) -> Self {
-        Self(Box::new(Layer { env, spec: Some(Arc::new(spec)) }))
+        Self(Box::new(Layer(env)))
     }
 }
 
@@ -68,11 +62,9 @@ trait Erased: Send {
     fn close(&mut self);
 }
 
+/// An environment of its own type behind the trait object.
 #[derive(Clone)]
-struct Layer<E> {
-    env: E,
-    spec: Option<Arc<EnvSpec>>,
-}
+struct Layer<E>(E);
 
 impl<E: Env> Erased for Layer<E> {
     fn clone_box(&self) -> BoxEnv {
@@ -80,81 +72,31 @@ impl<E: Env> Erased for Layer<E> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        E::Observation::fill(observation, |observation| self.env.reset_into(reset, observation))
+        E::Observation::fill(observation, |observation| self.0.reset_into(reset, observation))
     }
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
-        let env = &mut self.env;
+        let env = &mut self.0;
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(observation, |observation| env.step_into(action, observation))
         });
         outcome.unwrap_or_else(|| {
             Err(Error::InvalidAction {
                 action: action.to_string(),
-                space: self.env.action_space().to_string(),
+                space: self.0.action_space().to_string(),
                 hint: String::new(),
             })
         })
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        self.spec.as_deref().cloned().or_else(|| self.env.spec())
-    }
-
     fn describe(&self) -> String {
-        match &self.spec {
-            Some(spec) => format!("{}<{}>", self.env.describe(), spec.id),
-            None => self.env.describe(),
-        }
+        self.0.describe()
     }
 
-    fn close(&mut self) {
-        self.env.close();
-    }
-
-    fn render(&mut self) -> Result<Rendered> {
-        self.env.render()
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.env.restore(snapshot)
-    }
-
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.env.info(visit);
-    }
-
-    fn draw(&self, canvas: &mut dyn Canvas) {
-        self.env.draw(canvas);
-    }
-
-    fn observation_space(&self) -> Space {
-        self.env.observation_space()
-    }
-
-    fn action_space(&self) -> Space {
-        self.env.action_space()
-    }
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        self.env.snapshot()
-    }
-
-    fn metadata(&self) -> Metadata {
-        self.env.metadata()
-    }
-
-    fn ansi(&self) -> Option<String> {
-        self.env.ansi()
-    }
-
-    fn base(&self) -> &dyn Any {
-        self.env.base()
-    }
-
-    fn generator(&mut self) -> Option<&mut Generator> {
-        self.env.generator()
-    }
+    crate::forward!(
+        0: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, spec,
+        base, generator, close
+    );
 }
 
 impl Env for BoxEnv {

@@ -5,7 +5,7 @@ use serde_json::Value as Json;
 
 use super::{EnvSpec, find, resolve};
 use crate::render::RenderMode;
-use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, RenderCollection, TimeLimit};
+use crate::wrappers::RenderCollection;
 use crate::{BoxEnv, Error, Kwargs, Result};
 
 /// Makes an environment with its default arguments and wrappers, as Gymnasium's `make`.
@@ -144,32 +144,11 @@ impl EnvBuilder {
     /// What is wrong with the id, an argument, or the render mode.
     pub fn build(self) -> Result<BoxEnv> {
         let spec = self.spec()?;
-        let EnvSpec { render_mode, render_size, max_episode_steps, .. } = spec;
-        let EnvSpec { disable_env_checker, order_enforce, .. } = spec;
-        // the wrappers add themselves to the spec again
-        let additional_wrappers = spec.additional_wrappers.clone();
-        let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec };
-        let mut env = find(&bare.id)?.construct(bare)?;
-        if let Some(mode) = render_mode {
-            let mut render = Render::new(env, mode.single())?;
-            if let Some((width, height)) = render_size {
-                render = render.with_size(width, height)?;
-            }
-            env = BoxEnv::new(render);
-        }
-        if !disable_env_checker {
-            env = BoxEnv::new(PassiveEnvChecker::new(env));
-        }
-        if order_enforce {
-            env = BoxEnv::new(OrderEnforcing::new(env));
-        }
-        if let Some(steps) = max_episode_steps {
-            env = BoxEnv::new(TimeLimit::new(env, steps)?);
-        }
-        for wrapper in &additional_wrappers {
+        let mut env = find(&spec.id)?.construct(&spec)?;
+        for wrapper in &spec.additional_wrappers {
             env = wrapper.wrap(env)?;
         }
-        if render_mode.is_some_and(RenderMode::is_list) {
+        if spec.render_mode.is_some_and(RenderMode::is_list) {
             env = BoxEnv::new(RenderCollection::new(env));
         }
         Ok(env)

@@ -8,6 +8,7 @@ mod builder;
 mod id;
 mod registration;
 mod spec;
+mod stack;
 mod wrappers;
 
 use std::collections::BTreeMap;

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
+use super::stack::stack;
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -49,7 +50,7 @@ pub struct Registration {
     without_arguments: bool,
     exceptions: &'static [(&'static str, &'static str)],
     defaults: fn() -> Json,
-    construct: fn(EnvSpec) -> Result<BoxEnv>,
+    construct: fn(&EnvSpec) -> Result<BoxEnv>,
 }
 
 impl Registration {
@@ -174,8 +175,8 @@ impl Registration {
         }
     }
 
-    /// The bare environment of a spec, without wrappers.
-    pub(super) fn construct(&self, spec: EnvSpec) -> Result<BoxEnv> {
+    /// The environment of a spec in the stack of `make`, without its additional wrappers.
+    pub(super) fn construct(&self, spec: &EnvSpec) -> Result<BoxEnv> {
         if self.without_arguments && !spec.kwargs.is_empty() {
             return Err(Error::argument(format!("`{}`", spec.id), "this version takes no arguments"));
         }
@@ -195,10 +196,10 @@ fn defaults<E: Configure>() -> Json {
     serde_json::to_value(E::Config::default()).unwrap_or_default()
 }
 
-fn construct<E: Configure>(spec: EnvSpec) -> Result<BoxEnv> {
+fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
     let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
     let config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
-    Ok(BoxEnv::with_spec(E::configure(config)?, spec))
+    stack(E::configure(config)?, spec)
 }
 
 /// Registers an environment when its crate is linked.

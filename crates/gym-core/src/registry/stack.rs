@@ -1,0 +1,80 @@
+//! The wrappers that `make` puts around every environment.
+
+use std::sync::Arc;
+
+use super::EnvSpec;
+use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
+use crate::{BoxEnv, Env, Outcome, Reset, Result};
+
+/// The environment of a spec in its stack, from the inside: `Render` if there is a render mode,
+/// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
+pub(super) fn stack<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
+    // the wrappers add themselves to the spec again
+    let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec.clone() };
+    let env = Registered { env, spec: Arc::new(bare) };
+    let Some(mode) = spec.render_mode else { return guarded(env, spec) };
+    let mut render = Render::new(env, mode.single())?;
+    if let Some((width, height)) = spec.render_size {
+        render = render.with_size(width, height)?;
+    }
+    // drawing outweighs what another type for each environment would save
+    guarded(BoxEnv::new(render), spec)
+}
+
+/// An environment in the rest of its stack. The usual one is a single type, which is erased once, so
+/// that a step converts its action and its observation once and not in each wrapper.
+fn guarded<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
+    let EnvSpec { disable_env_checker, order_enforce, max_episode_steps, .. } = *spec;
+    if !disable_env_checker && order_enforce {
+        return limited(OrderEnforcing::new(PassiveEnvChecker::new(env)), max_episode_steps);
+    }
+    let mut env = BoxEnv::new(env);
+    if !disable_env_checker {
+        env = BoxEnv::new(PassiveEnvChecker::new(env));
+    }
+    if order_enforce {
+        env = BoxEnv::new(OrderEnforcing::new(env));
+    }
+    limited(env, max_episode_steps)
+}
+
+fn limited<E: Env>(env: E, max_episode_steps: Option<u32>) -> Result<BoxEnv> {
+    Ok(match max_episode_steps {
+        Some(steps) => BoxEnv::new(TimeLimit::new(env, steps)?),
+        None => BoxEnv::new(env),
+    })
+}
+
+/// An environment that knows how it was made.
+#[derive(Clone)]
+struct Registered<E> {
+    env: E,
+    spec: Arc<EnvSpec>,
+}
+
+impl<E: Env> Env for Registered<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    #[inline]
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        self.env.step_into(action, observation)
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        Some(EnvSpec::clone(&self.spec))
+    }
+
+    fn describe(&self) -> String {
+        format!("{}<{}>", self.env.describe(), self.spec.id)
+    }
+
+    crate::forward!(
+        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
+        generator, close
+    );
+}

@@ -160,3 +160,34 @@ fn snapshots_of_other_arguments() {
         says(env.restore(&other.snapshot().unwrap()), &["cannot restore", "other arguments"]);
     }
 }
+
+/// Sizes from outside that no memory holds are refused before it is asked for.
+#[test]
+fn sizes_beyond_any_memory() {
+    use gym::spaces::TextSpace;
+    let space = |json: serde_json::Value| serde_json::from_value::<gym::Space>(json);
+    for shape in [json!([i64::MAX]), json!([1u64 << 40, 2]), json!([usize::MAX, 2])] {
+        for low in [json!(0), json!([0])] {
+            let described = json!({"type": "Box", "low": low, "high": 1, "shape": shape, "dtype": "float32"});
+            assert!(space(described).unwrap_err().to_string().contains("too many elements"), "{shape}");
+        }
+        assert!(space(json!({"type": "MultiBinary", "shape": shape})).is_err(), "{shape}");
+    }
+    says(TextSpace::new(0, 1 << 40), &["too long"]);
+    let huge = gym::Space::discrete(i64::MAX);
+    says(huge.flatten(&Value::Int(3)), &["too large to flatten"]);
+    says(huge.flatten_space(), &["too large to flatten"]);
+    let wrap = |id: &str, name: &str, kwargs: serde_json::Value| {
+        let kwargs = kwargs.as_object().cloned().unwrap();
+        gym::WrapperSpec { name: name.into(), kwargs }.wrap(gym::make(id).unwrap())
+    };
+    let most = json!(u64::MAX);
+    says(wrap("Acrobot-v1", "DelayObservation", json!({"delay": most})), &["do not fit in memory"]);
+    says(wrap("Acrobot-v1", "FrameStackObservation", json!({"stack_size": most})), &["too many elements"]);
+    says(wrap("Blackjack-v1", "FrameStackObservation", json!({"stack_size": most})), &["too many elements"]);
+    says(
+        wrap("Taxi-v4", "RecordEpisodeStatistics", json!({"buffer_length": most})),
+        &["do not fit in memory"],
+    );
+    says(wrap("Acrobot-v1", "DiscretizeObservation", json!({"bins": u32::MAX})), &["at most"]);
+}

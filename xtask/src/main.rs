@@ -5,11 +5,14 @@ mod demo;
 mod gif;
 mod keys;
 mod list;
+mod new;
 mod pictures;
 mod play;
+mod plugin;
 mod policy;
 mod replay;
 mod run;
+mod soak;
 
 use std::process::ExitCode;
 
@@ -40,6 +43,10 @@ enum Command {
     Pictures(pictures::Arguments),
     /// Checks that environments keep the rules.
     Conform(conform::Arguments),
+    /// Starts a crate with an environment of your own.
+    New(new::Arguments),
+    /// Steps through every environment for a long time, and watches the memory.
+    Soak(soak::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -53,6 +60,8 @@ fn main() -> ExitCode {
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Pictures(arguments) => pictures::pictures(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
+        Command::New(arguments) => new::new(&arguments),
+        Command::Soak(arguments) => soak::soak(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

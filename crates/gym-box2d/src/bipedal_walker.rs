@@ -594,24 +594,29 @@ impl Heuristic {
 }
 
 gym_core::register!(
-    Registration::new::<BipedalWalker>("BipedalWalker-v3").max_episode_steps(1600).reward_threshold(300.0)
+    Registration::new::<BipedalWalker>("BipedalWalker-v3")
+        .description("Walk on two legs over slightly uneven ground.")
+        .max_episode_steps(1600)
+        .reward_threshold(300.0)
 );
 gym_core::register!(
     Registration::new::<BipedalWalker>("BipedalWalkerHardcore-v3")
+        .description("Walk on two legs over ladders, stumps and pits.")
         .kwargs(r#"{"hardcore": true}"#)
         .max_episode_steps(2000)
         .reward_threshold(300.0)
 );
 
 #[cfg(feature = "rapier")]
-const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[(
-    "observation-in-space",
-    "on impact rapier's joints can turn faster than five times their rated speed",
-)];
+const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
+    ("observation-in-space", "on impact rapier's joints can turn faster than five times their rated speed"),
+    common::RAPIER_ALLOCATES,
+];
 
 #[cfg(feature = "rapier")]
 gym_core::register!(
     Registration::new::<BipedalWalker>("rapier/BipedalWalker-v3")
+        .description("Walk on two legs over slightly uneven ground.")
         .kwargs(r#"{"physics": "rapier"}"#)
         .exceptions(RAPIER_EXCEPTIONS)
         .max_episode_steps(1600)
@@ -620,6 +625,7 @@ gym_core::register!(
 #[cfg(feature = "rapier")]
 gym_core::register!(
     Registration::new::<BipedalWalker>("rapier/BipedalWalkerHardcore-v3")
+        .description("Walk on two legs over ladders, stumps and pits.")
         .kwargs(r#"{"hardcore": true, "physics": "rapier"}"#)
         .exceptions(RAPIER_EXCEPTIONS)
         .max_episode_steps(2000)

@@ -10,6 +10,10 @@ pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
 /// Sweeps over the positions in a step: 2 * 30.
 pub(crate) const POSITION_ITERATIONS: u32 = 60;
 
+/// An exception to the checks of `gym_core::conform`.
+#[cfg(feature = "rapier")]
+pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
+
 /// A vector of the world from numbers of the environment, rounded as they pass.
 pub(crate) fn vec2(x: f64, y: f64) -> Vec2 {
     Vec2::new(x as f32, y as f32)

@@ -585,6 +585,7 @@ const V2_EXCEPTIONS: &[(&str, &str)] =
 
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLander-v2")
+        .description("Land a craft softly between two flags.")
         .kwargs(r#"{"version": 2}"#)
         .exceptions(V2_EXCEPTIONS)
         .max_episode_steps(1000)
@@ -592,16 +593,21 @@ gym_core::register!(
 );
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLanderContinuous-v2")
+        .description("Land a craft softly between two flags, with engines that throttle.")
         .kwargs(r#"{"continuous": true, "version": 2}"#)
         .exceptions(V2_EXCEPTIONS)
         .max_episode_steps(1000)
         .reward_threshold(200.0)
 );
 gym_core::register!(
-    Registration::new::<LunarLander>("LunarLander-v3").max_episode_steps(1000).reward_threshold(200.0)
+    Registration::new::<LunarLander>("LunarLander-v3")
+        .description("Land a craft softly between two flags.")
+        .max_episode_steps(1000)
+        .reward_threshold(200.0)
 );
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLanderContinuous-v3")
+        .description("Land a craft softly between two flags, with engines that throttle.")
         .kwargs(r#"{"continuous": true}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)
@@ -610,6 +616,8 @@ gym_core::register!(
 #[cfg(feature = "rapier")]
 gym_core::register!(
     Registration::new::<LunarLander>("rapier/LunarLander-v3")
+        .description("Land a craft softly between two flags.")
+        .exceptions(&[common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)
@@ -617,6 +625,8 @@ gym_core::register!(
 #[cfg(feature = "rapier")]
 gym_core::register!(
     Registration::new::<LunarLander>("rapier/LunarLanderContinuous-v3")
+        .description("Land a craft softly between two flags, with engines that throttle.")
+        .exceptions(&[common::RAPIER_ALLOCATES])
         .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)

@@ -212,5 +212,8 @@ fn wrap(mut x: f64) -> f64 {
 }
 
 gym_core::register!(
-    Registration::new::<Acrobot>("Acrobot-v1").max_episode_steps(500).reward_threshold(-100.0)
+    Registration::new::<Acrobot>("Acrobot-v1")
+        .description("Swing a two-link arm above a line.")
+        .max_episode_steps(500)
+        .reward_threshold(-100.0)
 );

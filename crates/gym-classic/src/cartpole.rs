@@ -176,10 +176,16 @@ impl Dynamics for CartPoleDynamics {
 }
 
 gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v0").max_episode_steps(200).reward_threshold(195.0)
+    Registration::new::<CartPole>("CartPole-v0")
+        .description("Balance a pole on a cart.")
+        .max_episode_steps(200)
+        .reward_threshold(195.0)
 );
 gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
+    Registration::new::<CartPole>("CartPole-v1")
+        .description("Balance a pole on a cart.")
+        .max_episode_steps(500)
+        .reward_threshold(475.0)
 );
 
 #[cfg(test)]

@@ -171,5 +171,8 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
 }
 
 gym_core::register!(
-    Registration::new::<MountainCar>("MountainCar-v0").max_episode_steps(200).reward_threshold(-110.0)
+    Registration::new::<MountainCar>("MountainCar-v0")
+        .description("Drive an underpowered car out of a valley by rocking.")
+        .max_episode_steps(200)
+        .reward_threshold(-110.0)
 );

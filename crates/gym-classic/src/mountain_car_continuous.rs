@@ -131,6 +131,7 @@ impl Dynamics for MountainCarContinuousDynamics {
 
 gym_core::register!(
     Registration::new::<MountainCarContinuous>("MountainCarContinuous-v0")
+        .description("Drive an underpowered car out of a valley, with little effort.")
         .max_episode_steps(999)
         .reward_threshold(90.0)
 );

@@ -190,4 +190,8 @@ fn angle_normalize(x: f64) -> f64 {
     modulo(x + PI, 2.0 * PI) - PI
 }
 
-gym_core::register!(Registration::new::<Pendulum>("Pendulum-v1").max_episode_steps(200));
+gym_core::register!(
+    Registration::new::<Pendulum>("Pendulum-v1")
+        .description("Swing a pendulum up and hold it.")
+        .max_episode_steps(200)
+);

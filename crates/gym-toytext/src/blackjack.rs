@@ -391,7 +391,9 @@ fn blank(canvas: &mut dyn Canvas, corner: Point) {
 }
 
 gym_core::register!(
-    Registration::new::<Blackjack>("Blackjack-v1").kwargs(r#"{"sab": true, "natural": false}"#)
+    Registration::new::<Blackjack>("Blackjack-v1")
+        .description("Beat the dealer's hand without going above 21.")
+        .kwargs(r#"{"sab": true, "natural": false}"#)
 );
 
 #[cfg(test)]

@@ -249,10 +249,19 @@ fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
     }
 }
 
-gym_core::register!(Registration::new::<CliffWalking>("CliffWalking-v0").without_arguments());
-gym_core::register!(Registration::new::<CliffWalking>("CliffWalking-v1"));
 gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalkingSlippery-v1").kwargs(r#"{"is_slippery": true}"#)
+    Registration::new::<CliffWalking>("CliffWalking-v0")
+        .description("Walk along a cliff without falling off.")
+        .without_arguments()
+);
+gym_core::register!(
+    Registration::new::<CliffWalking>("CliffWalking-v1")
+        .description("Walk along a cliff without falling off.")
+);
+gym_core::register!(
+    Registration::new::<CliffWalking>("CliffWalkingSlippery-v1")
+        .description("Walk along a slippery cliff without falling off.")
+        .kwargs(r#"{"is_slippery": true}"#)
 );
 
 #[cfg(test)]

@@ -424,12 +424,14 @@ fn has_path(board: &[Vec<u8>]) -> bool {
 
 gym_core::register!(
     Registration::new::<FrozenLake>("FrozenLake-v1")
+        .description("Cross a frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
 );
 gym_core::register!(
     Registration::new::<FrozenLake>("FrozenLake8x8-v1")
+        .description("Cross a larger frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "8x8"}"#)
         .max_episode_steps(200)
         .reward_threshold(0.85)

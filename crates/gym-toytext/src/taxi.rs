@@ -406,9 +406,18 @@ fn finish(canvas: &mut dyn Canvas, foot: Point) {
 }
 
 gym_core::register!(
-    Registration::new::<Taxi>("Taxi-v3").without_arguments().max_episode_steps(200).reward_threshold(8.0)
+    Registration::new::<Taxi>("Taxi-v3")
+        .description("Pick up a passenger and drop them where they want to go.")
+        .without_arguments()
+        .max_episode_steps(200)
+        .reward_threshold(8.0)
 );
-gym_core::register!(Registration::new::<Taxi>("Taxi-v4").max_episode_steps(200).reward_threshold(8.0));
+gym_core::register!(
+    Registration::new::<Taxi>("Taxi-v4")
+        .description("Pick up a passenger and drop them where they want to go.")
+        .max_episode_steps(200)
+        .reward_threshold(8.0)
+);
 
 #[cfg(test)]
 mod tests {

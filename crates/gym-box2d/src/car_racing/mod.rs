@@ -482,19 +482,31 @@ impl Configure for CarRacing {
     }
 }
 
+/// Exceptions to the checks of `gym_core::conform`.
+const EXCEPTIONS: &[(&str, &str)] =
+    &[("no-allocation", "the observation is a picture, and the rasteriser allocates its paths")];
+
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v2")
+        .description("Drive around a track, from pictures.")
+        .exceptions(EXCEPTIONS)
         .kwargs(r#"{"version": 2}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
 );
 gym_core::register!(
-    Registration::new::<CarRacing>("CarRacing-v3").max_episode_steps(1000).reward_threshold(900.0)
+    Registration::new::<CarRacing>("CarRacing-v3")
+        .description("Drive around a track, from pictures.")
+        .exceptions(EXCEPTIONS)
+        .max_episode_steps(1000)
+        .reward_threshold(900.0)
 );
 
 #[cfg(feature = "rapier")]
 gym_core::register!(
     Registration::new::<CarRacing>("rapier/CarRacing-v3")
+        .description("Drive around a track, from pictures.")
+        .exceptions(EXCEPTIONS)
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)

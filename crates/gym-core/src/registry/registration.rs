@@ -43,6 +43,7 @@ impl<D: Dynamics> Configure for Stateful<D> {
 pub struct Registration {
     pub(super) id: Cow<'static, str>,
     pub(super) crate_name: &'static str,
+    description: &'static str,
     kwargs: &'static str,
     reward_threshold: Option<f64>,
     max_episode_steps: Option<u32>,
@@ -68,6 +69,7 @@ impl Registration {
         Self {
             id,
             crate_name: "",
+            description: "",
             kwargs: "{}",
             reward_threshold: None,
             max_episode_steps: None,
@@ -83,6 +85,13 @@ impl Registration {
     #[must_use]
     pub const fn from_crate(mut self, name: &'static str) -> Self {
         self.crate_name = name;
+        self
+    }
+
+    /// What the agent has to do, in a sentence, for lists of environments.
+    #[must_use]
+    pub const fn description(mut self, sentence: &'static str) -> Self {
+        self.description = sentence;
         self
     }
 
@@ -132,6 +141,16 @@ impl Registration {
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
+    }
+
+    /// What the agent has to do, in a sentence; empty where [`description`](Self::description) did not say.
+    pub fn about(&self) -> &'static str {
+        self.description
+    }
+
+    /// The checks of [`conform`](crate::conform) that this id may fail, each with the reason.
+    pub(crate) fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
+        self.exceptions
     }
 
     /// Why this id may fail a check of [`conform`](crate::conform), if it may.

@@ -9,11 +9,15 @@ use crate::{Data, Error, Result, Value};
 
 use super::fault::{Fault, expect_array};
 use super::number::{Number, can_cast, collect, into_data, with_numbers};
-use super::{BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, invalid, numpy_fmt};
+use super::{
+    BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid, numpy_fmt,
+};
 
 impl Space {
     /// The space of `n` elements as one value.
     pub(crate) fn batch(&self, n: usize) -> Result<Self> {
+        let shape = [&[n], self.shape().unwrap_or_default()].concat();
+        element_count(&shape).map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
         Ok(match self {
             Self::Box(_) | Self::Discrete(_) | Self::MultiDiscrete(_) | Self::MultiBinary(_) => {
                 batch_space(self, n)?

@@ -6,7 +6,9 @@ use crate::array::Array;
 use crate::{DType, Result};
 
 use super::number::{Number, collect, result_type};
-use super::{BoxSpace, DictSpace, GraphSpace, OneOfSpace, SequenceSpace, Space, TupleSpace, invalid};
+use super::{
+    BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace, invalid,
+};
 
 impl Space {
     /// Whether elements flatten to an array of one length: all but those of `Sequence`, `Graph` and
@@ -22,12 +24,13 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if the space
-    /// [does not flatten](Self::is_flattenable) to an array.
+    /// [does not flatten](Self::is_flattenable) to an array, or to one of more than 2^28 numbers.
     pub fn flatdim(&self) -> Result<usize> {
         if !self.is_flattenable() {
             return invalid(format!("{self} does not flatten to an array: its elements vary in length"));
         }
-        self.flat_len().map_or_else(|| invalid(format!("{self} is too large to flatten")), Ok)
+        let len = self.flat_len().filter(|len| *len <= MAX_ELEMENTS);
+        len.map_or_else(|| invalid(format!("{self} is too large to flatten")), Ok)
     }
 
     /// The space of the flat elements. It is a `Box` if the space is

@@ -280,10 +280,17 @@ pub(crate) fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) ->
     }
 }
 
+/// The most numbers that an element may have: some gigabytes. A description that asks for more is a
+/// mistake or an attack, and is refused before memory runs out.
+pub(crate) const MAX_ELEMENTS: usize = 1 << 28;
+
 /// How many elements a shape has.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {
     let count = shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
-    count.ok_or_else(|| Fault::new(format!("the shape {} has too many elements", numpy_fmt::shape(shape))))
+    count.filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {
+        let shape = numpy_fmt::shape(shape);
+        Fault::new(format!("the shape {shape} has too many elements: at most {MAX_ELEMENTS} are possible"))
+    })
 }
 
 /// `Tuple(Discrete(3), Discrete(2))`.

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::{Error, Generator, Result, Value};
 
 use super::fault::Fault;
-use super::invalid;
 use super::selection::Selection;
 use super::weight::Weight;
+use super::{MAX_ELEMENTS, invalid};
 
 /// The characters of a text space unless told otherwise, in the order that numbers them.
 const ALPHANUMERIC: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
@@ -37,15 +37,17 @@ impl TextSpace {
     /// Strings of digits and Latin letters. Gymnasium's default for `min_length` is 1.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if `min_length` is above `max_length`.
+    /// [`Error::InvalidSpace`] if `min_length` is above `max_length`, or that above 2^28.
     pub fn new(min_length: usize, max_length: usize) -> Result<Self> {
         if min_length > max_length {
             return invalid(format!(
                 "the lengths of a text run from {min_length} to {max_length}: make the first the smaller"
             ));
         }
-        if i64::try_from(max_length).is_err() {
-            return invalid(format!("a text of {max_length} characters is too long: stay below 2^63"));
+        if max_length > MAX_ELEMENTS {
+            return invalid(format!(
+                "a text of {max_length} characters is too long: at most {MAX_ELEMENTS} are possible"
+            ));
         }
         Ok(Self { min_length, max_length, charset: ALPHANUMERIC.chars().collect() })
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::spaces::{BoxSpace, Discrete, MultiDiscrete, array_of};
+use crate::spaces::{BoxSpace, Discrete, MAX_ELEMENTS, MultiDiscrete, array_of};
 use crate::{DType, Error, Result, Space, Value};
 
 /// How many bins each element of a `Box` is cut into.
@@ -50,6 +50,11 @@ impl Grid {
         }
         if counts.contains(&0) {
             return Err(Error::custom("bins is 0 for an element: it must be at least 1"));
+        }
+        if let Some(n) = counts.iter().find(|n| **n as usize > MAX_ELEMENTS) {
+            return Err(Error::custom(format!(
+                "bins is {n} for an element: at most {MAX_ELEMENTS} are possible"
+            )));
         }
         let bounds = inner.low().iter_f64().zip(inner.high().iter_f64());
         let edges = bounds.zip(&counts).map(|((low, high), n)| linspace(low, high, *n, inner.dtype()));

@@ -18,12 +18,19 @@ impl<E: Env> DelayObservation<E> {
     /// Delays the observations of `env` by `delay` steps.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the observation space has no zero.
+    /// [`Error::InvalidSpace`] if the observation space has no zero; [`Error::InvalidArgument`] for a delay
+    /// beyond the memory.
     pub fn new(env: E, delay: usize) -> Result<Self> {
         let zero = env.observation_space().zero()?;
         let zero = E::Observation::from_value(&zero)
             .ok_or_else(|| Error::Contract(format!("{zero} does not fit the type of the observations")))?;
-        Ok(Self { ring: vec![zero.clone(); delay], env, zero, oldest: 0 })
+        let mut ring = Vec::new();
+        if ring.try_reserve_exact(delay).is_err() {
+            let reason = format!("delay is {delay}: so many observations do not fit in memory");
+            return Err(Error::argument("DelayObservation", reason));
+        }
+        ring.resize(delay, zero.clone());
+        Ok(Self { ring, env, zero, oldest: 0 })
     }
 
     /// By how many steps observations are late.

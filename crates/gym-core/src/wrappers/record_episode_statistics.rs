@@ -51,7 +51,7 @@ impl<E: Env> RecordEpisodeStatistics<E> {
     /// Records the last `buffer_length` episodes instead.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a length of 0.
+    /// [`Error::InvalidArgument`] for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
         if buffer_length == 0 {
             return Err(Error::argument(
@@ -59,6 +59,7 @@ impl<E: Env> RecordEpisodeStatistics<E> {
                 "buffer_length is 0: it must be at least 1",
             ));
         }
+        reserve(&mut VecDeque::new(), buffer_length)?;
         Ok(Self { buffer_length, ..self })
     }
 
@@ -87,7 +88,7 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         let record = &mut self.record;
         (record.episode_return, record.length, record.just_ended) = (0.0, 0, false);
         // so that the step that ends an episode does not have to grow the buffer
-        record.episodes.reserve(self.buffer_length - record.episodes.len());
+        reserve(&mut record.episodes, self.buffer_length)?;
         self.started = Some(Instant::now());
         Ok(())
     }
@@ -148,4 +149,12 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
     crate::forward!(
         env: observation_space, action_space, metadata, draw, ansi, render, base, generator, close, describe
     );
+}
+
+/// Makes room for as many episodes in all.
+fn reserve(episodes: &mut VecDeque<EpisodeStatistics>, buffer_length: usize) -> Result<()> {
+    episodes.try_reserve(buffer_length.saturating_sub(episodes.len())).map_err(|_| {
+        let reason = format!("buffer_length is {buffer_length}: so many episodes do not fit in memory");
+        Error::argument("RecordEpisodeStatistics", reason)
+    })
 }

@@ -1,0 +1,37 @@
+//! Checks of `info`.
+
+use super::subject::{Subject, alike, carry_on};
+use super::{Verdict, broken};
+use crate::{BoxEnv, Env, Value};
+
+pub(super) fn consistent(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.make()?;
+    env.reset(0)?;
+    for step in 0..20 {
+        let entries = entries(&env);
+        let mut keys: Vec<_> = entries.iter().map(|(key, _)| key).collect();
+        keys.sort_unstable();
+        if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
+            return broken(format!("after step {step} info shows {:?} twice", twice[0]));
+        }
+        let again = self::entries(&env);
+        if !alike(&entries, &again) {
+            return broken(format!(
+                "asked twice after step {step}, info shows {entries:?} and then {again:?}"
+            ));
+        }
+        carry_on(&mut env, step, 1)?;
+    }
+    Ok(())
+}
+
+/// The entries, without wall-clock time.
+fn entries(env: &BoxEnv) -> Vec<(String, Value)> {
+    let mut entries = Vec::new();
+    env.info(&mut |key, value| {
+        if key != "episode" {
+            entries.push((key.to_owned(), value));
+        }
+    });
+    entries
+}

@@ -1,0 +1,161 @@
+//! What is checked, and how its episodes are played and compared.
+
+use super::{Trouble, Verdict, broken};
+use crate::{BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Step, Value, registry};
+
+/// Episodes are compared over this many steps, through several resets where they are short.
+pub(super) const STEPS: usize = 250;
+pub(super) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
+
+/// The environment under test.
+pub(super) struct Subject<'a> {
+    make: &'a dyn Fn() -> Result<BoxEnv>,
+    /// How it was made, and how it is registered, if it is.
+    pub(super) spec: Option<EnvSpec>,
+    pub(super) registration: Option<Registration>,
+}
+
+impl<'a> Subject<'a> {
+    pub(super) fn new(make: &'a dyn Fn() -> Result<BoxEnv>) -> Self {
+        // a panic shows again, and is told, when the first check makes an environment
+        let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
+        let spec = made.ok().flatten();
+        let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
+        Self { make, spec, registration }
+    }
+
+    /// What `make` makes of a spec, which may fail.
+    pub(super) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
+        let registration = registry::find(&spec.id).ok();
+        Self { make, spec: Some(spec), registration }
+    }
+
+    /// A fresh environment.
+    pub(super) fn make(&self) -> Result<BoxEnv> {
+        (self.make)()
+    }
+
+    /// A fresh environment without a time limit, if it can be told apart: what is in its snapshots is its own.
+    pub(super) fn unlimited(&self) -> Result<BoxEnv> {
+        match &self.spec {
+            Some(spec) if self.registration.is_some() => {
+                EnvSpec { max_episode_steps: None, ..spec.clone() }.make()
+            }
+            _ => self.make(),
+        }
+    }
+
+    /// A fresh environment, reset.
+    pub(super) fn reset(&self, seed: u64) -> Result<BoxEnv> {
+        let mut env = self.make()?;
+        env.reset(seed)?;
+        Ok(env)
+    }
+
+    /// A fresh environment some steps into an episode.
+    pub(super) fn midway(&self, seed: u64) -> Result<BoxEnv> {
+        let mut env = self.make()?;
+        roll_out(&mut env, seed, 5)?;
+        Ok(env)
+    }
+
+    /// Whether the same seed may give different episodes.
+    pub(super) fn is_nondeterministic(&self) -> bool {
+        self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
+    }
+}
+
+/// What an environment showed after one reset or step.
+#[derive(Debug, PartialEq)]
+pub(super) enum Shown {
+    Reset(Value, Info),
+    Step(Step<Value>, Info),
+}
+
+impl Shown {
+    pub(super) fn observation(&self) -> &Value {
+        match self {
+            Self::Reset(observation, _) | Self::Step(Step { observation, .. }, _) => observation,
+        }
+    }
+}
+
+/// Random actions for `steps` steps, with unseeded resets where an episode ends.
+pub(super) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<Shown>> {
+    let observation = env.reset(seed)?;
+    let mut shown = vec![Shown::Reset(observation, info(env))];
+    shown.extend(carry_on(env, seed, steps)?);
+    Ok(shown)
+}
+
+/// As [`roll_out`], from the current state.
+pub(super) fn carry_on(env: &mut BoxEnv, action_seed: u64, steps: usize) -> Result<Vec<Shown>> {
+    let mut actions = env.action_sampler(action_seed)?;
+    let mut shown = Vec::with_capacity(steps);
+    for _ in 0..steps {
+        let step = env.step(&actions.sample())?;
+        let done = step.done();
+        shown.push(Shown::Step(step, info(env)));
+        if done {
+            let observation = env.reset(())?;
+            shown.push(Shown::Reset(observation, info(env)));
+        }
+    }
+    Ok(shown)
+}
+
+/// The entries of `info` without wall-clock time.
+fn info(env: &BoxEnv) -> Info {
+    let mut info = env.info_map();
+    if let Some(Value::Dict(episode)) = info.get_mut("episode") {
+        episode.retain(|(key, _)| key != "t");
+    }
+    info
+}
+
+/// Calls `visit` with each event of an episode for each seed, and the place to name it by.
+pub(super) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &str) -> Verdict) -> Verdict {
+    let mut env = subject.make()?;
+    for seed in SEEDS {
+        for (i, shown) in roll_out(&mut env, seed, STEPS)?.iter().enumerate() {
+            visit(shown, &format!("seed {seed}, event {i}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Says where two histories part. NaN counts as equal to itself: it has a check of its own.
+pub(super) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
+    match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
+        None => Ok(()),
+        Some(i) => broken(format!("{what} differs at event {i}: {:?} and {:?}", a[i], b[i])),
+    }
+}
+
+pub(super) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
+    a == b || format!("{a:?}") == format!("{b:?}")
+}
+
+/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers that hold
+/// what `buffer` makes of the last observation.
+pub(super) fn roll_out_into(
+    env: &mut BoxEnv,
+    seed: u64,
+    mut buffer: impl FnMut(Value) -> Value,
+) -> std::result::Result<Vec<Value>, Trouble> {
+    let mut actions = env.action_sampler(seed)?;
+    let mut observation = buffer(Value::empty());
+    env.reset_into(&Reset::seed(seed), &mut observation)?;
+    let mut shown = vec![observation.clone()];
+    for _ in 0..STEPS {
+        observation = buffer(observation);
+        let outcome = env.step_into(&actions.sample(), &mut observation)?;
+        shown.push(observation.clone());
+        if outcome.done() {
+            observation = buffer(observation);
+            env.reset_into(&Reset::default(), &mut observation)?;
+            shown.push(observation.clone());
+        }
+    }
+    Ok(shown)
+}

@@ -1,0 +1,32 @@
+//! Fuzz targets: whatever text comes from outside gives an `Err` or works, and never panics.
+//!
+//! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features libfuzzer
+//! TARGET`), and under this crate's own runner, which needs a stable toolchain only
+//! (`cargo run --package gym-fuzz -- TARGET`).
+
+mod mutate;
+pub mod seeds;
+pub mod targets;
+
+pub use mutate::Mutator;
+
+/// A function that takes any input and must not panic, and inputs to start from.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name, as in `cargo fuzz run NAME`.
+    pub name: &'static str,
+    /// Tries an input.
+    pub run: fn(&[u8]),
+    /// Inputs that reach far.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+}
+
+/// Every target.
+pub const TARGETS: [Target; 6] = [
+    Target { name: "arguments", run: targets::arguments, seeds: seeds::arguments },
+    Target { name: "ids", run: targets::ids, seeds: seeds::ids },
+    Target { name: "snapshots", run: targets::snapshots, seeds: seeds::snapshots },
+    Target { name: "spaces", run: targets::spaces, seeds: seeds::spaces },
+    Target { name: "specs", run: targets::specs, seeds: seeds::specs },
+    Target { name: "traces", run: targets::traces, seeds: seeds::traces },
+];

@@ -1,0 +1,100 @@
+//! `cargo run --package gym-fuzz -- [TARGET...] [--seconds N]`
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use gym_fuzz::{Mutator, TARGETS, Target};
+
+#[derive(Parser)]
+#[command(
+    about = "Feeds mutated inputs to the fuzz targets; a target that panics leaves its input in fuzz/artifacts"
+)]
+struct Arguments {
+    /// The targets; all of them if none is named.
+    targets: Vec<String>,
+    /// How long each target runs.
+    #[arg(long, default_value_t = 10)]
+    seconds: u64,
+    /// Seeds the mutations.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Tries these files instead of mutations.
+    #[arg(long)]
+    input: Vec<PathBuf>,
+    /// Writes the inputs to start from to fuzz/corpus, for `cargo fuzz`, and ends.
+    #[arg(long)]
+    write_corpus: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let unknown = arguments.targets.iter().find(|name| TARGETS.iter().all(|target| target.name != **name));
+    if let Some(name) = unknown {
+        let known = TARGETS.map(|target| target.name).join(", ");
+        eprintln!("error: unknown target `{name}`: the targets are {known}");
+        return ExitCode::FAILURE;
+    }
+    let chosen = |target: &&Target| {
+        arguments.targets.is_empty() || arguments.targets.iter().any(|name| name == target.name)
+    };
+    match TARGETS.iter().filter(chosen).try_fold(0, |crashes, target| Ok(crashes + run(target, &arguments)?))
+    {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
+        Err::<usize, std::io::Error>(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The number of different crashes.
+fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
+    const SLOW: Duration = Duration::from_secs(5);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut inputs = (target.seeds)();
+    if arguments.write_corpus {
+        let corpus = folder.join("corpus").join(target.name);
+        fs::create_dir_all(&corpus)?;
+        return inputs
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, seed)| fs::write(corpus.join(i.to_string()), seed))
+            .map(|()| 0);
+    }
+    if !arguments.input.is_empty() {
+        inputs = arguments.input.iter().map(fs::read).collect::<Result<_, _>>()?;
+    }
+    let (mut mutator, mut crashes) = (Mutator::new(arguments.seed), BTreeSet::new());
+    let (start, mut tried) = (Instant::now(), 0u64);
+    let seeds = inputs.len();
+    loop {
+        let input = match inputs.get(tried as usize) {
+            Some(seed) => seed.clone(),
+            None if !arguments.input.is_empty() || start.elapsed().as_secs() >= arguments.seconds => break,
+            None => {
+                let (i, j) = (mutator.below(seeds), mutator.below(seeds));
+                mutator.mutate(&inputs[i], &inputs[j])
+            }
+        };
+        let begun = Instant::now();
+        let panicked = catch_unwind(AssertUnwindSafe(|| (target.run)(&input))).is_err();
+        let slow = begun.elapsed() > SLOW;
+        tried += 1;
+        if (panicked || slow) && crashes.insert(input.clone()) {
+            let artifacts = folder.join("artifacts").join(target.name);
+            fs::create_dir_all(&artifacts)?;
+            let kind = if panicked { "crash" } else { "slow" };
+            let path = artifacts.join(format!("{kind}-{}-{tried}", arguments.seed));
+            fs::write(&path, &input)?;
+            eprintln!("{}: {kind}", path.display());
+        }
+    }
+    println!("{}: {tried} inputs in {:.0?}, {} of them bad", target.name, start.elapsed(), crashes.len());
+    Ok(crashes.len())
+}

@@ -1,0 +1,148 @@
+//! Inputs made of other inputs.
+
+use gym::Generator;
+use serde_json::{Value as Json, json};
+
+/// Changes inputs at random, most of the time as JSON, so that they get past the parser.
+#[derive(Debug)]
+pub struct Mutator {
+    rng: Generator,
+}
+
+impl Mutator {
+    /// The same seed makes the same changes.
+    pub fn new(seed: u64) -> Self {
+        Self { rng: Generator::from(seed) }
+    }
+
+    /// A number below `n`, which is at least 1.
+    pub fn below(&mut self, n: usize) -> usize {
+        self.rng.integers(0, n.max(1) as i64) as usize
+    }
+
+    /// `input` with one to four changes; parts may come from `other`.
+    pub fn mutate(&mut self, input: &[u8], other: &[u8]) -> Vec<u8> {
+        const OF_BYTES: usize = 6; // one in six inputs
+        let changes = 1 + self.below(4);
+        let parsed = serde_json::from_slice::<Json>(input);
+        if self.below(OF_BYTES) > 0
+            && let Ok(mut json) = parsed
+        {
+            let other = serde_json::from_slice(other).unwrap_or(Json::Null);
+            for _ in 0..changes {
+                self.change(&mut json, &other);
+            }
+            return json.to_string().into_bytes();
+        }
+        let mut bytes = input.to_vec();
+        for _ in 0..changes {
+            self.change_bytes(&mut bytes, other);
+        }
+        bytes
+    }
+
+    /// Changes one node, each as likely as the other.
+    fn change(&mut self, json: &mut Json, other: &Json) {
+        let target = self.below(count(json));
+        let part = self.below(count(other));
+        let Some(node) = node_mut(json, &mut { target }) else { return };
+        match self.below(4) {
+            0 => *node = node_mut(&mut other.clone(), &mut { part }).cloned().unwrap_or(Json::Null),
+            1 => self.restructure(node),
+            _ => self.replace(node),
+        }
+    }
+
+    fn replace(&mut self, node: &mut Json) {
+        let near = node.as_f64().unwrap_or_default();
+        *node = match self.below(20) {
+            0 => Json::Null,
+            1 => json!(true),
+            2 => json!(""),
+            3 => json!([]),
+            4 => json!({}),
+            5 => json!(i64::MAX),
+            6 => json!(i64::MIN),
+            7 => json!(u64::MAX),
+            8 => json!(1e308),
+            9 => json!(-1e308),
+            10 => json!(5e-324),
+            11 => json!("inf"),
+            12 => json!(-1),
+            13 => json!(0),
+            14 => json!(near + 1.0),
+            15 => json!((near as i64).saturating_sub(1)),
+            16 => json!(near * 1000.0),
+            17 => json!(-near),
+            18 => json!(1u64 << self.below(64)),
+            _ => json!(self.rng.uniform(-2.0, 2.0)),
+        };
+    }
+
+    /// Adds, drops, repeats or swaps parts.
+    fn restructure(&mut self, node: &mut Json) {
+        match node {
+            Json::Array(items) => {
+                let (i, j) = (self.below(items.len()), self.below(items.len()));
+                match self.below(3) {
+                    _ if items.is_empty() => items.push(json!(0)),
+                    0 => drop(items.remove(i)),
+                    1 => items.insert(i, items[j].clone()),
+                    _ => items.swap(i, j),
+                }
+            }
+            Json::Object(map) => {
+                let Some(key) = map.keys().nth(self.below(map.len())).cloned() else { return };
+                match self.below(3) {
+                    0 => drop(map.remove(&key)),
+                    1 => drop(map.insert(format!("{key}x"), json!(1))),
+                    _ => {
+                        let other = map.keys().nth(self.below(map.len())).cloned().unwrap_or_default();
+                        let value = map[&other].clone();
+                        map.insert(key, value);
+                    }
+                }
+            }
+            Json::String(text) => {
+                let mut bytes = std::mem::take(text).into_bytes();
+                self.change_bytes(&mut bytes, b"aG\xc3\xa9");
+                *text = String::from_utf8_lossy(&bytes).into_owned();
+            }
+            _ => self.replace(node),
+        }
+    }
+
+    fn change_bytes(&mut self, bytes: &mut Vec<u8>, other: &[u8]) {
+        let (i, j) = (self.below(bytes.len()), self.below(other.len()));
+        match self.below(5) {
+            _ if bytes.is_empty() => bytes.extend(other),
+            0 => drop(bytes.remove(i)),
+            1 => bytes.insert(i, self.below(256) as u8),
+            2 => bytes[i] ^= 1 << self.below(8),
+            3 => bytes.truncate(i),
+            _ => bytes.splice(i.., other.get(j..).unwrap_or_default().iter().copied()).for_each(drop),
+        }
+    }
+}
+
+/// How many nodes a document has.
+fn count(json: &Json) -> usize {
+    1 + match json {
+        Json::Array(items) => items.iter().map(count).sum(),
+        Json::Object(map) => map.values().map(count).sum(),
+        _ => 0,
+    }
+}
+
+/// The node of an index in the order of reading.
+fn node_mut<'a>(json: &'a mut Json, index: &mut usize) -> Option<&'a mut Json> {
+    if *index == 0 {
+        return Some(json);
+    }
+    *index -= 1;
+    match json {
+        Json::Array(items) => items.iter_mut().find_map(|item| node_mut(item, index)),
+        Json::Object(map) => map.values_mut().find_map(|value| node_mut(value, index)),
+        _ => None,
+    }
+}

@@ -1,0 +1,127 @@
+//! Inputs to start from: what the library itself writes.
+
+use gym::trace::{Event, Trace};
+use gym::{Env, Reset, registry};
+use serde_json::{Value as Json, json};
+
+/// The registered ids, and some that are none.
+pub fn ids() -> Vec<Vec<u8>> {
+    let known = registry::all().into_iter().map(|registration| registration.id().as_bytes().to_vec());
+    let other = ["CartPole", "a/b/C-v0", "x y-v1", "-v1", "A-v4294967296", "CartPole-v01", "å/ß.é-v1"];
+    known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
+}
+
+/// Every id with its default arguments spelt out.
+pub fn arguments() -> Vec<Vec<u8>> {
+    let requests = registry::all().into_iter().map(|registration| {
+        let mut kwargs = registration.default_kwargs();
+        if let Ok(spec) = registration.spec() {
+            kwargs.extend(spec.kwargs);
+        }
+        json!({"id": registration.id(), "kwargs": kwargs, "options": {"low": -0.1, "high": 0.1, "x_init": 0.5}})
+    });
+    requests.map(|request| request.to_string().into_bytes()).collect()
+}
+
+/// A snapshot of every environment, some steps into an episode.
+pub fn snapshots() -> Vec<Vec<u8>> {
+    let mut seeds = Vec::new();
+    for registration in registry::all() {
+        let id = registration.id();
+        let taken = gym::make(id).and_then(|mut env| {
+            env.reset(0)?;
+            let mut actions = env.action_sampler(0)?;
+            for _ in 0..5 {
+                env.step(&actions.sample())?;
+            }
+            env.snapshot()
+        });
+        if let Ok(snapshot) = taken {
+            seeds.push(json!({"id": id, "snapshot": snapshot}).to_string().into_bytes());
+        }
+    }
+    seeds
+}
+
+/// A trace of every environment.
+pub fn traces() -> Vec<Vec<u8>> {
+    let traces = registry::all().into_iter().filter_map(|registration| {
+        let env = gym::make(registration.id()).ok()?;
+        let space = env.action_space();
+        let mut actions = space.sampler(0);
+        let reset = Event { reset: Some((&Reset::seed(7)).into()), ..Event::default() };
+        let step = |_| Some(Event { step: Some(space.to_json(&actions.sample()).ok()?), ..Event::default() });
+        let events = std::iter::once(Some(reset)).chain((0..3).map(step)).collect::<Option<_>>()?;
+        let trace =
+            Trace { id: registration.id().into(), kwargs: Default::default(), wrappers: vec![], events };
+        serde_json::to_vec(&trace).ok()
+    });
+    traces.collect()
+}
+
+/// Spaces of every kind, with an element.
+pub fn spaces() -> Vec<Vec<u8>> {
+    let of_envs = registry::all().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
+    let mut all: Vec<Json> =
+        of_envs.flat_map(|env| [json!(env.observation_space()), json!(env.action_space())]).collect();
+    // pictures say nothing that a smaller one does not
+    all.retain(|space| space["shape"].as_array().is_none_or(|shape| shape.len() < 3));
+    let leaf =
+        json!({"type": "Box", "low": [-1.0, "-inf"], "high": [1.0, "inf"], "shape": [2], "dtype": "float64"});
+    let discrete = json!({"type": "Discrete", "n": 3, "start": -1, "dtype": "int64"});
+    let pair = json!({"type": "Tuple", "spaces": [leaf, discrete]});
+    all.extend([
+        json!({"type": "MultiDiscrete", "nvec": [2, 3], "start": [0, 1], "dtype": "int64"}),
+        json!({"type": "MultiBinary", "shape": [2, 2]}),
+        json!({"type": "Text", "min_length": 1, "max_length": 5, "charset": "abc"}),
+        json!({"type": "Dict", "spaces": [["a", leaf], ["b", pair]]}),
+        json!({"type": "Sequence", "feature_space": discrete, "stack": false}),
+        json!({"type": "Graph", "node_space": leaf, "edge_space": discrete}),
+        json!({"type": "OneOf", "spaces": [leaf, pair]}),
+        leaf,
+        discrete,
+        pair,
+    ]);
+    let mut seeds = Vec::new();
+    for description in all {
+        // whatever their stored form really is
+        let space = serde_json::from_value::<gym::Space>(description.clone());
+        let value = space.as_ref().ok().and_then(|space| space.to_json(&space.sampler(1).sample()).ok());
+        seeds.push(json!({"space": description, "value": value}).to_string().into_bytes());
+    }
+    seeds
+}
+
+/// The spec of every environment, in wrappers.
+pub fn specs() -> Vec<Vec<u8>> {
+    let stacks = [
+        json!([]),
+        json!([{"name": "TimeLimit", "kwargs": {"max_episode_steps": 7}}, {"name": "Autoreset", "kwargs": {}}]),
+        json!([{"name": "FrameStackObservation", "kwargs": {"stack_size": 3, "padding_type": "zero"}}]),
+        json!([{"name": "FlattenObservation"}, {"name": "DelayObservation", "kwargs": {"delay": 2}}]),
+        json!([{"name": "NormalizeObservation", "kwargs": {"epsilon": 1e-8}}, {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}}]),
+        json!([{"name": "RescaleAction", "kwargs": {"min_action": -0.5, "max_action": 0.5}}, {"name": "ClipAction"}]),
+        json!([{"name": "StickyAction", "kwargs": {"repeat_action_probability": 0.5, "repeat_action_duration": [1, 3]}}]),
+        json!([{"name": "ResizeObservation", "kwargs": {"shape": [7, 5]}}, {"name": "GrayscaleObservation", "kwargs": {"keep_dim": true}}]),
+        json!([{"name": "DiscretizeObservation", "kwargs": {"bins": 5, "multidiscrete": true}}]),
+        json!([{"name": "TimeAwareObservation", "kwargs": {"flatten": false, "normalize_time": true}}]),
+        json!([{"name": "RepeatAction", "kwargs": {"num_repeats": 3}}, {"name": "ClipReward", "kwargs": {"min_reward": -1, "max_reward": "inf"}}]),
+        json!([{"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": 5}}, {"name": "MaxAndSkipObservation", "kwargs": {"skip": 2}}]),
+        json!([{"name": "DiscretizeAction", "kwargs": {"bins": [3, 2]}}, {"name": "DtypeObservation", "kwargs": {"dtype": "uint8"}}]),
+        json!([{"name": "RescaleObservation", "kwargs": {"min_obs": [0, 0, 0], "max_obs": 1}}, {"name": "ReshapeObservation", "kwargs": {"shape": [3, 1]}}]),
+        json!([{"name": "AddWhiteNoise", "kwargs": {"probability_of_noise_per_pixel": 0.5, "is_noise_grayscale": true}}]),
+        json!([{"name": "AddRenderObservation", "kwargs": {"render_only": false}}, {"name": "FilterObservation", "kwargs": {"filter_keys": ["pixels"]}}]),
+    ];
+    let mut seeds = Vec::new();
+    for (i, stack) in stacks.iter().enumerate() {
+        for registration in registry::all().iter().skip(i % 3).step_by(3) {
+            let Ok(spec) = registration.spec() else { continue };
+            let mut json = json!(spec);
+            json["additional_wrappers"] = stack.clone();
+            json["render_mode"] = if i >= 14 { json!("rgb_array") } else { Json::Null };
+            json["render_size"] = if i >= 14 { json!([24, 16]) } else { Json::Null };
+            seeds.push(json.to_string().into_bytes());
+        }
+    }
+    seeds
+}

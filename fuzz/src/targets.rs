@@ -1,0 +1,229 @@
+//! What is done with an input. An assertion that fails here is a defect, as a panic is.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+use gym::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+use gym::registry::{self, EnvId};
+use gym::trace::Trace;
+use gym::{BoxEnv, Env, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
+use serde_json::Value as Json;
+
+/// Steps of an environment that came into being.
+const STEPS: usize = 12;
+
+/// Larger requests are honest ones to fill the memory or the day, and are not tried; those beyond any
+/// memory are, as they must be refused.
+const REASONABLE: f64 = 1e4;
+const BEYOND_ANY_MEMORY: f64 = 1e15;
+
+/// An id as text.
+pub fn ids(input: &[u8]) {
+    let Ok(text) = std::str::from_utf8(input) else { return };
+    if let Ok(id) = text.parse::<EnvId>() {
+        assert_eq!(id.to_string().parse::<EnvId>().ok(), Some(id), "what an id prints as is not that id");
+    }
+    match registry::resolve(text) {
+        Ok((registration, _)) => assert!(registry::find(registration.id()).is_ok()),
+        Err(error) => explains(&error),
+    }
+    if let Err(error) = gym::make(text) {
+        explains(&error);
+    }
+}
+
+/// `{"id": ..., "kwargs": {...}, "options": {...}}`
+pub fn arguments(input: &[u8]) {
+    let Some(request) = object(input) else { return };
+    let Some(id) = request.get("id").and_then(Json::as_str) else { return };
+    let part = |name: &str| request.get(name).and_then(Json::as_object).cloned().unwrap_or_default();
+    let (kwargs, options): (Kwargs, Kwargs) = (part("kwargs"), part("options"));
+    match gym::builder(id).args(kwargs).build() {
+        Ok(mut env) => {
+            let _ = env.reset(Reset { seed: Some(0.into()), options });
+            play(&mut env);
+        }
+        Err(error) => explains(&error),
+    }
+}
+
+/// `{"id": ..., "snapshot": ...}`
+pub fn snapshots(input: &[u8]) {
+    thread_local! {
+        static ENVS: RefCell<BTreeMap<String, BoxEnv>> = const { RefCell::new(BTreeMap::new()) };
+    }
+    let Some(request) = object(input) else { return };
+    let (Some(id), Some(state)) = (request.get("id").and_then(Json::as_str), request.get("snapshot")) else {
+        return;
+    };
+    let Ok(snapshot) = serde_json::from_value::<Snapshot>(state.clone()) else { return };
+    let env = ENVS.with_borrow_mut(|envs| {
+        if !envs.contains_key(id) {
+            let mut env = gym::make(id).ok()?;
+            env.reset(0).ok()?;
+            envs.insert(id.to_owned(), env);
+        }
+        envs.get(id).cloned()
+    });
+    let Some(mut env) = env else { return };
+    let before = env.snapshot().expect("a snapshot of a fresh episode");
+    match env.restore(&snapshot) {
+        Ok(()) => {
+            look(&env);
+            steps(&mut env);
+        }
+        Err(error) => {
+            explains(&error);
+            assert_eq!(env.snapshot().ok(), Some(before), "a refused snapshot changes the environment");
+        }
+    }
+}
+
+/// A trace as JSON.
+pub fn traces(input: &[u8]) {
+    let Ok(mut trace) = serde_json::from_slice::<Trace>(input) else { return };
+    if !trace.wrappers.iter().all(|wrapper| wrapper.kwargs.values().all(is_reasonable)) {
+        return;
+    }
+    trace.events.truncate(STEPS);
+    match trace.replay(|_| None) {
+        Ok(answers) => {
+            let again = trace.replay(|_| None).expect("what works once works twice");
+            // an unseeded reset may differ
+            let seeded = trace.events.first().and_then(|event| event.reset.as_ref()).is_some();
+            if seeded {
+                let _ = answers.first_difference(&again);
+            }
+        }
+        Err(error) => explains(&error),
+    }
+}
+
+/// `{"space": ..., "value": ...}`
+pub fn spaces(input: &[u8]) {
+    let Some(request) = object(input) else { return };
+    let Some(description) = request.get("space") else { return };
+    if !is_reasonable(description) {
+        return;
+    }
+    let Ok(space) = serde_json::from_value::<Space>(description.clone()) else { return };
+    let stored = serde_json::to_value(&space).expect("a space has a stored form");
+    let read: Space = serde_json::from_value(stored).expect("a stored space is read");
+    assert_eq!(read, space, "a stored space is another one");
+    let _ = space.to_string();
+    let is_array = space.is_flattenable();
+    let mut sampler = space.sampler(0);
+    for _ in 0..3 {
+        let value = sampler.sample();
+        space.check(&value).expect("a sample is an element");
+        let json = space.to_json(&value).expect("an element has a JSON form");
+        assert_eq!(space.from_json(&json).expect("and back"), value);
+        if let Ok(flat) = space.flatten(&value) {
+            space.flatten_space().expect("its flat space").check(&flat).expect("flat elements lie in it");
+            assert_eq!(space.unflatten(&flat).expect("and back"), value, "{space}");
+            let _ = space.unflatten(&Value::Null);
+        } else {
+            assert!(!is_array || space.flatten_space().is_err(), "an element does not flatten");
+        }
+    }
+    if let Some(json) = request.get("value")
+        && let Ok(value) = space.from_json(json)
+    {
+        let _ = space.check(&value);
+        let _ = space.flatten(&value);
+        let _ = space.unflatten(&value);
+    }
+}
+
+/// A spec as JSON.
+pub fn specs(input: &[u8]) {
+    let Ok(spec) = serde_json::from_slice::<EnvSpec>(input) else { return };
+    let text = serde_json::to_string(&spec).expect("a spec has a stored form");
+    assert_eq!(
+        serde_json::from_str::<EnvSpec>(&text).ok().as_ref(),
+        Some(&spec),
+        "a stored spec is another one"
+    );
+    let size = spec.render_size.is_none_or(|(width, height)| f64::from(width) * f64::from(height) < 1e6);
+    let wrappers = &spec.additional_wrappers;
+    if !size
+        || wrappers.len() > 4
+        || !wrappers.iter().all(|wrapper| wrapper.kwargs.values().all(is_reasonable))
+    {
+        return;
+    }
+    match spec.make() {
+        Ok(mut env) => {
+            assert!(env.spec().is_some(), "what is made from a spec has one");
+            let _ = env.reset(0);
+            play(&mut env);
+            let _ = env.render();
+        }
+        Err(error) => explains(&error),
+    }
+}
+
+/// What a caller does with an environment.
+fn play(env: &mut BoxEnv) {
+    look(env);
+    steps(env);
+    let Ok(snapshot) = env.snapshot() else { return };
+    let text = serde_json::to_string(&snapshot).expect("a snapshot has a stored form");
+    let read = serde_json::from_str(&text).expect("a stored snapshot is read");
+    env.restore(&read).expect("an environment takes its own snapshot back");
+    env.close();
+    let _ = env.step(&Value::Null);
+}
+
+fn steps(env: &mut BoxEnv) {
+    let Ok(mut actions) = env.action_sampler(1) else { return };
+    for _ in 0..STEPS {
+        match env.step(&actions.sample()) {
+            Ok(step) if step.done() => drop(env.reset(())),
+            Ok(_) => (),
+            Err(error) => explains(&error),
+        }
+    }
+    look(env);
+}
+
+fn look(env: &BoxEnv) {
+    let _ = (env.observation_space(), env.action_space(), env.info_map(), env.ansi(), env.describe());
+    env.draw(&mut Blank);
+}
+
+/// An error says something.
+fn explains(error: &Error) {
+    assert!(error.to_string().len() > 10, "`{error}` does not say what to do");
+}
+
+fn object(input: &[u8]) -> Option<serde_json::Map<String, Json>> {
+    serde_json::from_slice(input).ok()
+}
+
+/// Whether the sizes within are small, or so large that they must be refused.
+fn is_reasonable(json: &Json) -> bool {
+    let size = |x: f64| x.abs() <= REASONABLE || x.abs() >= BEYOND_ANY_MEMORY;
+    match json {
+        Json::Number(number) => number.as_f64().is_none_or(size),
+        Json::Array(items) => {
+            let product: f64 =
+                items.iter().filter_map(Json::as_f64).map(f64::abs).filter(|x| *x > 1.0).product();
+            size(product) && items.iter().all(is_reasonable)
+        }
+        Json::Object(map) => map.values().all(is_reasonable),
+        _ => true,
+    }
+}
+
+/// Takes every call and draws nothing.
+struct Blank;
+
+impl Canvas for Blank {
+    fn clear(&mut self, _: Color) {}
+    fn fill(&mut self, _: Shape<'_>, _: Color) {}
+    fn stroke(&mut self, _: Shape<'_>, _: f64, _: Color) {}
+    fn text(&mut self, _: &str, _: Point, _: f64, _: Align, _: Color) {}
+    fn push(&mut self, _: Transform) {}
+    fn pop(&mut self) {}
+}

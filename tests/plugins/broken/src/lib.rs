@@ -1,0 +1,80 @@
+//! One deliberately faulty environment for each check of `gym_core::conform`, named after it:
+//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other.
+//!
+//! They are all the same [`Walk`], in which one [`Fault`] is planted. `broken/none-v0` has none.
+
+mod arguments;
+mod fault;
+mod walk;
+
+pub use arguments::{Careless, Config, Renamed};
+pub use fault::Fault;
+pub use walk::Walk;
+
+use gym_core::Registration;
+
+/// Registers the walk with a fault, under the name of the check that must find it.
+macro_rules! register {
+    ($($name:literal $(, $method:ident($argument:expr))*;)*) => {$(
+        gym_core::register!(
+            Registration::new::<Walk>(concat!("broken/", $name, "-v0"))
+                .kwargs(concat!(r#"{"fault": ""#, $name, r#""}"#))
+                .description("Walk from the middle to either end.")
+                .max_episode_steps(12)
+                $(.$method($argument))*
+        );
+    )*};
+}
+
+register! {
+    "none";
+    "constructs";
+    "described", description(" ");
+    "exceptions-known", exceptions(&[("reward-finit", "a slip of the pen")]);
+    "space-not-empty";
+    "space-width";
+    "space-bounded";
+    "action-normalised";
+    "resets";
+    "space-constant";
+    "action-accepted";
+    "action-validated";
+    "observation-in-space";
+    "observation-dtype";
+    // a space that contains infinity has no finite bound
+    "observation-finite", exceptions(&[("space-bounded", "infinity must lie in the space for this")]);
+    "reward-finite";
+    "info-consistent";
+    "reset-needed";
+    "time-limit";
+    "same-seed-same-episode";
+    "options-ignored";
+    "reset-forgets";
+    "other-seed-other-episode";
+    "reset-carries-on";
+    "generator-lent";
+    "observation-whole";
+    "refusal-changes-nothing";
+    "clone-apart";
+    "clone-continues";
+    "snapshot-continues";
+    "snapshot-refused";
+    "any-thread";
+    "metadata-complete";
+    "drawing-sound";
+    "drawing-pure";
+    "render-modes";
+    "no-allocation";
+    "no-panic";
+}
+
+gym_core::register!(
+    Registration::new::<Walk<Renamed>>("broken/arguments-round-trip-v0")
+        .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk<Careless>>("broken/arguments-refused-v0")
+        .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);

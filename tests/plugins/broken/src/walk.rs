@@ -1,0 +1,315 @@
+//! A walk along a line, which can be broken in many ways.
+
+use std::cell::Cell;
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread::{self, ThreadId};
+
+use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::render::{Metadata, RenderMode};
+use gym_core::spaces::TupleSpace;
+use gym_core::{Array, Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use serde::{Deserialize, Serialize};
+
+use crate::{Config, Fault};
+
+/// Walk from the middle to either end of a line, with the wind.
+///
+/// The observation is the position and the wind, both from -1 to 1; the actions are left and right. It is made for
+/// arguments of the type `C`.
+#[derive(Debug)]
+pub struct Walk<C = Config> {
+    fault: Fault,
+    observation_space: Space,
+    action_space: Space,
+    state: Option<State>,
+    /// The steps of an episode; where it is broken, those of its clones as well.
+    shared: Arc<AtomicU64>,
+    /// How often it was drawn.
+    drawn: Cell<u32>,
+    /// The number of this environment among all that were made.
+    number: u64,
+    arguments: PhantomData<fn() -> C>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct State {
+    rng: Generator,
+    seed: String,
+    position: f64,
+    wind: f64,
+    steps: u32,
+    number: u64,
+}
+
+/// How far a step goes, and how strong the wind is.
+const STEP: f64 = 0.2;
+const WIND: f64 = 0.1;
+
+impl<C> Walk<C> {
+    /// A walk with that fault.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] if that is the fault.
+    pub fn new(fault: Fault) -> Result<Self> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        if fault == Fault::Constructs {
+            return Err(Error::custom("no ground to stand on"));
+        }
+        let line = || Space::boxed([-1.0; 2], [1.0; 2]);
+        let observation_space = match fault {
+            Fault::SpaceBounded => Space::boxed([-1.0; 2], [1.0, f32::INFINITY]),
+            Fault::ObservationFinite => Space::boxed([-1.0, f32::NEG_INFINITY], [1.0, f32::INFINITY]),
+            Fault::SpaceWidth => Space::boxed([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
+            Fault::SpaceNotEmpty => TupleSpace::new([line(), TupleSpace::new([]).into()]).into(),
+            _ => line(),
+        };
+        let action_space = match fault {
+            Fault::ActionNormalised => Space::boxed([-2.0], [2.0]),
+            _ => Space::discrete(2),
+        };
+        Ok(Self {
+            fault,
+            observation_space,
+            action_space,
+            state: None,
+            shared: Arc::default(),
+            drawn: Cell::new(0),
+            number: COUNT.fetch_add(1, Ordering::Relaxed),
+            arguments: PhantomData,
+        })
+    }
+
+    fn observe(&self, observation: &mut Value) {
+        let Some(State { position, wind, steps, .. }) = &self.state else { return };
+        let [mut x, mut wind] = [*position as f32, *wind as f32];
+        match self.fault {
+            Fault::ObservationInSpace if *steps > 3 => x = 1.5,
+            Fault::ObservationFinite if *steps > 3 => wind = f32::INFINITY,
+            Fault::SpaceBounded => wind = wind.abs(),
+            _ => (),
+        }
+        match self.fault {
+            Fault::ObservationDtype => [0i8, steps.is_multiple_of(2).into()].write(observation),
+            Fault::SpaceWidth => [x, wind, 0.0].write(observation),
+            Fault::SpaceNotEmpty => match observation {
+                Value::Tuple(items) if items.len() == 2 => [x, wind].write(&mut items[0]),
+                _ => *observation = Value::Tuple(vec![[x, wind].to_value(), Value::Tuple(vec![])]),
+            },
+            // leaves the second element as it finds it
+            Fault::ObservationWhole => match observation {
+                Value::Array(array) if array.shape() == [2] => {
+                    if let Some([first, _]) = array.as_mut_slice::<f32>() {
+                        *first = x;
+                    }
+                }
+                _ => [x, wind].write(observation),
+            },
+            _ => [x, wind].write(observation),
+        }
+    }
+
+    /// Which way, if it is a way.
+    fn direction(&self, action: &Value) -> Option<f64> {
+        match (self.fault, action) {
+            (Fault::ActionValidated, _) => Some(1.0),
+            (Fault::ActionAccepted, Value::Int(1)) => None,
+            (Fault::ActionNormalised, Value::Array(array)) => match array.as_slice::<f32>()? {
+                [x] if x.is_finite() => Some(f64::from(*x).clamp(-1.0, 1.0)),
+                _ => None,
+            },
+            (Fault::ActionNormalised, _) => None,
+            (_, Value::Int(0)) => Some(-1.0),
+            (_, Value::Int(1)) => Some(1.0),
+            _ => None,
+        }
+    }
+
+    /// Something that depends on more than the state.
+    fn disturbance(&self) -> f64 {
+        /// The first thread that walks.
+        static FIRST: OnceLock<ThreadId> = OnceLock::new();
+        let unit = |n: u64| (n % 7) as f64 / 100.0;
+        match self.fault {
+            Fault::SameSeedSameEpisode => unit(self.number),
+            Fault::CloneApart => unit(self.shared.fetch_add(1, Ordering::Relaxed)),
+            Fault::DrawingPure => unit(self.drawn.get().into()),
+            Fault::AnyThread => {
+                let here = thread::current().id();
+                unit(u64::from(*FIRST.get_or_init(|| here) != here))
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+impl<C> Clone for Walk<C> {
+    fn clone(&self) -> Self {
+        let mut state = self.state.clone();
+        if let (Fault::CloneContinues, Some(state)) = (self.fault, &mut state) {
+            state.position = 0.0;
+        }
+        let shared = match self.fault {
+            Fault::CloneApart => Arc::clone(&self.shared),
+            _ => Arc::new(self.shared.load(Ordering::Relaxed).into()),
+        };
+        Self {
+            fault: self.fault,
+            observation_space: self.observation_space.clone(),
+            action_space: self.action_space.clone(),
+            state,
+            shared,
+            drawn: self.drawn.clone(),
+            number: self.number,
+            arguments: PhantomData,
+        }
+    }
+}
+
+impl<C: 'static> Env for Walk<C> {
+    type Observation = Value;
+    type Action = Value;
+
+    fn observation_space(&self) -> Space {
+        match (self.fault, &self.state) {
+            (Fault::SpaceConstant, Some(_)) => Space::boxed([-2.0; 2], [2.0; 2]),
+            _ => self.observation_space.clone(),
+        }
+    }
+
+    fn action_space(&self) -> Space {
+        self.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        if self.fault == Fault::Resets && reset.seed.as_ref().is_some_and(|seed| seed.to_string().len() > 20)
+        {
+            return Err(Error::custom("the seed is too large"));
+        }
+        if self.fault == Fault::OptionsIgnored && reset.options.contains_key("no_such_option") {
+            return Err(Error::argument("reset", "there are no options"));
+        }
+        let last = self.state.take();
+        self.shared.store(0, Ordering::Relaxed);
+        let seed = match (&reset.seed, &last) {
+            (_, _) if self.fault == Fault::OtherSeedOtherEpisode && reset.seed.is_some() => {
+                Some(Seed::from(0))
+            }
+            (Some(seed), _) => Some(seed.clone()),
+            (None, Some(last)) if self.fault == Fault::ResetCarriesOn => last.seed.parse().ok(),
+            (None, _) => None,
+        };
+        let mut rng = match (&seed, &last) {
+            (Some(seed), _) => Generator::new(seed),
+            (None, Some(last)) => last.rng.clone(),
+            (None, None) => Generator::from_os()?,
+        };
+        let seed = seed.map(|seed| seed.to_string()).or(last.as_ref().map(|last| last.seed.clone()));
+        let mut position = rng.uniform(-0.3, 0.3) + self.disturbance();
+        if self.fault == Fault::ResetForgets {
+            position += last.map_or(0.0, |last| f64::from(last.steps) / 100.0);
+        }
+        let (seed, number) = (seed.unwrap_or_default(), self.number);
+        self.state = Some(State { rng, seed, position, wind: 0.0, steps: 0, number });
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        let direction = self.direction(action);
+        let disturbance = self.disturbance();
+        if self.state.is_none() && self.fault == Fault::ResetNeeded {
+            self.reset_into(&0.into(), observation)?;
+        }
+        let Some(state) = &mut self.state else { return Err(Error::ResetNeeded("step")) };
+        if direction.is_none() && self.fault == Fault::RefusalChangesNothing {
+            state.rng.random();
+        }
+        let Some(direction) = direction else {
+            return Err(Error::InvalidAction {
+                action: action.to_string(),
+                space: self.action_space.to_string(),
+                hint: String::new(),
+            });
+        };
+        if self.fault == Fault::NoAllocation {
+            drop(std::hint::black_box(vec![0u8; 8]));
+        }
+        state.wind = state.rng.uniform(-1.0, 1.0);
+        let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
+        state.position = moved.clamp(-1.0, 1.0);
+        state.steps = state.steps.saturating_add(1);
+        let (steps, terminated) = (state.steps, state.position.abs() == 1.0);
+        self.observe(observation);
+        let reward =
+            if self.fault == Fault::RewardFinite && steps == 3 { f64::NAN } else { f64::from(terminated) };
+        Ok(Outcome { reward, terminated, truncated: self.fault == Fault::TimeLimit && steps == 1 })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        let mut state = self.state.clone();
+        if let (Fault::SnapshotContinues, Some(state)) = (self.fault, &mut state) {
+            state.rng = Generator::from(0);
+        }
+        Snapshot::of(&state)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let state = snapshot.get::<Option<State>>();
+        if state.is_err() && self.fault == Fault::SnapshotRefused {
+            return Ok(());
+        }
+        let state = state?;
+        let on_the_line = |x: f64| (-1.0..=1.0).contains(&x);
+        if state.as_ref().is_some_and(|state| !(on_the_line(state.position) && on_the_line(state.wind))) {
+            return Err(Error::Snapshot("it is off the line".into()));
+        }
+        // the number is part of the state: an environment restored is the one that was stored
+        self.number = state.as_ref().map_or(self.number, |state| state.number);
+        self.state = state;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        assert!(self.state.is_some() || self.fault != Fault::NoPanic, "info before reset");
+        if let Some(state) = &self.state {
+            visit("steps", Value::Int(state.steps.into()));
+            if self.fault == Fault::InfoConsistent {
+                visit("steps", Value::Int(0));
+            }
+        }
+    }
+
+    fn metadata(&self) -> Metadata {
+        match self.fault {
+            Fault::MetadataComplete => Metadata::drawn(0, (200, 40)),
+            Fault::RenderModes => Metadata {
+                render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
+                ..Metadata::drawn(10, (200, 40))
+            },
+            _ => Metadata::drawn(10, (200, 40)),
+        }
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let Some(state) = &self.state else { return };
+        self.drawn.set(self.drawn.get() + 1);
+        canvas.clear(Color::WHITE);
+        canvas.push(Transform::translate(100.0, 20.0));
+        canvas.line([-100.0, 0.0], [100.0, 0.0], 2.0, Color::BLACK);
+        canvas.circle([state.position * 100.0, 0.0], 8.0, Color::rgb(200, 60, 60));
+        if self.fault != Fault::DrawingSound {
+            canvas.pop();
+        }
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.state.as_mut().filter(|_| self.fault != Fault::GeneratorLent).map(|state| &mut state.rng)
+    }
+
+    fn close(&mut self) {
+        self.state = None;
+    }
+}

@@ -1,0 +1,65 @@
+//! Each environment is flagged by the check that it is named after, and by no other.
+
+use std::collections::BTreeSet;
+
+use broken_envs as _;
+use gym_core::conform::{self, CHECKS, Finding, Report};
+
+fn reports() -> Vec<Report> {
+    conform::reports(&conform::ids_of("broken-envs")).expect("the ids are registered")
+}
+
+/// The check that an id is named after.
+fn expected(id: &str) -> &str {
+    id.strip_prefix("broken/").and_then(|id| id.strip_suffix("-v0")).expect("an id of this crate")
+}
+
+#[test]
+fn each_check_flags_its_fault_and_no_other() {
+    let is_right = |report: &Report| {
+        let flagged: Vec<_> = report.findings.iter().map(|finding| finding.check).collect();
+        match expected(&report.id) {
+            // a sound environment is checked whole, but for pictures: nothing here draws
+            "none" => {
+                flagged.is_empty() && report.skipped.iter().all(|skipped| skipped.check == "render-modes")
+            }
+            check => flagged == [check],
+        }
+    };
+    let wrong: Vec<_> = reports().into_iter().filter(|report| !is_right(report)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn every_check_has_a_faulty_environment() {
+    let ids = conform::ids_of("broken-envs");
+    let faulty: BTreeSet<_> = ids.iter().map(|id| expected(id)).filter(|name| *name != "none").collect();
+    let checks: BTreeSet<_> = CHECKS.iter().map(|check| check.name).collect();
+    assert_eq!(faulty, checks);
+}
+
+#[test]
+fn findings_say_what_why_and_how() {
+    for Report { findings, id, .. } in reports() {
+        for Finding { message, why, mend, .. } in findings {
+            assert!(message.len() > 10 && why.len() > 10 && mend.len() > 10, "{id}: {message}");
+        }
+    }
+}
+
+#[test]
+fn an_unregistered_environment_is_checked_as_well() {
+    let check = |fault| {
+        let walk = move || broken_envs::Walk::<broken_envs::Config>::new(fault).map(gym_core::BoxEnv::new);
+        conform::check(walk).iter().map(|finding| finding.check).collect::<Vec<_>>()
+    };
+    assert_eq!(check(broken_envs::Fault::None), [""; 0]);
+    assert_eq!(check(broken_envs::Fault::RewardFinite), ["reward-finite"]);
+    assert_eq!(check(broken_envs::Fault::Constructs), ["constructs"]);
+}
+
+#[test]
+fn unknown_ids_are_refused() {
+    let error = conform::reports(&["broken/reward-finit-v0".into()]).unwrap_err();
+    assert!(error.to_string().contains("did you mean `broken/reward-finite-v0`?"), "{error}");
+}

@@ -2,7 +2,9 @@
 
 mod conform;
 mod demo;
+mod docs;
 mod gif;
+mod heuristic;
 mod keys;
 mod list;
 mod pictures;
@@ -38,6 +40,8 @@ enum Command {
     Replay(replay::Arguments),
     /// Draws the pictures of the documents.
     Pictures(pictures::Arguments),
+    /// Writes the pages about the environments, and checks the book.
+    Docs(docs::Arguments),
     /// Checks that environments keep the rules.
     Conform(conform::Arguments),
 }
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Pictures(arguments) => pictures::pictures(&arguments),
+        Command::Docs(arguments) => docs::docs(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
     };
     match result {

@@ -11,8 +11,8 @@
 //! | limit | 200 steps |
 //! | info | `prob`: the probability of what happened; `action_mask`: [`action_mask`] of the state |
 //!
-//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, as of Gymnasium
-//! 0.29, takes none.
+//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
+//! longer has, is that of 0.29 and takes none.
 //!
 //! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.

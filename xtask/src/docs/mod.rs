@@ -1,0 +1,65 @@
+//! `cargo xtask docs`: the pages about the environments, and the check of the whole book.
+
+mod book;
+mod page;
+mod pages;
+mod record;
+mod returns;
+mod source;
+
+use std::path::{Path, PathBuf};
+
+use gym::file;
+use gym::{Error, Result};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Plays anew what the pages show: the episodes behind the returns, and those of the GIFs.
+    #[arg(long)]
+    play: bool,
+    /// Writes nothing; fails if what is there differs from what would be written.
+    #[arg(long)]
+    check: bool,
+}
+
+/// A file of the book: its path from the root of the workspace, and its content.
+type Document = (PathBuf, Vec<u8>);
+
+/// Where the sources of the pages and the book are.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+fn read(path: &str) -> Result<String> {
+    let path = root().join(path);
+    std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))
+}
+
+pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
+    let returns = if arguments.play { returns::play()? } else { returns::read()? };
+    let mut documents = page::all(&returns)?;
+    if arguments.play {
+        documents.push(returns::document(&returns)?);
+        for page in &pages::PAGES {
+            documents.push(record::gif(page)?);
+        }
+    }
+    let mut changed = documents
+        .into_iter()
+        .filter(|(path, content)| std::fs::read(root().join(path)).map_or(true, |old| old != *content));
+    if arguments.check {
+        if let Some((path, _)) = changed.next() {
+            let reason = format!("{} is out of date: run `cargo xtask docs`", path.display());
+            return Err(Error::custom(reason));
+        }
+    } else {
+        for (path, content) in changed {
+            let path = root().join(path);
+            let folder = path.parent().unwrap_or(root());
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            file::write(&path, &content)?;
+            println!("wrote {}", path.display());
+        }
+    }
+    book::check(&root().join("docs"))
+}

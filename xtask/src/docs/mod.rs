@@ -14,9 +14,12 @@ use gym::{Error, Result};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Plays anew what the pages show: the episodes behind the returns, and those of the GIFs.
+    /// Plays the episodes behind the table of returns anew; takes minutes.
     #[arg(long)]
-    play: bool,
+    measure: bool,
+    /// Draws the GIFs anew.
+    #[arg(long)]
+    draw: bool,
     /// Writes nothing; fails if what is there differs from what would be written.
     #[arg(long)]
     check: bool,
@@ -36,10 +39,10 @@ fn read(path: &str) -> Result<String> {
 }
 
 pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
-    let returns = if arguments.play { returns::play()? } else { returns::read()? };
+    let returns = if arguments.measure { returns::measure()? } else { returns::read()? };
     let mut documents = page::all(&returns)?;
-    if arguments.play {
-        documents.push(returns::document(&returns)?);
+    documents.push(returns::document(&returns)?);
+    if arguments.draw {
         for page in &pages::PAGES {
             documents.push(record::gif(page)?);
         }

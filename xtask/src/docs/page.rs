@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use gym::registry::{self, EnvId};
 use gym::render::RenderMode;
 use gym::{Env, Error, Registration, Result};
+use serde_json::Value as Json;
 
 use super::Document;
 use super::pages::{PAGES, Page};
@@ -101,7 +102,7 @@ impl Docs {
             } else if paragraph.starts_with("| number |") {
                 docs.observation = Some(paragraph.to_owned());
             } else if let Some(versions) = paragraph.strip_prefix("Versions: ") {
-                docs.versions = Some(capitalised(versions));
+                docs.versions = Some(versions.to_owned());
             } else if let Some(differences) = paragraph.strip_prefix("Differences from Gymnasium: ") {
                 docs.differences = Some(capitalised(differences));
             } else {
@@ -161,6 +162,7 @@ impl Page {
             section("Actions", &actions(&source::members(source, item)));
         }
         section("Ids", &ids(registrations)?);
+        section("Spaces", &spaces(registrations)?);
         section("Arguments", &self.arguments(registrations, source)?);
         section("Rendering", &rendering(registrations)?);
         if let Some(versions) = &docs.versions {
@@ -186,7 +188,9 @@ impl Page {
         let defaults =
             registrations.iter().map(Registration::default_kwargs).max_by_key(serde_json::Map::len);
         let defaults = defaults.unwrap_or_default();
-        let Some((example, value)) = defaults.iter().next() else { return Ok("None.".into()) };
+        if defaults.is_empty() {
+            return Ok("None.".into());
+        }
         let fields = self.config(source)?;
         let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
         for (name, value) in &defaults {
@@ -195,9 +199,16 @@ impl Page {
             let docs = source::without_item_links(&field.docs).replace("`Config::", "`");
             text += &format!("| `{name}` | {} | `{value}` | {docs} |\n", type_in_json(&field.kind));
         }
+        // another value than the default, where there is one to be had
+        let example = defaults.iter().find_map(|(name, value)| match value {
+            Json::Bool(value) => Some(format!("\"{name}\", {}", !value)),
+            Json::Number(value) => Some(format!("\"{name}\", {value}")),
+            _ => None,
+        });
+        let Some(example) = example else { return Ok(text) };
         let Self { clip, module, .. } = self;
         text += &format!(
-            "\nThey are set by name, as in `gym::builder(\"{}\").arg(\"{example}\", {value}).build()?`, or typed, as \
+            "\nThey are set by name, as in `gym::builder(\"{}\").arg({example}).build()?`, or typed, as \
              fields of `gym::{module}::Config`.",
             clip.id
         );
@@ -235,31 +246,51 @@ fn type_in_json(kind: &str) -> String {
 }
 
 fn ids(registrations: &[Registration]) -> Result<String> {
-    let mut text = "| id | sets | limit of steps | solved at | action space | observation space |\n\
-                    |---|---|---|---|---|---|\n"
+    let mut text = "| id | arguments that it sets | limit of steps | solved at a mean return of |\n\
+                    |---|---|---|---|\n"
         .to_owned();
     for entry in registrations {
         let spec = entry.spec()?;
-        let env = spec.make()?;
         let kwargs: Vec<_> = spec.kwargs.iter().map(|(name, value)| format!("`{name}`: `{value}`")).collect();
+        let kwargs = if kwargs.is_empty() { "none".into() } else { kwargs.join(", ") };
         let limit = spec.max_episode_steps.map_or("none".into(), |limit| limit.to_string());
-        let threshold = spec.reward_threshold.map_or("not set".into(), |threshold| threshold.to_string());
-        text += &format!(
-            "| `{}` | {} | {limit} | {threshold} | `{}` | `{}` |\n",
-            spec.id,
-            kwargs.join(", "),
-            env.action_space(),
-            env.observation_space()
-        );
+        let threshold = spec.reward_threshold.map_or("not said".into(), |threshold| threshold.to_string());
+        text += &format!("| `{}` | {kwargs} | {limit} | {threshold} |\n", spec.id);
     }
     Ok(text)
+}
+
+/// The spaces, each with the ids that have it.
+fn spaces(registrations: &[Registration]) -> Result<String> {
+    let mut rows: Vec<(String, Vec<String>)> = Vec::new();
+    for entry in registrations {
+        let env = entry.spec()?.make()?;
+        for (kind, space) in [("action", env.action_space()), ("observation", env.observation_space())] {
+            // numpy breaks long arrays into lines
+            let space = space.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            let row = format!("{kind} | `{space}`");
+            match rows.iter_mut().find(|(other, _)| *other == row) {
+                Some((_, ids)) => ids.push(format!("`{}`", entry.id())),
+                None => rows.push((row, vec![format!("`{}`", entry.id())])),
+            }
+        }
+    }
+    rows.sort();
+    let rows: String = rows
+        .iter()
+        .map(|(row, ids)| {
+            let ids = if ids.len() == registrations.len() { "all".into() } else { ids.join(", ") };
+            format!("| {row} | {ids} |\n")
+        })
+        .collect();
+    Ok(format!("| space of | | ids |\n|---|---|---|\n{rows}"))
 }
 
 fn actions(variants: &[Member]) -> String {
     let row =
         |(number, action): (usize, &Member)| format!("| {number} | `{}` | {} |\n", action.name, action.docs);
     let rows: String = variants.iter().enumerate().map(row).collect();
-    format!("| number | name | what it does |\n|---|---|---|\n{rows}")
+    format!("| number | name | meaning |\n|---|---|---|\n{rows}")
 }
 
 fn rendering(registrations: &[Registration]) -> Result<String> {
@@ -281,7 +312,7 @@ fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result
     for entry in registrations {
         let id = entry.id();
         let missing =
-            || Error::custom(format!("the returns of `{id}` are missing: run `cargo xtask docs --play`"));
+            || Error::custom(format!("the returns of `{id}` are missing: run `cargo xtask docs --measure`"));
         let Measured { random, heuristic } = returns.get(id).ok_or_else(missing)?;
         text += &format!("| `{id}` | {} | {} |\n", cells(random), cells(heuristic));
     }

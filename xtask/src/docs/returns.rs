@@ -32,12 +32,13 @@ pub(super) struct Summary {
 }
 
 pub(super) fn read() -> Result<Returns> {
-    serde_json::from_str(&super::read(FILE)?)
-        .map_err(|error| Error::custom(format!("{FILE}: {error}: write it with `cargo xtask docs --play`")))
+    serde_json::from_str(&super::read(FILE)?).map_err(|error| {
+        Error::custom(format!("{FILE}: {error}: write it with `cargo xtask docs --measure`"))
+    })
 }
 
 /// Plays every environment.
-pub(super) fn play() -> Result<Returns> {
+pub(super) fn measure() -> Result<Returns> {
     registry::all()
         .iter()
         .map(|registration| {

@@ -33,7 +33,10 @@ fn every_page_with_snippets_is_a_doc_test() {
     for page in all {
         let has_snippets = read(&page).contains("```rust");
         let page = page.to_str().expect("UTF-8").replace('\\', "/");
-        assert!(!has_snippets || tested.contains(&format!("\"{page}\"")), "{page}: add it to tests/src/lib.rs");
+        assert!(
+            !has_snippets || tested.contains(&format!("\"{page}\"")),
+            "{page}: add it to tests/src/lib.rs"
+        );
     }
 }
 

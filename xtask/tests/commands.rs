@@ -130,7 +130,8 @@ fn heuristics_beat_chance() {
         let (good, random) = (mean(id, "heuristic"), mean(id, "random"));
         assert!(good >= least && good > random, "{id}: {good}, at random {random}");
     }
-    let error = fails(&["run", "CarRacing-v3", "--policy", "heuristic", "--kwargs", r#"{"continuous": false}"#]);
+    let error =
+        fails(&["run", "CarRacing-v3", "--policy", "heuristic", "--kwargs", r#"{"continuous": false}"#]);
     assert!(error.contains("has no heuristic"), "{error}");
 }
 

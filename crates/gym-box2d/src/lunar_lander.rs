@@ -17,8 +17,8 @@
 //! | 5 | angular velocity | 2.5 rad/s |
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
-//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2 here
-//! draws its wind beside the generator, where Gym took it from numpy's global one.
+//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2, which
+//! Gymnasium no longer has, draws its wind once, here beside the generator, there from numpy's global one.
 //!
 //! Differences from Gymnasium: particles of the exhaust are a matter of drawing alone: they fly freely,
 //! without touching the ground as Gymnasium's do.
@@ -100,13 +100,13 @@ impl Default for Config {
 gym_core::discrete! {
     /// Which engine fires.
     pub enum Engine {
-        /// None.
+        /// No engine.
         Off,
-        /// The left one, which pushes to the right.
+        /// The left engine, which pushes to the right.
         Left,
-        /// The main one, which pushes up.
+        /// The main engine, which pushes up.
         Main,
-        /// The right one, which pushes to the left.
+        /// The right engine, which pushes to the left.
         Right,
     }
 }

@@ -171,7 +171,7 @@ impl Page {
         section("Differences from Gymnasium", docs.differences.as_deref().unwrap_or(NO_DIFFERENCE));
         let returns = format!(
             "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
-             (seeds 0 to {}). The good policy {heuristic}; `cargo xtask run {} --policy heuristic` plays it.\n\n{}",
+             (seeds 0 to {}). The good policy {heuristic}. To play it: `cargo xtask run {} --policy heuristic`.\n\n{}",
             EPISODES - 1,
             clip.id,
             table_of_returns(registrations, returns)?
@@ -283,7 +283,7 @@ fn spaces(registrations: &[Registration]) -> Result<String> {
             format!("| {row} | {ids} |\n")
         })
         .collect();
-    Ok(format!("| space of | | ids |\n|---|---|---|\n{rows}"))
+    Ok(format!("| | space | ids |\n|---|---|---|\n{rows}"))
 }
 
 fn actions(variants: &[Member]) -> String {
@@ -306,7 +306,7 @@ fn rendering(registrations: &[Registration]) -> Result<String> {
 fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result<String> {
     let cells = |summary: &Summary| {
         let Summary { mean, deviation, mean_length } = summary;
-        format!("{mean:.2} \u{b1} {deviation:.2} | {mean_length:.0}")
+        format!("{mean:.2} \u{b1} {deviation:.2} | {mean_length:.1}")
     };
     let mut text = "| id | random policy | steps | good policy | steps |\n|---|---|---|---|---|\n".to_owned();
     for entry in registrations {

@@ -9,7 +9,8 @@
 //! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` tells which |
 //! | limit | 1000 steps |
 //!
-//! Versions: in v2 a complete lap truncates the episode instead, and info is empty.
+//! Versions: v3 terminates the episode when the lap is complete, and says so in info; v2, which Gymnasium
+//! no longer has, truncates it and has no info.
 //!
 //! Differences from Gymnasium: the picture is drawn at 96x96 at once, where Gymnasium shrinks one of
 //! 1000x800, and so differs in shades; dynamics, rewards, tracks and colours are equal. The render mode

@@ -18,7 +18,8 @@
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
 //! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2, which
-//! Gymnasium no longer has, draws its wind once, here beside the generator, there from numpy's global one.
+//! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
+//! global one.
 //!
 //! Differences from Gymnasium: particles of the exhaust are a matter of drawing alone: they fly freely,
 //! without touching the ground as Gymnasium's do.

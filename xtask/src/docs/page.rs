@@ -8,7 +8,7 @@ use gym::{Env, Error, Registration, Result};
 use serde_json::Value as Json;
 
 use super::Document;
-use super::pages::{PAGES, Page};
+use super::pages::{Clip, PAGES, Page};
 use super::returns::{EPISODES, Measured, Returns, Summary};
 use super::source::{self, Member};
 
@@ -201,17 +201,18 @@ impl Page {
         }
         // another value than the default, where there is one to be had
         let example = defaults.iter().find_map(|(name, value)| match value {
-            Json::Bool(value) => Some(format!("\"{name}\", {}", !value)),
-            Json::Number(value) => Some(format!("\"{name}\", {value}")),
+            Json::Bool(value) => Some((name, Json::Bool(!value))),
+            Json::Number(_) => Some((name, value.clone())),
             _ => None,
         });
-        let Some(example) = example else { return Ok(text) };
-        let Self { clip, module, .. } = self;
-        text += &format!(
-            "\nThey are set by name, as in `gym::builder(\"{}\").arg({example}).build()?`, or typed, as \
-             fields of `gym::{module}::Config`.",
-            clip.id
-        );
+        if let Some((name, value)) = example {
+            let Self { clip: Clip { id, .. }, module, .. } = self;
+            text += &format!(
+                "\nThey are set by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or typed, as \
+                 fields of `gym::{module}::Config`."
+            );
+            gym::builder(id).arg(name, value).build()?;
+        }
         Ok(text)
     }
 

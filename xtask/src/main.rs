@@ -7,7 +7,6 @@ mod gif;
 mod heuristic;
 mod keys;
 mod list;
-mod pictures;
 mod play;
 mod policy;
 mod replay;
@@ -38,8 +37,6 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
-    /// Draws the pictures of the documents.
-    Pictures(pictures::Arguments),
     /// Writes the pages about the environments, and checks the book.
     Docs(docs::Arguments),
     /// Checks that environments keep the rules.
@@ -55,7 +52,6 @@ fn main() -> ExitCode {
         Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
-        Command::Pictures(arguments) => pictures::pictures(&arguments),
         Command::Docs(arguments) => docs::docs(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
     };

@@ -1,9 +1,9 @@
 //! `cargo xtask docs`: the pages about the environments, and the check of the whole book.
 
 mod book;
+mod draw;
 mod page;
 mod pages;
-mod record;
 mod returns;
 mod source;
 
@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     /// Plays the episodes behind the table of returns anew; takes minutes.
     #[arg(long)]
     measure: bool,
-    /// Draws the GIFs anew.
+    /// Draws the pictures anew.
     #[arg(long)]
     draw: bool,
     /// Writes nothing; fails if what is there differs from what would be written.
@@ -44,8 +44,9 @@ pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
     documents.push(returns::document(&returns)?);
     if arguments.draw {
         for page in &pages::PAGES {
-            documents.push(record::gif(page)?);
+            documents.push(draw::gif(page)?);
         }
+        documents.push(draw::sheet()?);
     }
     let mut changed = documents
         .into_iter()

@@ -27,7 +27,7 @@ pub(super) struct Clip {
     pub(super) every: u32,
     /// Frames at most.
     pub(super) frames: u32,
-    pub(super) size: Option<(u32, u32)>,
+    pub(super) size: (u32, u32),
 }
 
 /// In the order of the book.
@@ -40,7 +40,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "classic::cartpole",
         actions: Some("enum Action"),
         heuristic: "pushes to the side that a weighted sum of the four numbers calls for",
-        clip: Clip { id: "CartPole-v1", seeds: 3..4, every: 3, frames: 60, size: Some((300, 200)) },
+        clip: Clip { id: "CartPole-v1", seeds: 3..4, every: 3, frames: 60, size: (300, 200) },
     },
     Page {
         name: "mountain-car",
@@ -50,7 +50,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "classic::mountain_car",
         actions: Some("enum Action"),
         heuristic: "drives right while the velocity lies between two curves over the position, else left",
-        clip: Clip { id: "MountainCar-v0", seeds: 0..1, every: 2, frames: 80, size: Some((300, 200)) },
+        clip: Clip { id: "MountainCar-v0", seeds: 0..1, every: 2, frames: 80, size: (300, 200) },
     },
     Page {
         name: "mountain-car-continuous",
@@ -60,13 +60,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "classic::mountain_car_continuous",
         actions: None,
         heuristic: "drives along with the velocity, with force 0.4",
-        clip: Clip {
-            id: "MountainCarContinuous-v0",
-            seeds: 0..1,
-            every: 3,
-            frames: 100,
-            size: Some((300, 200)),
-        },
+        clip: Clip { id: "MountainCarContinuous-v0", seeds: 0..1, every: 3, frames: 100, size: (300, 200) },
     },
     Page {
         name: "pendulum",
@@ -76,7 +70,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "classic::pendulum",
         actions: None,
         heuristic: "adds energy until the pole is near the top, then holds it there with a PD controller",
-        clip: Clip { id: "Pendulum-v1", seeds: 5..6, every: 2, frames: 80, size: Some((200, 200)) },
+        clip: Clip { id: "Pendulum-v1", seeds: 5..6, every: 2, frames: 80, size: (200, 200) },
     },
     Page {
         name: "acrobot",
@@ -86,7 +80,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "classic::acrobot",
         actions: Some("enum Action"),
         heuristic: "pushes the lower link along with its own motion",
-        clip: Clip { id: "Acrobot-v1", seeds: 5..6, every: 1, frames: 100, size: Some((200, 200)) },
+        clip: Clip { id: "Acrobot-v1", seeds: 5..6, every: 1, frames: 100, size: (200, 200) },
     },
     Page {
         name: "lunar-lander",
@@ -96,7 +90,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "box2d::lunar_lander",
         actions: Some("enum Engine"),
         heuristic: "is Gymnasium's own controller, `lunar_lander::heuristic`",
-        clip: Clip { id: "LunarLander-v3", seeds: 0..1, every: 4, frames: 100, size: Some((300, 200)) },
+        clip: Clip { id: "LunarLander-v3", seeds: 0..1, every: 4, frames: 100, size: (300, 200) },
     },
     Page {
         name: "bipedal-walker",
@@ -106,7 +100,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "box2d::bipedal_walker",
         actions: None,
         heuristic: "is Gymnasium's own controller, `bipedal_walker::Heuristic`; it falls in most episodes",
-        clip: Clip { id: "BipedalWalker-v3", seeds: 0..1, every: 4, frames: 100, size: Some((300, 200)) },
+        clip: Clip { id: "BipedalWalker-v3", seeds: 0..1, every: 4, frames: 100, size: (300, 200) },
     },
     Page {
         name: "car-racing",
@@ -116,7 +110,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "box2d::car_racing",
         actions: Some("enum Drive"),
         heuristic: "steers towards a point of the track ahead at a moderate speed; it reads the track from the environment, not from the picture, and finishes no lap within the limit",
-        clip: Clip { id: "CarRacing-v3", seeds: 1..2, every: 6, frames: 60, size: Some((300, 200)) },
+        clip: Clip { id: "CarRacing-v3", seeds: 1..2, every: 6, frames: 60, size: (300, 200) },
     },
     Page {
         name: "blackjack",
@@ -126,7 +120,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "toytext::blackjack",
         actions: Some("enum Action"),
         heuristic: "is the basic strategy of Sutton and Barto's figure 5.2",
-        clip: Clip { id: "Blackjack-v1", seeds: 0..12, every: 1, frames: 24, size: Some((192, 188)) },
+        clip: Clip { id: "Blackjack-v1", seeds: 0..12, every: 1, frames: 24, size: (192, 188) },
     },
     Page {
         name: "cliff-walking",
@@ -136,7 +130,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "toytext::cliff_walking",
         actions: Some("enum Action"),
         heuristic: "is the best one, found by value iteration over the transition table",
-        clip: Clip { id: "CliffWalking-v1", seeds: 0..1, every: 1, frames: 40, size: Some((384, 128)) },
+        clip: Clip { id: "CliffWalking-v1", seeds: 0..1, every: 1, frames: 40, size: (384, 128) },
     },
     Page {
         name: "frozen-lake",
@@ -146,7 +140,7 @@ pub(super) const PAGES: [Page; 12] = [
         module: "toytext::frozen_lake",
         actions: Some("enum Action"),
         heuristic: "is the best one, found by value iteration over the transition table",
-        clip: Clip { id: "FrozenLake-v1", seeds: 12..13, every: 1, frames: 40, size: Some((192, 192)) },
+        clip: Clip { id: "FrozenLake-v1", seeds: 12..13, every: 1, frames: 40, size: (192, 192) },
     },
     Page {
         name: "taxi",
@@ -156,6 +150,6 @@ pub(super) const PAGES: [Page; 12] = [
         module: "toytext::taxi",
         actions: Some("enum Action"),
         heuristic: "is the best one, found by value iteration over the transition table",
-        clip: Clip { id: "Taxi-v4", seeds: 0..3, every: 1, frames: 40, size: Some((268, 228)) },
+        clip: Clip { id: "Taxi-v4", seeds: 0..3, every: 1, frames: 40, size: (268, 228) },
     },
 ];

@@ -46,15 +46,24 @@ fn read(path: &Path) -> Reference {
 /// The snippets of the documents, compiled and run as doc tests.
 #[cfg(doctest)]
 mod documents {
-    #[doc = include_str!("../../README.md")]
-    struct Readme;
+    macro_rules! documents {
+        ($($name:ident: $path:literal),* $(,)?) => {$(
+            #[doc = include_str!(concat!("../../", $path))]
+            struct $name;
+        )*};
+    }
 
-    #[doc = include_str!("../../docs/first-steps.md")]
-    struct FirstSteps;
-
-    #[doc = include_str!("../../docs/plugins.md")]
-    struct Plugins;
-
-    #[doc = include_str!("../../docs/wrappers.md")]
-    struct Wrappers;
+    // `tests/book.rs` checks that none is missing
+    documents! {
+        ComingFromGymnasium: "docs/coming-from-gymnasium.md",
+        Faq: "docs/faq.md",
+        FirstSteps: "docs/first-steps.md",
+        Introduction: "docs/README.md",
+        Planning: "docs/planning.md",
+        Plugins: "docs/plugins.md",
+        Readme: "README.md",
+        Rendering: "docs/rendering.md",
+        Spaces: "docs/spaces.md",
+        Wrappers: "docs/wrappers.md",
+    }
 }

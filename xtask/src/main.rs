@@ -2,11 +2,12 @@
 
 mod conform;
 mod demo;
+mod docs;
 mod gif;
+mod heuristic;
 mod keys;
 mod list;
 mod new;
-mod pictures;
 mod play;
 mod plugin;
 mod policy;
@@ -39,8 +40,8 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
-    /// Draws the pictures of the documents.
-    Pictures(pictures::Arguments),
+    /// Writes the pages about the environments, and checks the book.
+    Docs(docs::Arguments),
     /// Checks that environments keep the rules.
     Conform(conform::Arguments),
     /// Starts a crate with an environment of your own.
@@ -58,7 +59,7 @@ fn main() -> ExitCode {
         Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
-        Command::Pictures(arguments) => pictures::pictures(&arguments),
+        Command::Docs(arguments) => docs::docs(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Soak(arguments) => soak::soak(&arguments),

@@ -1,52 +1,15 @@
 //! The policies that commands can play.
 
-use gym::box2d::{BipedalWalker, LunarLander, bipedal_walker, lunar_lander};
-use gym::{BoxEnv, Element, Env, Error, Result, Sampler, Space, Value};
+use gym::{BoxEnv, Env, Error, Result, Value};
+
+use crate::heuristic::{Controller, controller};
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
-    /// Gymnasium's own controllers, of LunarLander and BipedalWalker.
+    /// A simple good policy: rules by hand, or the best policy of a transition table.
     Heuristic,
-}
-
-/// A policy at work in one episode.
-enum Actor {
-    Random(Box<Sampler>),
-    LunarLander { continuous: bool },
-    BipedalWalker(bipedal_walker::Heuristic),
-}
-
-impl Actor {
-    fn new(policy: Policy, env: &BoxEnv, seed: u64) -> Result<Self> {
-        let no_heuristic =
-            || Error::argument("--policy", format!("{env} has no heuristic: play it at random"));
-        match policy {
-            Policy::Random => Ok(Self::Random(env.action_sampler(seed)?.into())),
-            Policy::Heuristic if env.unwrapped::<LunarLander>().is_some() => {
-                Ok(Self::LunarLander { continuous: !matches!(env.action_space(), Space::Discrete(_)) })
-            }
-            Policy::Heuristic if env.unwrapped::<BipedalWalker>().is_some() => {
-                Ok(Self::BipedalWalker(bipedal_walker::Heuristic::default()))
-            }
-            Policy::Heuristic => Err(no_heuristic()),
-        }
-    }
-
-    fn act(&mut self, observation: &Value) -> Result<Value> {
-        let foreign = || Error::Contract(format!("{observation} is not an observation of this environment"));
-        match self {
-            Self::Random(actions) => Ok(actions.sample()),
-            Self::LunarLander { continuous } => {
-                let heuristic = |seen: &_| lunar_lander::heuristic(seen, *continuous).to_value();
-                Element::with(observation, heuristic).ok_or_else(foreign)
-            }
-            Self::BipedalWalker(heuristic) => {
-                Element::with(observation, |seen| heuristic.act(seen).to_value()).ok_or_else(foreign)
-            }
-        }
-    }
 }
 
 /// One episode, summed up.
@@ -63,6 +26,19 @@ pub(crate) struct Episode {
 }
 
 impl Policy {
+    /// What acts in an episode from `seed`.
+    fn controller(self, env: &BoxEnv, seed: u64) -> Result<Controller> {
+        match self {
+            Self::Random => {
+                let mut actions = env.action_sampler(seed)?;
+                Ok(Box::new(move |_, _| Some(actions.sample())))
+            }
+            Self::Heuristic => controller(env).ok_or_else(|| {
+                Error::argument("--policy", format!("{env} has no heuristic: play it at random"))
+            }),
+        }
+    }
+
     /// Plays an episode from `seed`; `watch` sees the environment after the reset and each step.
     pub(crate) fn play(
         self,
@@ -70,7 +46,7 @@ impl Policy {
         seed: u64,
         mut watch: impl FnMut(&mut BoxEnv) -> Result<()>,
     ) -> Result<Episode> {
-        let mut actor = Actor::new(self, env, seed)?;
+        let mut act = self.controller(env, seed)?;
         let mut episode = Episode {
             seed,
             episode_return: 0.0,
@@ -82,7 +58,11 @@ impl Policy {
         };
         watch(env)?;
         while !(episode.terminated || episode.truncated) {
-            let step = env.step(&actor.act(&episode.last_observation)?)?;
+            let action = act(env, &episode.last_observation).ok_or_else(|| {
+                let seen = &episode.last_observation;
+                Error::Contract(format!("{seen} is not an observation of this environment"))
+            })?;
+            let step = env.step(&action)?;
             episode.episode_return += step.reward;
             episode.length += 1;
             (episode.terminated, episode.truncated) = (step.terminated, step.truncated);

@@ -102,6 +102,40 @@ fn replay_compares_and_writes() {
 }
 
 #[test]
+fn the_book_is_up_to_date() {
+    prints(&["docs", "--check"]);
+}
+
+/// Each has a controller, and one that is better than chance.
+#[test]
+fn heuristics_beat_chance() {
+    let mean = |id: &str, policy: &str| {
+        let file = folder(&format!("heuristic-{id}-{policy}")).join("episodes.json");
+        prints(&["run", id, "--policy", policy, "--seeds", "0..20", "--json", file.to_str().unwrap()]);
+        let episodes = json(&file);
+        let returns = episodes.as_array().unwrap().iter().map(|episode| episode["return"].as_f64().unwrap());
+        returns.sum::<f64>() / 20.0
+    };
+    for (id, least) in [
+        ("CartPole-v1", 475.0),
+        ("MountainCar-v0", -110.0),
+        ("MountainCarContinuous-v0", 90.0),
+        ("Pendulum-v1", -200.0),
+        ("Acrobot-v1", -100.0),
+        ("FrozenLake-v1", 0.6),
+        ("CliffWalking-v1", -13.0),
+        ("Taxi-v4", 7.0),
+        ("LunarLander-v3", 200.0),
+    ] {
+        let (good, random) = (mean(id, "heuristic"), mean(id, "random"));
+        assert!(good >= least && good > random, "{id}: {good}, at random {random}");
+    }
+    let error =
+        fails(&["run", "CarRacing-v3", "--policy", "heuristic", "--kwargs", r#"{"continuous": false}"#]);
+    assert!(error.contains("has no heuristic"), "{error}");
+}
+
+#[test]
 fn conform_passes() {
     let text = prints(&["conform", "CartPole-v1", "Taxi-v4"]);
     assert!(text.contains("2 environments") && text.contains("0 broken"), "{text}");

@@ -2,16 +2,30 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | hull angle, angular velocity, velocity x, y; per leg: hip angle, hip speed, knee angle, knee speed, ground contact; ten lidar distances; `Box(24, float32)` |
-//! | action | hip and knee of either leg: direction and strength of the motor; `Box(-1, 1, (4,), float32)` |
+//! | observation | motion of the hull, joints and contacts of the legs, ten distances by lidar; `Box(24, float32)`, see below |
+//! | action | hip and knee of the first leg, hip and knee of the second: direction and strength of the motor, as a share of 80 N m; `Box(-1, 1, (4,), float32)` |
 //! | reward | 130/30 per m forward, less 5 per rad that the hull tilts, less 0.028 per motor and step at full strength; -100 for a fall |
 //! | start | standing, with a random push; reset options: none |
 //! | end | terminated when the hull touches the ground, the walker goes back beyond the start, or reaches the end |
 //! | limit | 1600 steps (hardcore: 2000) |
 //!
+//! | number | observation | unit |
+//! |---|---|---|
+//! | 0 | angle of the hull, counterclockwise | rad |
+//! | 1 | its angular velocity | 25 rad/s |
+//! | 2, 3 | its velocity x, y | 8.33 m/s, 12.5 m/s |
+//! | 4, 5 | angle and speed of the first hip | rad, 4 rad/s |
+//! | 6, 7 | angle of the first knee, plus 1, and its speed | rad, 6 rad/s |
+//! | 8 | whether the first leg touches the ground | 0 or 1 |
+//! | 9 to 13 | the same of the second leg | |
+//! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
+//!
+//! Differences from Gymnasium: the world is built anew at each reset, so that an episode depends on its
+//! seed alone. In Gymnasium it does so on a fresh environment, with which this one agrees; on a used one
+//! the same seed can give another episode.
+//!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
-//! `envs/box2d/bipedal_walker.py`. The world is built anew at each reset, so that an episode depends
-//! on its seed alone; Gymnasium's is that of a fresh environment.
+//! `envs/box2d/bipedal_walker.py`.
 
 use std::f32::consts::PI;
 
@@ -56,7 +70,7 @@ const WALKER: Filter = Filter { category: 0x0020, mask: GROUND };
 pub struct Config {
     /// Whether stumps, stairs and pits are in the way.
     pub hardcore: bool,
-    /// Which engine moves the walker.
+    /// Which engine moves the walker: `box2d` or `rapier`.
     pub physics: Physics,
 }
 

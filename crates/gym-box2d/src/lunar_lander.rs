@@ -2,19 +2,30 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | position x, y; velocity x, y; angle; angular velocity; contact of the left and of the right leg (0 or 1); `Box(8, float32)`, scaled as in [`LunarLander`] |
-//! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)` |
+//! | observation | position, velocity, angle and angular velocity of the craft, contacts of its legs; `Box(8, float32)`, see below |
+//! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)`: the main engine is off up to 0 and goes from half to full power at 1; the left engine fires below -0.5, the right one above 0.5 |
 //! | reward | what the step gained in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
 //! | start | top centre, with a random push; reset options: none |
 //! | end | terminated when the hull touches the ground, the craft leaves the sides or lies still |
 //! | limit | 1000 steps |
 //!
-//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2 here
-//! draws its wind beside the generator, where Gym took it from numpy's global one.
+//! | number | observation | unit |
+//! |---|---|---|
+//! | 0, 1 | position x, y, from the middle of the pad | 10 m, 6.67 m |
+//! | 2, 3 | velocity x, y | 5 m/s, 7.5 m/s |
+//! | 4 | angle from upright, counterclockwise | rad |
+//! | 5 | angular velocity | 2.5 rad/s |
+//! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
+//!
+//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2, which
+//! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
+//! global one.
+//!
+//! Differences from Gymnasium: particles of the exhaust are a matter of drawing alone: they fly freely,
+//! without touching the ground as Gymnasium's do.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
-//! `envs/box2d/lunar_lander.py`. Particles of the exhaust are a matter of drawing alone: they fly
-//! freely, without touching the ground as Gymnasium's do.
+//! `envs/box2d/lunar_lander.py`.
 
 use std::f64::consts::PI;
 
@@ -69,7 +80,7 @@ pub struct Config {
     pub turbulence_power: f64,
     /// The version whose rules hold: 2 or 3.
     pub version: u8,
-    /// Which engine moves the craft.
+    /// Which engine moves the craft: `box2d` or `rapier`.
     pub physics: Physics,
 }
 
@@ -90,13 +101,13 @@ impl Default for Config {
 gym_core::discrete! {
     /// Which engine fires.
     pub enum Engine {
-        /// None.
+        /// No engine.
         Off,
-        /// The left one, which pushes to the right.
+        /// The left engine, which pushes to the right.
         Left,
-        /// The main one, which pushes up.
+        /// The main engine, which pushes up.
         Main,
-        /// The right one, which pushes to the left.
+        /// The right engine, which pushes to the left.
         Right,
     }
 }
@@ -144,10 +155,6 @@ impl Element for Action {
 }
 
 /// The environment.
-///
-/// The observation is x / 10 m from the middle, height above the pad / 6.67 m, the velocities
-/// times 10 / 50 and 6.67 / 50, the angle in rad, the angular velocity times 20 / 50, and the leg
-/// contacts.
 #[derive(Clone, Debug)]
 pub struct LunarLander {
     config: Config,

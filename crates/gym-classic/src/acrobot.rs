@@ -5,9 +5,12 @@
 //! | observation | cos and sin of the first angle, cos and sin of the second, both angular velocities in ±4π and ±9π rad/s; `Box(6, float32)` |
 //! | action | [`Action`]: torque -1, 0 or 1 N m at the elbow; `Discrete(3)` |
 //! | reward | -1 per step, 0 for the last one |
-//! | start | angles and velocities uniform in ±0.1; reset options `low`, `high` |
+//! | start | angles and velocities uniform in ±0.1; reset options `low`, `high` (numbers, -0.1 and 0.1) are other bounds |
 //! | end | terminated when the tip is one link's length above the shoulder |
 //! | limit | 500 steps |
+//!
+//! Differences from Gymnasium: what it leaves to attributes of the class (other equations, noise of the
+//! torque, other torques) cannot be changed.
 //!
 //! The first angle is 0 when the upper link hangs down; the second is relative to the first. From
 //! Sutton (1996), "Generalization in reinforcement learning: successful examples using sparse coarse

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | observation | cart position (m), cart velocity (m/s), pole angle (rad), pole angular velocity (rad/s); `Box(4, float32)` |
 //! | action | [`Action`]: push left or right with 10 N; `Discrete(2)` |
-//! | reward | 1 per step, the last one included; see [`Config`] for the other choice |
-//! | start | each number uniform in ±0.05; reset options `low`, `high` |
+//! | reward | 1 per step, the last one included; see [`Config::sutton_barto_reward`] for the other choice |
+//! | start | each number uniform in ±0.05; reset options `low`, `high` (numbers, -0.05 and 0.05) are other bounds |
 //! | end | terminated when the cart leaves ±2.4 m or the pole leaves ±12° |
 //! | limit | 500 steps (`CartPole-v0`: 200) |
 //!

@@ -2,10 +2,10 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | position in [-1.2, 0.6], velocity in ±0.07 per step; `Box(2, float32)` |
+//! | observation | position in [-1.2, 0.6], velocity in ±0.07 per step, both without unit; `Box(2, float32)` |
 //! | action | [`Action`]: accelerate left, not at all, or right; `Discrete(3)` |
 //! | reward | -1 per step |
-//! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` |
+//! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` (numbers, -0.6 and -0.4) are other bounds |
 //! | end | terminated at position 0.5 or beyond with at least [`Config::goal_velocity`] |
 //! | limit | 200 steps |
 //!

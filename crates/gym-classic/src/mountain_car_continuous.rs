@@ -2,10 +2,10 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | position in [-1.2, 0.6], velocity in ±0.07 per step; `Box(2, float32)` |
+//! | observation | position in [-1.2, 0.6], velocity in ±0.07 per step, both without unit; `Box(2, float32)` |
 //! | action | force in [-1, 1], clipped beyond; `Box(1, float32)` |
 //! | reward | -0.1 times the squared action (as given, not clipped), and 100 at the goal |
-//! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` |
+//! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` (numbers, -0.6 and -0.4) are other bounds |
 //! | end | terminated at position 0.45 or beyond with at least [`Config::goal_velocity`] |
 //! | limit | 999 steps |
 //!

@@ -5,7 +5,7 @@
 //! | observation | cosine and sine of the angle, angular velocity in ±8 rad/s; `Box(3, float32)` |
 //! | action | torque in [-2, 2] N m, clipped beyond; `Box(1, float32)` |
 //! | reward | -(angle² + 0.1 velocity² + 0.001 torque²), between -16.27 and 0, of the state before the step |
-//! | start | angle uniform in ±π, velocity uniform in ±1; reset options `x_init`, `y_init` give other bounds |
+//! | start | angle uniform in ±π, velocity uniform in ±1; reset options `x_init`, `y_init` (numbers, π and 1) are other bounds of angle and velocity |
 //! | end | never |
 //! | limit | 200 steps |
 //!

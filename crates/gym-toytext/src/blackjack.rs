@@ -5,7 +5,7 @@
 //! | observation | (the player's sum, the dealer's open card: 1 (ace) to 10, 1 if the player has a usable ace); `Tuple(Discrete(32), Discrete(11), Discrete(2))` |
 //! | action | [`Action`]: stick or hit; `Discrete(2)` |
 //! | dynamics | cards come from an endless deck; jack, queen and king count 10; an ace counts 11 while that does not go over 21 (it is then *usable*), else 1; after the player sticks, the dealer draws up to 17 or more |
-//! | reward | 1 for a win, -1 for a loss, 0 for a draw; see [`Config`] for naturals |
+//! | reward | 1 for a win, -1 for a loss, 0 for a draw; see [`Config::natural`] and [`Config::sab`] for naturals, an ace and a ten at once |
 //! | start | two cards each |
 //! | end | terminated when the player sticks or goes over 21 |
 //! | limit | none |

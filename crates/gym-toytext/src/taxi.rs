@@ -2,17 +2,17 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | [`encode`]`(row, column, passenger, destination)`; `Discrete(500)` |
+//! | observation | `((row * 5 + column) * 5 + passenger) * 4 + destination`, where stands count red 0, green 1, yellow 2, blue 3, and a passenger aboard is 4; see [`encode`]; `Discrete(500)` |
 //! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
-//! | dynamics | walls and the border stop a move; see [`Config`] for rain and fickle passengers |
+//! | dynamics | walls and the border stop a move; see [`Config::is_rainy`] and [`Config::fickle_passenger`] for chance |
 //! | reward | -1 per step; 20 for a drop-off at the destination, -10 for a pick-up or drop-off where there is none to make |
 //! | start | any cell; the passenger waits at one stand and wants to another, all alike |
 //! | end | terminated with the drop-off at the destination |
 //! | limit | 200 steps |
-//! | info | `prob`: the probability of what happened; `action_mask`: [`action_mask`] of the state |
+//! | info | `prob`: the probability of what happened; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
-//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, as of Gymnasium
-//! 0.29, takes none.
+//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
+//! longer has, is that of 0.29 and takes none.
 //!
 //! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.

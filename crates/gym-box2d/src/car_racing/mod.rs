@@ -5,11 +5,16 @@
 //! | observation | a picture of the car and what is around it; `Box(0, 255, (96, 96, 3), uint8)` |
 //! | action | [`Action`]: steering, gas and brake, `Box([-1, 0, 0], 1, (3,), float32)`, or without `continuous` one of five, `Discrete(5)` |
 //! | reward | 1000 / number of tiles for each tile that a wheel touches first, less 0.1 per step; -100 for leaving the field |
-//! | start | at rest on the track; reset option `randomize` (with `domain_randomize`): whether to draw new colours |
+//! | start | at rest on the track; reset option `randomize` (boolean, true; with `domain_randomize`): whether to draw new colours |
 //! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` tells which |
 //! | limit | 1000 steps |
 //!
-//! Versions: in v2 a complete lap truncates the episode instead, and info is empty.
+//! Versions: v3 terminates the episode when the lap is complete, and says so in info; v2, which Gymnasium
+//! no longer has, truncates it and has no info.
+//!
+//! Differences from Gymnasium: the picture is drawn at 96x96 at once, where Gymnasium shrinks one of
+//! 1000x800, and so differs in shades; dynamics, rewards, tracks and colours are equal. The render mode
+//! `state_pixels` is missing: the observation is that picture.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/car_racing.py` and `car_dynamics.py`.
@@ -55,7 +60,7 @@ pub struct Config {
     pub continuous: bool,
     /// The version whose rules hold: 2 or 3.
     pub version: u8,
-    /// Which engine moves the car.
+    /// Which engine moves the car: `box2d` or `rapier`.
     pub physics: Physics,
 }
 

@@ -9,6 +9,7 @@ mod env;
 mod error;
 pub mod file;
 mod functional;
+pub mod math;
 pub mod registry;
 pub mod render;
 mod reset;

@@ -18,6 +18,7 @@ mod snapshot;
 pub mod spaces;
 pub mod trace;
 mod value;
+pub mod vector;
 pub mod wrappers;
 
 /// The entries of [`Env::info`] by name.
@@ -37,4 +38,5 @@ pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
+pub use vector::VectorEnv;
 pub use wrappers::Wrap;

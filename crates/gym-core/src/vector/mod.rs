@@ -2,6 +2,7 @@
 
 mod columns;
 mod infos;
+pub mod native;
 mod reset;
 
 use std::any::Any;

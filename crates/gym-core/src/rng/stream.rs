@@ -21,6 +21,12 @@ pub trait Stream: Clone + fmt::Debug + Send + 'static {
     fn random(&mut self) -> f64 {
         self.lend(Generator::random)
     }
+
+    /// Draws a [`random`](Self::random) and drops it.
+    #[inline(always)]
+    fn skip(&mut self) {
+        self.lend(|rng| rng.next_u64());
+    }
 }
 
 impl Stream for Generator {
@@ -52,14 +58,6 @@ impl Stream for WordStream {
         debug_assert!(generator.half.is_none(), "half a word would be lost");
         self.0 = generator.pcg;
         result
-    }
-}
-
-impl WordStream {
-    /// Draws a word and drops it.
-    #[inline(always)]
-    pub fn skip(&mut self) {
-        self.lend(|rng| rng.next_u64());
     }
 }
 

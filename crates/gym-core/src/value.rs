@@ -445,10 +445,14 @@ macro_rules! discrete {
 
             #[inline(always)]
             fn from_item(index: i64) -> Self {
-                match index {
-                    $(index if index == Self::$variant as i64 => Self::$variant,)+
-                    _ => Self::ALL[0],
-                }
+                // the compiler makes one minimum of it, where a look-up would keep it from vectors
+                let mut action = Self::ALL[Self::ALL.len() - 1];
+                $(
+                    if index == Self::$variant as i64 {
+                        action = Self::$variant;
+                    }
+                )+
+                action
             }
         }
     };

@@ -264,6 +264,7 @@ impl Native for CliffWalkingDynamics {
     type Stream = WordStream;
 
     const DRAWS: bool = true;
+    const INFO: bool = true;
 
     #[inline(always)]
     fn pack(state: &State) -> Cell {

@@ -440,6 +440,7 @@ impl Native for FrozenLakeDynamics {
     type Stream = WordStream;
 
     const DRAWS: bool = true;
+    const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
         match config {

@@ -99,7 +99,11 @@ impl Table {
     /// `None`, and no draw, if there is no such state.
     #[inline(always)]
     pub(crate) fn sample(&self, state: usize, action: usize, rng: &mut impl Stream) -> Option<Outcome> {
-        self.lottery.draw(state.saturating_mul(self.actions).saturating_add(action), rng)
+        // a state beyond all could otherwise wrap around to a row that there is
+        if state >= MAX_STATES {
+            return None;
+        }
+        self.lottery.draw(state * self.actions + action, rng)
     }
 
     #[cold]
@@ -236,6 +240,8 @@ pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
     /// The sums of the leading probabilities, as `np.cumsum` rounds them.
     cumulative: Arc<[f64]>,
+    /// The only possible state, if there is just one: no draw changes that.
+    only: Option<usize>,
 }
 
 impl Distribution {
@@ -252,7 +258,8 @@ impl Distribution {
                 sum
             })
             .collect();
-        Self { probabilities, cumulative }
+        let only = if count == 1 { (0..states).find(|state| possible(*state)) } else { None };
+        Self { probabilities, cumulative, only }
     }
 
     pub(crate) fn probabilities(&self) -> &[f64] {
@@ -261,8 +268,12 @@ impl Distribution {
 
     /// Draws a state by the rule of [`Table::sample`]. The sums never fall, so a binary search
     /// finds the index that Gymnasium's scan finds.
+    #[inline]
     pub(crate) fn sample(&self, rng: &mut Generator) -> usize {
         let r = rng.random();
+        if let Some(state) = self.only {
+            return state;
+        }
         let state = self.cumulative.partition_point(|sum| *sum <= r);
         if state < self.cumulative.len() { state } else { 0 }
     }

@@ -427,6 +427,7 @@ impl Native for TaxiDynamics {
     type Stream = WordStream;
 
     const DRAWS: bool = true;
+    const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
         if config.fickle_passenger { Err("it has no fickle passengers") } else { Ok(()) }

@@ -30,6 +30,8 @@ pub struct NativeVectorEnv<D: Native> {
     blocks: Vec<Block<D>>,
     /// One for each environment, and for each place in the last block that has none.
     streams: Vec<D::Stream>,
+    /// The last states of episodes, where infos tell of them.
+    finals: Vec<D::Packed>,
     /// Which environments the last reset has left out, if any.
     left_out: Vec<bool>,
 }
@@ -71,6 +73,7 @@ impl<D: Native> NativeVectorEnv<D> {
             closed: false,
             blocks: Vec::new(),
             streams: Vec::new(),
+            finals: Vec::new(),
             left_out: Vec::new(),
         })
     }
@@ -86,6 +89,12 @@ impl<D: Native> NativeVectorEnv<D> {
     #[must_use]
     pub fn baseline(self) -> Self {
         Self { level: Level::baseline(), ..self }
+    }
+
+    /// The state of an environment; `None` if there is no such one, or it was never reset.
+    pub fn state(&self, index: usize) -> Option<D::State> {
+        let block = self.blocks.get(index / LANES).filter(|_| index < self.num_envs)?;
+        (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(index % LANES))
     }
 
     fn check_open(&self, call: &'static str) -> Result<()> {
@@ -163,13 +172,14 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         let Columns { observations, rewards, terminated, truncated, has_final, .. } = columns;
         let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>())?;
 
+        for block in &mut self.blocks {
+            block.ended = 0;
+        }
         for i in 0..self.num_envs {
             let (at, lane) = (i / LANES, i % LANES);
             if !reset.selects(i) {
-                // its observation is shown again
-                if let Some(block) = self.blocks.get(at).filter(|block| block.unset >> lane & 1 == 0) {
-                    let state = block.state(lane);
-                    let fresh = block.steps[lane] == 0;
+                if let Some(state) = self.state(i) {
+                    let fresh = self.blocks[at].steps[lane] == 0;
                     let dynamics = &self.dynamics;
                     let observation =
                         if fresh { dynamics.observe(&state) } else { dynamics.observe_state(&state) };
@@ -195,6 +205,9 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                     last.unset >>= LANES - rest;
                 }
                 self.streams = vec![stream.clone(); blocks.len() * LANES];
+                if D::INFO && self.autoreset == Autoreset::SameStep {
+                    self.finals = vec![D::pack(&state); self.num_envs];
+                }
                 self.blocks = blocks;
             }
             self.streams[i] = stream;
@@ -242,6 +255,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             truncated,
             final_observations: D::Observation::rows(final_observations).ok_or_else(|| mismatch::<D>())?,
             has_final,
+            finals: &mut self.finals,
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
@@ -250,12 +264,18 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let left_out = self.left_out.get(index).copied().unwrap_or(false);
-        if index < self.num_envs
+        if let Some(state) = self.state(index)
             && !left_out
-            && let Some(block) = self.blocks.get(index / LANES)
-            && block.unset >> (index % LANES) & 1 == 0
         {
-            self.dynamics.info(&block.state(index % LANES), visit);
+            self.dynamics.info(&state, visit);
+        }
+    }
+
+    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        if let (Some(block), Some(last)) = (self.blocks.get(index / LANES), self.finals.get(index))
+            && block.ended >> (index % LANES) & 1 == 1
+        {
+            self.dynamics.info(&D::unpack(*last, false), visit);
         }
     }
 

@@ -52,6 +52,9 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
     /// Whether steps draw from the generator, and not starts alone.
     const DRAWS: bool;
 
+    /// Whether [`info`](Dynamics::info) has entries.
+    const INFO: bool = false;
+
     /// Refuses arguments that only a scalar environment understands.
     ///
     /// # Errors

@@ -15,6 +15,8 @@ pub(super) struct Block<D: Native> {
     pub(super) due: u32,
     /// Which were never reset.
     pub(super) unset: u32,
+    /// Whose episode has ended in the last step and was reset in it.
+    pub(super) ended: u32,
 }
 
 impl<D: Native> Block<D> {
@@ -45,6 +47,8 @@ pub(super) struct Step<'a, D: Native> {
     pub(super) truncated: &'a mut [bool],
     pub(super) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(super) has_final: &'a mut [bool],
+    /// The last states of the episodes that have ended, where [`Native::INFO`] asks for them.
+    pub(super) finals: &'a mut [D::Packed],
 }
 
 /// The results of a block, before they go to the columns.
@@ -122,7 +126,11 @@ impl<D: Native> Step<'_, D> {
                 block.due = done & !block.due;
             }
             Autoreset::SameStep => {
+                block.ended = done;
                 for lane in lanes(done) {
+                    if let Some(last) = self.finals.get_mut(first + lane) {
+                        *last = D::Packed::get(&block.states, lane);
+                    }
                     let observation = [results.observations[lane]];
                     D::Observation::write_rows(&mut self.final_observations, first + lane, &observation);
                     self.has_final[first + lane] = true;
@@ -145,8 +153,9 @@ fn step<D: Native>(
     actions: &[<D::Action as ActionColumn>::Item; LANES],
     results: &mut Results<D::Observation>,
 ) {
+    let due = block.due;
     for lane in 0..LANES {
-        if D::DRAWS && block.due >> lane & 1 == 1 {
+        if D::DRAWS && due >> lane & 1 == 1 {
             continue;
         }
         let state = D::unpack(D::Packed::get(&block.states, lane), block.steps[lane] == 0);

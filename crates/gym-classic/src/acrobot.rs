@@ -20,11 +20,14 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
+use gym_core::rng::WordStream;
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
-use crate::numpy::{modulo, sin_cos_f32, square};
+use crate::numpy::sin_cos_f32;
 use crate::{pixels, reset};
 
 /// The environment.
@@ -107,31 +110,12 @@ impl Dynamics for AcrobotDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let torque = f64::from(*action as i8 - 1);
-        let State { theta1, theta2, dtheta1, dtheta2, .. } = *state;
-        let [theta1, theta2, dtheta1, dtheta2] = rk4([theta1, theta2, dtheta1, dtheta2], torque);
-        let state = State {
-            theta1: wrap(theta1),
-            theta2: wrap(theta2),
-            dtheta1: dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1),
-            dtheta2: dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2),
-            fresh: false,
-        };
-        let terminated = -state.theta1.cos() - (state.theta2 + state.theta1).cos() > 1.0;
-        Ok(Transition { state, reward: if terminated { 0.0 } else { -1.0 }, terminated })
+        Ok(advance::<Libm>(state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 6] {
-        let sin_cos = |theta: f64| {
-            if state.fresh {
-                return sin_cos_f32(theta as f32);
-            }
-            (theta.sin() as f32, theta.cos() as f32)
-        };
-        let (sin1, cos1) = sin_cos(state.theta1);
-        let (sin2, cos2) = sin_cos(state.theta2);
-        [cos1, sin1, cos2, sin2, state.dtheta1 as f32, state.dtheta2 as f32]
+        if state.fresh { see(state, |theta| sin_cos_f32(theta as f32)) } else { see(state, sin_cos::<Libm>) }
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -163,8 +147,40 @@ impl Dynamics for AcrobotDynamics {
     }
 }
 
+/// One step in time.
+#[inline(always)]
+fn advance<M: Math>(state: &State, action: Action) -> Transition<State> {
+    let torque = f64::from(action as i8 - 1);
+    let State { theta1, theta2, dtheta1, dtheta2, .. } = *state;
+    let [theta1, theta2, dtheta1, dtheta2] = rk4::<M>([theta1, theta2, dtheta1, dtheta2], torque);
+    let state = State {
+        theta1: M::wrap(theta1),
+        theta2: M::wrap(theta2),
+        dtheta1: dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1),
+        dtheta2: dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2),
+        fresh: false,
+    };
+    let terminated = -M::cos(state.theta1) - M::cos(state.theta2 + state.theta1) > 1.0;
+    Transition { state, reward: if terminated { 0.0 } else { -1.0 }, terminated }
+}
+
+/// What the agent sees of a state.
+#[inline(always)]
+fn see(state: &State, sin_cos: impl Fn(f64) -> (f32, f32)) -> [f32; 6] {
+    let (sin1, cos1) = sin_cos(state.theta1);
+    let (sin2, cos2) = sin_cos(state.theta2);
+    [cos1, sin1, cos2, sin2, state.dtheta1 as f32, state.dtheta2 as f32]
+}
+
+#[inline(always)]
+fn sin_cos<M: Math>(theta: f64) -> (f32, f32) {
+    let (sin, cos) = M::sin_cos(theta);
+    (sin as f32, cos as f32)
+}
+
 /// The derivatives of both angles and both velocities.
-fn dsdt([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [f64; 4] {
+#[inline(always)]
+fn dsdt<M: Math>([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [f64; 4] {
     const M1: f64 = LINK_MASS_1;
     const M2: f64 = LINK_MASS_2;
     const L1: f64 = LINK_LENGTH_1;
@@ -174,44 +190,55 @@ fn dsdt([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [f64; 4] {
     const I2: f64 = LINK_MOI;
     const G: f64 = GRAVITY;
     // squares of constants are exact either way; those of variables are `pow`, as in numpy
-    let (sin2, cos2) = theta2.sin_cos();
+    let (sin2, cos2) = M::sin_cos(theta2);
 
     let d1 = M1 * (LC1 * LC1) + M2 * (L1 * L1 + LC2 * LC2 + 2.0 * L1 * LC2 * cos2) + I1 + I2;
     let d2 = M2 * (LC2 * LC2 + L1 * LC2 * cos2) + I2;
-    let phi2 = M2 * LC2 * G * (theta1 + theta2 - PI / 2.0).cos();
-    let phi1 = -M2 * L1 * LC2 * square(dtheta2) * sin2 - 2.0 * M2 * L1 * LC2 * dtheta2 * dtheta1 * sin2
-        + (M1 * LC1 + M2 * L1) * G * (theta1 - PI / 2.0).cos()
+    let phi2 = M2 * LC2 * G * M::cos(theta1 + theta2 - PI / 2.0);
+    let phi1 = -M2 * L1 * LC2 * M::square(dtheta2) * sin2 - 2.0 * M2 * L1 * LC2 * dtheta2 * dtheta1 * sin2
+        + (M1 * LC1 + M2 * L1) * G * M::cos(theta1 - PI / 2.0)
         + phi2;
-    let ddtheta2 = (torque + d2 / d1 * phi1 - M2 * L1 * LC2 * square(dtheta1) * sin2 - phi2)
-        / (M2 * (LC2 * LC2) + I2 - square(d2) / d1);
+    let ddtheta2 = (torque + d2 / d1 * phi1 - M2 * L1 * LC2 * M::square(dtheta1) * sin2 - phi2)
+        / (M2 * (LC2 * LC2) + I2 - M::square(d2) / d1);
     let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
 }
 
 /// One step of the classical Runge-Kutta method.
-fn rk4(y0: [f64; 4], torque: f64) -> [f64; 4] {
+#[inline(always)]
+fn rk4<M: Math>(y0: [f64; 4], torque: f64) -> [f64; 4] {
     let advance = |step: f64, k: [f64; 4]| std::array::from_fn(|i| y0[i] + step * k[i]);
-    let k1 = dsdt(y0, torque);
-    let k2 = dsdt(advance(DT / 2.0, k1), torque);
-    let k3 = dsdt(advance(DT / 2.0, k2), torque);
-    let k4 = dsdt(advance(DT, k3), torque);
+    let k1 = dsdt::<M>(y0, torque);
+    let k2 = dsdt::<M>(advance(DT / 2.0, k1), torque);
+    let k3 = dsdt::<M>(advance(DT / 2.0, k2), torque);
+    let k4 = dsdt::<M>(advance(DT, k3), torque);
     std::array::from_fn(|i| y0[i] + DT / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
 }
 
-/// `x` brought between ±π by whole turns. Turn by turn as Gymnasium does it, for the same rounding,
-/// unless velocities from reset options have made it so large that this would take forever.
-fn wrap(mut x: f64) -> f64 {
-    const TURN: f64 = 2.0 * PI;
-    if x.abs() > 1e4 {
-        return modulo(x + PI, TURN) - PI;
+impl Native for AcrobotDynamics {
+    type Packed = [f64; 4];
+    type Stream = WordStream;
+
+    const DRAWS: bool = false;
+
+    fn pack(state: &State) -> [f64; 4] {
+        [state.theta1, state.theta2, state.dtheta1, state.dtheta2]
     }
-    while x > PI {
-        x -= TURN;
+
+    #[inline(always)]
+    fn unpack([theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
+        State { theta1, theta2, dtheta1, dtheta2, fresh }
     }
-    while x < -PI {
-        x += TURN;
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
+        advance::<Polynomial>(state, action)
     }
-    x
+
+    #[inline(always)]
+    fn observe_state(&self, state: &State) -> [f32; 6] {
+        see(state, sin_cos::<Polynomial>)
+    }
 }
 
 gym_core::register!(
@@ -219,4 +246,5 @@ gym_core::register!(
         .description("Swing a two-link arm above a line.")
         .max_episode_steps(500)
         .reward_threshold(-100.0)
+        .vector_entry_point(native::entry_point::<AcrobotDynamics>)
 );

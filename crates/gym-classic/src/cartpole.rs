@@ -16,7 +16,10 @@
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
 use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
+use gym_core::rng::WordStream;
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +79,41 @@ pub struct CartPoleDynamics {
     config: Config,
 }
 
+impl CartPoleDynamics {
+    /// The equations of motion.
+    #[inline(always)]
+    fn advance<M: Math>(&self, state: &State, action: Action) -> Transition<State> {
+        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let force = if action == Action::Right { FORCE_MAG } else { -FORCE_MAG };
+        let (sintheta, costheta) = M::sin_cos(theta);
+
+        let temp = (force + POLEMASS_LENGTH * (theta_dot * theta_dot) * sintheta) / TOTAL_MASS;
+        let thetaacc = (GRAVITY * sintheta - costheta * temp)
+            / (LENGTH * (4.0 / 3.0 - MASS_POLE * (costheta * costheta) / TOTAL_MASS));
+        let xacc = temp - POLEMASS_LENGTH * thetaacc * costheta / TOTAL_MASS;
+
+        // explicit Euler: positions move with the old velocities
+        let next = State {
+            x: x + TAU * x_dot,
+            x_dot: x_dot + TAU * xacc,
+            theta: theta + TAU * theta_dot,
+            theta_dot: theta_dot + TAU * thetaacc,
+            fallen,
+        };
+        let terminated = (next.x < -X_THRESHOLD)
+            | (next.x > X_THRESHOLD)
+            | (next.theta < -THETA_THRESHOLD)
+            | (next.theta > THETA_THRESHOLD);
+        let reward = match (self.config.sutton_barto_reward, terminated) {
+            (true, true) => -1.0,
+            (true, false) => 0.0,
+            (false, true) if fallen => 0.0,
+            (false, _) => 1.0,
+        };
+        Transition { state: State { fallen: fallen | terminated, ..next }, reward, terminated }
+    }
+}
+
 impl Dynamics for CartPoleDynamics {
     type Config = Config;
     type State = State;
@@ -110,34 +148,7 @@ impl Dynamics for CartPoleDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let State { x, x_dot, theta, theta_dot, fallen } = *state;
-        let force = if *action == Action::Right { FORCE_MAG } else { -FORCE_MAG };
-        let (sintheta, costheta) = theta.sin_cos();
-
-        let temp = (force + POLEMASS_LENGTH * (theta_dot * theta_dot) * sintheta) / TOTAL_MASS;
-        let thetaacc = (GRAVITY * sintheta - costheta * temp)
-            / (LENGTH * (4.0 / 3.0 - MASS_POLE * (costheta * costheta) / TOTAL_MASS));
-        let xacc = temp - POLEMASS_LENGTH * thetaacc * costheta / TOTAL_MASS;
-
-        // explicit Euler: positions move with the old velocities
-        let next = State {
-            x: x + TAU * x_dot,
-            x_dot: x_dot + TAU * xacc,
-            theta: theta + TAU * theta_dot,
-            theta_dot: theta_dot + TAU * thetaacc,
-            fallen,
-        };
-        let terminated = next.x < -X_THRESHOLD
-            || next.x > X_THRESHOLD
-            || next.theta < -THETA_THRESHOLD
-            || next.theta > THETA_THRESHOLD;
-        let reward = match (self.config.sutton_barto_reward, terminated) {
-            (true, true) => -1.0,
-            (true, false) => 0.0,
-            (false, true) if fallen => 0.0,
-            (false, _) => 1.0,
-        };
-        Ok(Transition { state: State { fallen: fallen || terminated, ..next }, reward, terminated })
+        Ok(self.advance::<Libm>(state, *action))
     }
 
     #[inline]
@@ -175,17 +186,41 @@ impl Dynamics for CartPoleDynamics {
     }
 }
 
+impl Native for CartPoleDynamics {
+    type Packed = [f64; 4];
+    type Stream = WordStream;
+
+    const DRAWS: bool = false;
+
+    fn pack(state: &State) -> [f64; 4] {
+        [state.x, state.x_dot, state.theta, state.theta_dot]
+    }
+
+    /// A pole that has fallen is not stepped again in a vector.
+    #[inline(always)]
+    fn unpack([x, x_dot, theta, theta_dot]: [f64; 4], _fresh: bool) -> State {
+        State { x, x_dot, theta, theta_dot, fallen: false }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
+        self.advance::<Polynomial>(state, action)
+    }
+}
+
 gym_core::register!(
     Registration::new::<CartPole>("CartPole-v0")
         .description("Balance a pole on a cart.")
         .max_episode_steps(200)
         .reward_threshold(195.0)
+        .vector_entry_point(native::entry_point::<CartPoleDynamics>)
 );
 gym_core::register!(
     Registration::new::<CartPole>("CartPole-v1")
         .description("Balance a pole on a cart.")
         .max_episode_steps(500)
         .reward_threshold(475.0)
+        .vector_entry_point(native::entry_point::<CartPoleDynamics>)
 );
 
 #[cfg(test)]

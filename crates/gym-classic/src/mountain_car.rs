@@ -13,7 +13,10 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape, Transform};
+use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
+use gym_core::rng::WordStream;
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +67,24 @@ pub struct MountainCarDynamics {
     config: Config,
 }
 
+impl MountainCarDynamics {
+    /// The equations of motion.
+    #[inline(always)]
+    fn advance<M: Math>(&self, state: &State, action: Action) -> Transition<State> {
+        let State { mut position, mut velocity } = *state;
+        let push = f64::from(action as i8 - 1);
+        velocity += push * FORCE + M::cos(3.0 * position) * -GRAVITY;
+        velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
+        position += velocity;
+        position = position.clamp(MIN_POSITION, MAX_POSITION);
+        if (position == MIN_POSITION) & (velocity < 0.0) {
+            velocity = 0.0;
+        }
+        let terminated = (position >= GOAL_POSITION) & (velocity >= self.config.goal_velocity);
+        Transition { state: State { position, velocity }, reward: -1.0, terminated }
+    }
+}
+
 impl Dynamics for MountainCarDynamics {
     type Config = Config;
     type State = State;
@@ -96,17 +117,7 @@ impl Dynamics for MountainCarDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let State { mut position, mut velocity } = *state;
-        let push = f64::from(*action as i8 - 1);
-        velocity += push * FORCE + (3.0 * position).cos() * -GRAVITY;
-        velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
-        position += velocity;
-        position = position.clamp(MIN_POSITION, MAX_POSITION);
-        if position == MIN_POSITION && velocity < 0.0 {
-            velocity = 0.0;
-        }
-        let terminated = position >= GOAL_POSITION && velocity >= self.config.goal_velocity;
-        Ok(Transition { state: State { position, velocity }, reward: -1.0, terminated })
+        Ok(self.advance::<Libm>(state, *action))
     }
 
     #[inline]
@@ -170,9 +181,31 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
     canvas.pop();
 }
 
+impl Native for MountainCarDynamics {
+    type Packed = [f64; 2];
+    type Stream = WordStream;
+
+    const DRAWS: bool = false;
+
+    fn pack(state: &State) -> [f64; 2] {
+        [state.position, state.velocity]
+    }
+
+    #[inline(always)]
+    fn unpack([position, velocity]: [f64; 2], _fresh: bool) -> State {
+        State { position, velocity }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
+        self.advance::<Polynomial>(state, action)
+    }
+}
+
 gym_core::register!(
     Registration::new::<MountainCar>("MountainCar-v0")
         .description("Drive an underpowered car out of a valley by rocking.")
         .max_episode_steps(200)
         .reward_threshold(-110.0)
+        .vector_entry_point(native::entry_point::<MountainCarDynamics>)
 );

@@ -14,7 +14,10 @@
 //! the state is `float64` after a reset and `float32` from the first step on.
 
 use gym_core::canvas::Canvas;
+use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
+use gym_core::rng::WordStream;
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +47,38 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct MountainCarContinuousDynamics {
     config: Config,
+}
+
+impl MountainCarContinuousDynamics {
+    /// The equations of motion, for a force of any size.
+    #[inline(always)]
+    fn advance<M: Math>(&self, state: &State, action: f32) -> Transition<State> {
+        // Each operation on `float32` numbers is exact in `float64` up to this rounding.
+        let single = |x: f64| f64::from(x as f32);
+        let state_type = |x: f64| if state.fresh { x } else { single(x) };
+        let State { mut position, mut velocity, .. } = *state;
+
+        let pull = 0.0025 * M::cos(state_type(3.0 * position));
+        let change = if (-1.0..=1.0).contains(&action) {
+            single(single(f64::from(action) * single(POWER)) - single(pull))
+        } else {
+            // a clipped force is one of the bounds, a Python float: the sum is then `float64`
+            f64::from(action.signum()) * POWER - pull
+        };
+        let max_speed = state_type(MAX_SPEED);
+        let (min_position, max_position) = (state_type(MIN_POSITION), state_type(MAX_POSITION));
+        velocity = clip(state_type(velocity + state_type(change)), -max_speed, max_speed);
+        position = clip(state_type(position + velocity), min_position, max_position);
+        if (position == min_position) & (velocity < 0.0) {
+            velocity = 0.0;
+        }
+        let terminated =
+            (position >= state_type(GOAL_POSITION)) & (velocity >= state_type(self.config.goal_velocity));
+        let bonus = if terminated { 100.0 } else { 0.0 };
+        let reward = bonus - f64::from(action) * f64::from(action) * 0.1;
+        let state = State { position: single(position), velocity: single(velocity), fresh: false };
+        Transition { state, reward, terminated }
+    }
 }
 
 impl Dynamics for MountainCarContinuousDynamics {
@@ -84,31 +119,7 @@ impl Dynamics for MountainCarContinuousDynamics {
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
         let action = reset::finite(*action, || self.action_space())?;
-        // Each operation on `float32` numbers is exact in `float64` up to this rounding.
-        let single = |x: f64| f64::from(x as f32);
-        let state_type = |x: f64| if state.fresh { x } else { single(x) };
-        let State { mut position, mut velocity, .. } = *state;
-
-        let pull = 0.0025 * state_type(3.0 * position).cos();
-        let change = if (-1.0..=1.0).contains(&action) {
-            single(single(f64::from(action) * single(POWER)) - single(pull))
-        } else {
-            // a clipped force is one of the bounds, a Python float: the sum is then `float64`
-            f64::from(action.signum()) * POWER - pull
-        };
-        let max_speed = state_type(MAX_SPEED);
-        let (min_position, max_position) = (state_type(MIN_POSITION), state_type(MAX_POSITION));
-        velocity = state_type(velocity + state_type(change)).clamp(-max_speed, max_speed);
-        position = state_type(position + velocity).clamp(min_position, max_position);
-        if position == min_position && velocity < 0.0 {
-            velocity = 0.0;
-        }
-        let terminated =
-            position >= state_type(GOAL_POSITION) && velocity >= state_type(self.config.goal_velocity);
-        let bonus = if terminated { 100.0 } else { 0.0 };
-        let reward = bonus - f64::from(action) * f64::from(action) * 0.1;
-        let state = State { position: single(position), velocity: single(velocity), fresh: false };
-        Ok(Transition { state, reward, terminated })
+        Ok(self.advance::<Libm>(state, action))
     }
 
     #[inline]
@@ -129,9 +140,38 @@ impl Dynamics for MountainCarContinuousDynamics {
     }
 }
 
+/// `np.clip`. Unlike `clamp` it does not ask whether the bounds are in order.
+#[inline(always)]
+fn clip(x: f64, low: f64, high: f64) -> f64 {
+    let x = if x < low { low } else { x };
+    if x > high { high } else { x }
+}
+
+impl Native for MountainCarContinuousDynamics {
+    type Packed = [f64; 2];
+    type Stream = WordStream;
+
+    const DRAWS: bool = false;
+
+    fn pack(state: &State) -> [f64; 2] {
+        [state.position, state.velocity]
+    }
+
+    #[inline(always)]
+    fn unpack([position, velocity]: [f64; 2], fresh: bool) -> State {
+        State { position, velocity, fresh }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, [action]: [f32; 1], _rng: &mut WordStream) -> Transition<State> {
+        self.advance::<Polynomial>(state, action)
+    }
+}
+
 gym_core::register!(
     Registration::new::<MountainCarContinuous>("MountainCarContinuous-v0")
         .description("Drive an underpowered car out of a valley, with little effort.")
         .max_episode_steps(999)
         .reward_threshold(90.0)
+        .vector_entry_point(native::entry_point::<MountainCarContinuousDynamics>)
 );

@@ -1,23 +1,4 @@
-//! Arithmetic as numpy does it, where it differs from Rust's operators.
-
-use std::hint::black_box;
-
-/// `x ** 2` of a numpy `float64` scalar: the C library's `pow`, which is not `x * x` for about one
-/// argument in a thousand. The exponent is hidden from the compiler, which would multiply.
-pub(crate) fn square(x: f64) -> f64 {
-    x.powf(black_box(2.0))
-}
-
-/// `x ** 2` of a numpy `float32` scalar.
-pub(crate) fn square_f32(x: f32) -> f32 {
-    x.powf(black_box(2.0))
-}
-
-/// Python's and numpy's `a % b` for `b > 0`: the result has the sign of `b`.
-pub(crate) fn modulo(a: f64, b: f64) -> f64 {
-    let rest = a % b;
-    if rest < 0.0 { rest + b } else { rest.abs() }
-}
+//! Functions that numpy does not take from the C library.
 
 /// `np.sin` and `np.cos` of a `float32`: numpy's own polynomials (at most 1.5 ulp off), evaluated
 /// with fused multiply-add. Source: numpy 2, `loops_trigonometric.dispatch.cpp`.
@@ -54,13 +35,6 @@ pub(crate) fn sin_cos_f32(x: f32) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn modulo_has_the_sign_of_the_divisor() {
-        assert_eq!(modulo(-1.0, 4.0), 3.0);
-        assert_eq!(modulo(5.0, 4.0), 1.0);
-        assert!(modulo(-4.0, 4.0).is_sign_positive());
-    }
 
     /// Argument, sine and cosine, as bits, where numpy 2.4.6 differs from the correctly rounded result.
     #[test]

@@ -15,11 +15,13 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Shape, Transform, arc};
+use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
+use gym_core::rng::WordStream;
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
-use crate::numpy::{modulo, square, square_f32};
 use crate::{pixels, reset};
 
 /// The environment.
@@ -42,8 +44,8 @@ impl Default for Config {
 const MAX_SPEED: f64 = 8.0; // rad/s
 const MAX_TORQUE: f32 = 2.0; // N m
 const DT: f64 = 0.05; // s
-const M: f64 = 1.0; // kg
-const L: f64 = 1.0; // m
+const MASS: f64 = 1.0; // kg
+const LENGTH: f64 = 1.0; // m
 
 /// The pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,12 +65,37 @@ pub struct PendulumDynamics {
 }
 
 /// Reset options: the bounds of the initial state.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 struct Start {
     #[serde(default, deserialize_with = "reset::number")]
     x_init: Option<f64>,
     #[serde(default, deserialize_with = "reset::number")]
     y_init: Option<f64>,
+}
+
+impl PendulumDynamics {
+    /// The equation of motion, for a torque of any size.
+    #[inline(always)]
+    fn advance<M: Math>(&self, state: &State, torque: f32) -> Transition<State> {
+        let u = torque.clamp(-MAX_TORQUE, MAX_TORQUE);
+        let State { theta, theta_dot, .. } = *state;
+        let angle = M::modulo(theta + PI, 2.0 * PI) - PI;
+        let costs = M::square(angle) + 0.1 * M::square(theta_dot) + f64::from(0.001 * M::square_f32(u));
+
+        let pull = 3.0 * self.config.g / (2.0 * LENGTH) * M::sin(theta);
+        let push = f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32 * u);
+        let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
+        let theta = theta + theta_dot * DT;
+        let state = State { theta, theta_dot, last_torque: Some(u) };
+        Transition { state, reward: -costs, terminated: false }
+    }
+}
+
+/// What the agent sees of a state.
+#[inline(always)]
+fn see<M: Math>(state: &State) -> [f32; 3] {
+    let (sin, cos) = M::sin_cos(state.theta);
+    [cos as f32, sin as f32, state.theta_dot as f32]
 }
 
 impl Dynamics for PendulumDynamics {
@@ -103,7 +130,8 @@ impl Dynamics for PendulumDynamics {
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
-        let Start { x_init, y_init } = reset.options(Self::NAME)?;
+        let Start { x_init, y_init } =
+            if reset.options.is_empty() { Start::default() } else { reset.options(Self::NAME)? };
         let x = reset::check(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
         let y = reset::check(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
         Ok(State { theta: rng.uniform(-x, x), theta_dot: rng.uniform(-y, y), last_torque: None })
@@ -116,22 +144,13 @@ impl Dynamics for PendulumDynamics {
         action: &[f32; 1],
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
-        let u = reset::finite(*action, || self.action_space())?.clamp(-MAX_TORQUE, MAX_TORQUE);
-        let State { theta, theta_dot, .. } = *state;
-        let costs =
-            square(angle_normalize(theta)) + 0.1 * square(theta_dot) + f64::from(0.001 * square_f32(u));
-
-        let pull = 3.0 * self.config.g / (2.0 * L) * theta.sin();
-        let push = f64::from((3.0 / (M * (L * L))) as f32 * u);
-        let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
-        let theta = theta + theta_dot * DT;
-        let state = State { theta, theta_dot, last_torque: Some(u) };
-        Ok(Transition { state, reward: -costs, terminated: false })
+        let torque = reset::finite(*action, || self.action_space())?;
+        Ok(self.advance::<Libm>(state, torque))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 3] {
-        [state.theta.cos() as f32, state.theta.sin() as f32, state.theta_dot as f32]
+        see::<Libm>(state)
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -185,13 +204,35 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     canvas.pop();
 }
 
-/// The angle in [-π, π).
-fn angle_normalize(x: f64) -> f64 {
-    modulo(x + PI, 2.0 * PI) - PI
+impl Native for PendulumDynamics {
+    type Packed = [f64; 2];
+    type Stream = WordStream;
+
+    const DRAWS: bool = false;
+
+    fn pack(state: &State) -> [f64; 2] {
+        [state.theta, state.theta_dot]
+    }
+
+    #[inline(always)]
+    fn unpack([theta, theta_dot]: [f64; 2], _fresh: bool) -> State {
+        State { theta, theta_dot, last_torque: None }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, [torque]: [f32; 1], _rng: &mut WordStream) -> Transition<State> {
+        self.advance::<Polynomial>(state, torque)
+    }
+
+    #[inline(always)]
+    fn observe_state(&self, state: &State) -> [f32; 3] {
+        see::<Polynomial>(state)
+    }
 }
 
 gym_core::register!(
     Registration::new::<Pendulum>("Pendulum-v1")
         .description("Swing a pendulum up and hold it.")
         .max_episode_steps(200)
+        .vector_entry_point(native::entry_point::<PendulumDynamics>)
 );

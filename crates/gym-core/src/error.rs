@@ -142,6 +142,15 @@ pub enum Error {
     #[error("the environment breaks its contract: {0}")]
     Contract(String),
 
+    /// One environment of a vector failed.
+    #[error("sub-environment {index}: {source}")]
+    SubEnvironment {
+        /// Which one.
+        index: usize,
+        /// What is wrong with it.
+        source: Box<Error>,
+    },
+
     /// Reading or writing a file failed.
     #[error("{path}: {source}")]
     Io {
@@ -165,6 +174,11 @@ impl Error {
     /// [`Error::InvalidArgument`] from its two parts.
     pub fn argument(target: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::InvalidArgument { target: target.into(), reason: reason.into() }
+    }
+
+    /// [`Error::SubEnvironment`] of an environment's own error.
+    pub fn at_env(self, index: usize) -> Self {
+        Self::SubEnvironment { index, source: Box::new(self) }
     }
 
     /// [`Error::Io`] of a file.

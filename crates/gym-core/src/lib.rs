@@ -9,6 +9,7 @@ mod env;
 mod error;
 pub mod file;
 mod functional;
+pub mod math;
 pub mod registry;
 pub mod render;
 mod reset;
@@ -17,6 +18,7 @@ mod snapshot;
 pub mod spaces;
 pub mod trace;
 mod value;
+pub mod vector;
 pub mod wrappers;
 
 /// The entries of [`Env::info`] by name.
@@ -36,4 +38,5 @@ pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
+pub use vector::VectorEnv;
 pub use wrappers::Wrap;

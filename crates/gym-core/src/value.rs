@@ -430,5 +430,30 @@ macro_rules! discrete {
                 *out = $crate::Value::Int(*self as i64);
             }
         }
+
+        impl $crate::vector::native::ActionColumn for $name {
+            type Item = i64;
+
+            fn items(batch: &$crate::Value, n: usize) -> Option<&[i64]> {
+                $crate::vector::native::indices(batch, n)
+            }
+
+            #[inline(always)]
+            fn is_valid(index: i64) -> bool {
+                (index as u64) < Self::ALL.len() as u64
+            }
+
+            #[inline(always)]
+            fn from_item(index: i64) -> Self {
+                // the compiler makes one minimum of it, where a look-up would keep it from vectors
+                let mut action = Self::ALL[Self::ALL.len() - 1];
+                $(
+                    if index == Self::$variant as i64 {
+                        action = Self::$variant;
+                    }
+                )+
+                action
+            }
+        }
     };
 }

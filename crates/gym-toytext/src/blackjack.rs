@@ -18,6 +18,7 @@
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
+use gym_core::vector::native::{self, Native, Whole};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -52,45 +53,52 @@ gym_core::discrete! {
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct Hand {
     cards: [u8; Self::MAX_LEN],
-    len: usize,
+    len: u8,
+    /// With each ace as 1.
+    hard_sum: u8,
+    has_ace: bool,
 }
 
 impl Hand {
     /// 21 aces and the card that goes over.
     const MAX_LEN: usize = 22;
+    const EMPTY: Self = Self { cards: [0; Self::MAX_LEN], len: 0, hard_sum: 0, has_ace: false };
 
     fn draw(rng: &mut Generator) -> Self {
-        let mut hand = Self { cards: [0; Self::MAX_LEN], len: 0 };
+        let mut hand = Self::EMPTY;
         hand.draw_card(rng);
         hand.draw_card(rng);
         hand
     }
 
+    #[inline]
     fn draw_card(&mut self, rng: &mut Generator) {
-        if let Some(card) = self.cards.get_mut(self.len) {
-            *card = DECK[rng.choice(DECK.len())];
+        self.push(DECK[rng.choice(DECK.len())]);
+    }
+
+    #[inline]
+    fn push(&mut self, card: u8) {
+        if let Some(place) = self.cards.get_mut(usize::from(self.len)) {
+            *place = card;
             self.len += 1;
+            self.hard_sum += card;
+            self.has_ace |= card == 1;
         }
     }
 
     /// The cards, in the order drawn.
     pub fn cards(&self) -> &[u8] {
-        &self.cards[..self.len]
+        &self.cards[..usize::from(self.len)]
     }
 
     /// Whether there is an ace that counts 11.
     pub fn usable_ace(&self) -> bool {
-        self.cards().contains(&1) && self.hard_sum() + 10 <= 21
+        self.has_ace && self.hard_sum + 10 <= 21
     }
 
     /// The sum, with a usable ace as 11.
     pub fn sum(&self) -> u8 {
-        self.hard_sum() + if self.usable_ace() { 10 } else { 0 }
-    }
-
-    /// The sum with each ace as 1.
-    fn hard_sum(&self) -> u8 {
-        self.cards().iter().sum()
+        self.hard_sum + if self.usable_ace() { 10 } else { 0 }
     }
 
     /// Whether the sum is over 21.
@@ -125,8 +133,8 @@ impl TryFrom<Vec<u8>> for Hand {
         if !possible {
             return Err(format!("{cards:?} is not a hand of blackjack"));
         }
-        let mut hand = Self { cards: [0; Self::MAX_LEN], len: cards.len() };
-        hand.cards[..cards.len()].copy_from_slice(&cards);
+        let mut hand = Self::EMPTY;
+        cards.into_iter().for_each(|card| hand.push(card));
         Ok(hand)
     }
 }
@@ -171,6 +179,33 @@ pub struct BlackjackDynamics {
     config: Config,
 }
 
+impl BlackjackDynamics {
+    /// A step.
+    #[inline(always)]
+    fn play(&self, state: &State, action: Action, rng: &mut Generator) -> Transition<State> {
+        let mut state = *state;
+        if action == Action::Hit {
+            // beyond the end of an episode there is no card to take
+            if !state.player.is_bust() {
+                state.player.draw_card(rng);
+            }
+            let terminated = state.player.is_bust();
+            return Transition { state, reward: if terminated { -1.0 } else { 0.0 }, terminated };
+        }
+        while state.dealer.sum() < 17 {
+            state.dealer.draw_card(rng);
+        }
+        let State { dealer, player, .. } = &state;
+        let reward = f64::from(player.score().cmp(&dealer.score()) as i8);
+        let reward = match self.config {
+            Config { sab: true, .. } if player.is_natural() && !dealer.is_natural() => 1.0,
+            Config { sab: false, natural: true } if player.is_natural() && reward == 1.0 => 1.5,
+            _ => reward,
+        };
+        Transition { state, reward, terminated: true }
+    }
+}
+
 impl Dynamics for BlackjackDynamics {
     type Config = Config;
     type State = State;
@@ -205,26 +240,7 @@ impl Dynamics for BlackjackDynamics {
     }
 
     fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let mut state = *state;
-        if *action == Action::Hit {
-            // beyond the end of an episode there is no card to take
-            if !state.player.is_bust() {
-                state.player.draw_card(rng);
-            }
-            let terminated = state.player.is_bust();
-            return Ok(Transition { state, reward: if terminated { -1.0 } else { 0.0 }, terminated });
-        }
-        while state.dealer.sum() < 17 {
-            state.dealer.draw_card(rng);
-        }
-        let State { dealer, player, .. } = &state;
-        let reward = f64::from(player.score().cmp(&dealer.score()) as i8);
-        let reward = match self.config {
-            Config { sab: true, .. } if player.is_natural() && !dealer.is_natural() => 1.0,
-            Config { sab: false, natural: true } if player.is_natural() && reward == 1.0 => 1.5,
-            _ => reward,
-        };
-        Ok(Transition { state, reward, terminated: true })
+        Ok(self.play(state, *action, rng))
     }
 
     fn observe(&self, state: &State) -> (usize, usize, usize) {
@@ -390,10 +406,33 @@ fn blank(canvas: &mut dyn Canvas, corner: Point) {
     canvas.round_rect(corner, CARD, 7.0, Color::WHITE);
 }
 
+impl Native for BlackjackDynamics {
+    type Packed = Whole<State>;
+    type Stream = Generator;
+
+    const DRAWS: bool = true;
+
+    #[inline(always)]
+    fn pack(state: &State) -> Whole<State> {
+        Whole(*state)
+    }
+
+    #[inline(always)]
+    fn unpack(Whole(state): Whole<State>, _fresh: bool) -> State {
+        state
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, rng: &mut Generator) -> Transition<State> {
+        self.play(state, action, rng)
+    }
+}
+
 gym_core::register!(
     Registration::new::<Blackjack>("Blackjack-v1")
         .description("Beat the dealer's hand without going above 21.")
         .kwargs(r#"{"sab": true, "natural": false}"#)
+        .vector_entry_point(native::entry_point::<BlackjackDynamics>)
 );
 
 #[cfg(test)]

@@ -18,11 +18,13 @@
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
+use gym_core::rng::{Stream, WordStream};
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
-use crate::tabular::{Distribution, Outcome, Table};
+use crate::tabular::{Cell, Distribution, Outcome, Table};
 
 /// The environment.
 pub type CliffWalking = Stateful<CliffWalkingDynamics>;
@@ -91,6 +93,17 @@ impl CliffWalkingDynamics {
     }
 }
 
+impl CliffWalkingDynamics {
+    /// A step; `None` from a state that there is not.
+    #[inline(always)]
+    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.cell, action as usize, rng)?;
+        let state = State { cell: next, last_action: Some(action), probability };
+        Some(Transition { state, reward, terminated })
+    }
+}
+
 impl Dynamics for CliffWalkingDynamics {
     type Config = Config;
     type State = State;
@@ -141,10 +154,7 @@ impl Dynamics for CliffWalkingDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.cell, *action as usize, rng)?;
-        let state = State { cell: next, last_action: Some(*action), probability };
-        Ok(Transition { state, reward, terminated })
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
     }
 
     #[inline]
@@ -249,19 +259,49 @@ fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
     }
 }
 
+impl Native for CliffWalkingDynamics {
+    type Packed = Cell;
+    type Stream = WordStream;
+
+    const DRAWS: bool = true;
+    const INFO: bool = true;
+
+    #[inline(always)]
+    fn pack(state: &State) -> Cell {
+        Cell { state: state.cell as u32, probability: state.probability }
+    }
+
+    #[inline(always)]
+    fn unpack(cell: Cell, _fresh: bool) -> State {
+        State { cell: cell.state as usize, last_action: None, probability: cell.probability }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
+        self.advance(state, action, rng).unwrap_or(Transition {
+            state: *state,
+            reward: 0.0,
+            terminated: false,
+        })
+    }
+}
+
 gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalking-v0")
         .description("Walk along a cliff without falling off.")
         .without_arguments()
+        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalking-v1")
         .description("Walk along a cliff without falling off.")
+        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalkingSlippery-v1")
         .description("Walk along a slippery cliff without falling off.")
         .kwargs(r#"{"is_slippery": true}"#)
+        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 
 #[cfg(test)]

@@ -19,11 +19,13 @@ use std::sync::Arc;
 
 use gym_core::canvas::{Canvas, Color, Point, Transform};
 use gym_core::render::Metadata;
+use gym_core::rng::{Stream, WordStream};
+use gym_core::vector::native::{self, Native};
 use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
-use crate::tabular::{Distribution, Outcome, Table};
+use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table};
 
 /// The environment.
 pub type FrozenLake = Stateful<FrozenLakeDynamics>;
@@ -126,6 +128,17 @@ impl FrozenLakeDynamics {
     }
 }
 
+impl FrozenLakeDynamics {
+    /// A step; `None` from a state that there is not.
+    #[inline(always)]
+    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.cell, action as usize, rng)?;
+        let state = State { cell: next, last_action: Some(action), probability };
+        Some(Transition { state, reward, terminated })
+    }
+}
+
 impl Dynamics for FrozenLakeDynamics {
     type Config = Config;
     type State = State;
@@ -156,6 +169,9 @@ impl Dynamics for FrozenLakeDynamics {
 
         let (nrow, ncol) = (desc.len(), desc[0].len());
         let letters = desc.concat().into_bytes();
+        if letters.len() > MAX_STATES {
+            return Err(invalid(format!("the map has {} cells: there can be {MAX_STATES}", letters.len())));
+        }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
         // by how much each outcome turns from the action, and how likely it is
@@ -205,10 +221,7 @@ impl Dynamics for FrozenLakeDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.cell, *action as usize, rng)?;
-        let state = State { cell: next, last_action: Some(*action), probability };
-        Ok(Transition { state, reward, terminated })
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
     }
 
     #[inline]
@@ -422,12 +435,49 @@ fn has_path(board: &[Vec<u8>]) -> bool {
     false
 }
 
+impl Native for FrozenLakeDynamics {
+    type Packed = Cell;
+    type Stream = WordStream;
+
+    const DRAWS: bool = true;
+    const INFO: bool = true;
+
+    fn supports(config: &Config) -> Result<(), &'static str> {
+        match config {
+            Config { desc: None, map_name: None, .. } => {
+                Err("its environments share one map, not a random one each")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    #[inline(always)]
+    fn pack(state: &State) -> Cell {
+        Cell { state: state.cell as u32, probability: state.probability }
+    }
+
+    #[inline(always)]
+    fn unpack(cell: Cell, _fresh: bool) -> State {
+        State { cell: cell.state as usize, last_action: None, probability: cell.probability }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
+        self.advance(state, action, rng).unwrap_or(Transition {
+            state: *state,
+            reward: 0.0,
+            terminated: false,
+        })
+    }
+}
+
 gym_core::register!(
     Registration::new::<FrozenLake>("FrozenLake-v1")
         .description("Cross a frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
+        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 gym_core::register!(
     Registration::new::<FrozenLake>("FrozenLake8x8-v1")
@@ -435,6 +485,7 @@ gym_core::register!(
         .kwargs(r#"{"map_name": "8x8"}"#)
         .max_episode_steps(200)
         .reward_threshold(0.85)
+        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 
 #[cfg(test)]

@@ -24,7 +24,9 @@
 
 use std::sync::Arc;
 
-use gym_core::{Error, Generator, Result};
+use gym_core::rng::Stream;
+use gym_core::vector::native::{LANES, Packed};
+use gym_core::{Error, Generator};
 
 /// One way in which an action can turn out: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +48,7 @@ pub struct Table {
     outcomes: Arc<[Outcome]>,
     /// Where in `outcomes` each row (a state and an action) begins, and where the last one ends.
     rows: Arc<[usize]>,
+    lottery: Arc<Lottery>,
 }
 
 impl Table {
@@ -63,7 +66,8 @@ impl Table {
                 rows.push(outcomes.len());
             }
         }
-        Self { actions, outcomes: outcomes.into(), rows: rows.into() }
+        let lottery = Lottery::new(&outcomes, &rows).into();
+        Self { actions, outcomes: outcomes.into(), rows: rows.into(), lottery }
     }
 
     /// The number of states.
@@ -92,22 +96,141 @@ impl Table {
 
     /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
     /// probabilities exceeds `random()`, or the first of all where rounding leaves that sum short.
-    #[inline]
-    pub(crate) fn sample(&self, state: usize, action: usize, rng: &mut Generator) -> Result<Outcome> {
-        let outcomes = self.outcomes(state, action);
-        let Some(first) = outcomes.first() else { return Err(self.no_such_state(state)) };
-        let r = rng.random();
-        let mut sum = 0.0;
-        let drawn = outcomes.iter().find(|outcome| {
-            sum += outcome.probability;
-            sum > r
-        });
-        Ok(*drawn.unwrap_or(first))
+    /// `None`, and no draw, if there is no such state.
+    #[inline(always)]
+    pub(crate) fn sample(&self, state: usize, action: usize, rng: &mut impl Stream) -> Option<Outcome> {
+        // a state beyond all could otherwise wrap around to a row that there is
+        if state >= MAX_STATES {
+            return None;
+        }
+        self.lottery.draw(state * self.actions + action, rng)
     }
 
     #[cold]
-    fn no_such_state(&self, state: usize) -> Error {
+    pub(crate) fn no_such_state(&self, state: usize) -> Error {
         Error::custom(format!("there is no state {state}: the states are 0 to {}", self.states() - 1))
+    }
+}
+
+/// A table in the form that steps read: a few bytes for each row, so that they stay in the
+/// processor's nearest cache.
+#[derive(Debug, PartialEq)]
+struct Lottery {
+    rows: Rows,
+    /// What sets outcomes apart besides the state that follows.
+    kinds: Vec<Outcome>,
+}
+
+#[derive(Debug, PartialEq)]
+enum Rows {
+    /// Each row has a single outcome: the draw decides nothing.
+    Certain(Vec<Ticket>),
+    Random(Vec<Row>),
+}
+
+/// The outcomes of one action in one state, at most [`MAX_OUTCOMES`].
+#[derive(Debug, PartialEq)]
+struct Row {
+    /// The sums of the leading probabilities; infinite where there are no more.
+    sums: [f64; MAX_OUTCOMES],
+    /// The outcomes; after the last one the first again, for draws above all sums.
+    tickets: [Ticket; MAX_OUTCOMES + 1],
+}
+
+const MAX_OUTCOMES: usize = 3;
+
+/// An outcome: its kind in the lowest byte, above it the state that follows.
+type Ticket = u32;
+
+/// The most states that a table can have.
+pub(crate) const MAX_STATES: usize = 1 << 24;
+
+impl Lottery {
+    fn new(outcomes: &[Outcome], rows: &[usize]) -> Self {
+        let mut kinds = Vec::new();
+        let mut ticket = |outcome: &Outcome| {
+            let kind = Outcome { next: 0, ..*outcome };
+            let index = kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
+                kinds.push(kind);
+                kinds.len() - 1
+            });
+            debug_assert!(outcome.next < MAX_STATES && index < 256, "it does not fit a ticket");
+            (outcome.next << 8 | index) as Ticket
+        };
+        let rows = || rows.windows(2).map(|bounds| &outcomes[bounds[0]..bounds[1]]);
+        let rows = if rows().all(|row| row.len() == 1) {
+            Rows::Certain(outcomes.iter().map(ticket).collect())
+        } else {
+            let row = |outcomes: &[Outcome]| {
+                debug_assert!((1..=MAX_OUTCOMES).contains(&outcomes.len()), "a row holds up to three");
+                let mut row = Row {
+                    sums: [f64::INFINITY; MAX_OUTCOMES],
+                    tickets: [ticket(&outcomes[0]); MAX_OUTCOMES + 1],
+                };
+                let mut sum = 0.0;
+                for (i, outcome) in outcomes.iter().enumerate() {
+                    sum += outcome.probability;
+                    row.sums[i] = sum;
+                    row.tickets[i] = ticket(outcome);
+                }
+                row
+            };
+            Rows::Random(rows().map(row).collect())
+        };
+        Self { rows, kinds }
+    }
+
+    #[inline(always)]
+    fn draw(&self, row: usize, rng: &mut impl Stream) -> Option<Outcome> {
+        let ticket = match &self.rows {
+            Rows::Certain(tickets) => {
+                let ticket = tickets.get(row)?;
+                rng.skip();
+                *ticket
+            }
+            Rows::Random(rows) => {
+                let row = rows.get(row)?;
+                let r = rng.random();
+                // without a branch, which no processor could predict
+                let passed = row.sums.iter().fold(0, |passed, sum| passed + usize::from(*sum <= r));
+                row.tickets[passed]
+            }
+        };
+        let kind = self.kinds.get((ticket & 0xff) as usize)?;
+        Some(Outcome { next: (ticket >> 8) as usize, ..*kind })
+    }
+}
+
+/// What a native vector keeps of a state.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    pub(crate) state: u32,
+    pub(crate) probability: f64,
+}
+
+/// The [`Cell`]s of the environments of a block.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    states: [u32; LANES],
+    probabilities: [f64; LANES],
+}
+
+impl Packed for Cell {
+    type Block = Cells;
+
+    fn splat(self) -> Cells {
+        Cells { states: [self.state; LANES], probabilities: [self.probability; LANES] }
+    }
+
+    #[inline(always)]
+    fn get(cells: &Cells, lane: usize) -> Self {
+        Self { state: cells.states[lane], probability: cells.probabilities[lane] }
+    }
+
+    #[inline(always)]
+    fn set(self, cells: &mut Cells, lane: usize) {
+        cells.states[lane] = self.state;
+        cells.probabilities[lane] = self.probability;
     }
 }
 
@@ -117,6 +240,8 @@ pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
     /// The sums of the leading probabilities, as `np.cumsum` rounds them.
     cumulative: Arc<[f64]>,
+    /// The only possible state, if there is just one: no draw changes that.
+    only: Option<usize>,
 }
 
 impl Distribution {
@@ -133,7 +258,8 @@ impl Distribution {
                 sum
             })
             .collect();
-        Self { probabilities, cumulative }
+        let only = if count == 1 { (0..states).find(|state| possible(*state)) } else { None };
+        Self { probabilities, cumulative, only }
     }
 
     pub(crate) fn probabilities(&self) -> &[f64] {
@@ -142,8 +268,12 @@ impl Distribution {
 
     /// Draws a state by the rule of [`Table::sample`]. The sums never fall, so a binary search
     /// finds the index that Gymnasium's scan finds.
+    #[inline]
     pub(crate) fn sample(&self, rng: &mut Generator) -> usize {
         let r = rng.random();
+        if let Some(state) = self.only {
+            return state;
+        }
         let state = self.cumulative.partition_point(|sum| *sum <= r);
         if state < self.cumulative.len() { state } else { 0 }
     }
@@ -173,8 +303,10 @@ mod tests {
 
     #[test]
     fn a_state_outside_the_table_is_an_error() {
-        let error = coin(0.5).sample(2, 0, &mut Generator::from(0)).unwrap_err();
-        assert_eq!(error.to_string(), "there is no state 2: the states are 0 to 1");
+        let (table, mut rng) = (coin(0.5), Generator::from(0));
+        assert_eq!(table.sample(2, 0, &mut rng), None);
+        assert_eq!(rng, Generator::from(0), "nothing was drawn");
+        assert_eq!(table.no_such_state(2).to_string(), "there is no state 2: the states are 0 to 1");
     }
 
     /// `random()` of seed 42 begins 0.774, 0.439.

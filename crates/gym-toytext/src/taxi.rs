@@ -19,13 +19,15 @@
 
 use gym_core::canvas::{Align, Canvas, Color, Point, Transform};
 use gym_core::render::Metadata;
+use gym_core::rng::{Stream, WordStream};
+use gym_core::vector::native::{self, Native};
 use gym_core::{
     Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing, INK};
-use crate::tabular::{Distribution, Outcome, Table};
+use crate::tabular::{Cell, Distribution, Outcome, Table};
 
 /// The environment.
 pub type Taxi = Stateful<TaxiDynamics>;
@@ -159,6 +161,36 @@ impl TaxiDynamics {
     }
 }
 
+impl TaxiDynamics {
+    /// A step; `None` from a state that there is not.
+    #[inline(always)]
+    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
+        let Outcome { probability, next, reward, terminated } =
+            self.p.sample(state.encoded, action as usize, rng)?;
+        let heading = if matches!(action, Action::Pickup | Action::Dropoff) { state.heading } else { action };
+        let changed = if state.fickle_step { change_of_mind(state.encoded, next, rng) } else { None };
+        let state = State {
+            encoded: changed.unwrap_or(next),
+            fickle_step: state.fickle_step && changed.is_none(),
+            last_action: Some(action),
+            heading,
+            probability,
+        };
+        Some(Transition { state, reward, terminated })
+    }
+}
+
+/// The state with another destination than before, if the passenger was driven from one cell to the
+/// next.
+fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<usize> {
+    let (row, col, passenger, destination) = decode(before);
+    let (next_row, next_col, next_passenger, _) = decode(after);
+    (passenger == IN_TAXI && (row, col) != (next_row, next_col)).then(|| {
+        let other = rng.lend(|rng| rng.choice(STANDS.len() - 1));
+        encode(next_row, next_col, next_passenger, other + usize::from(other >= destination))
+    })
+}
+
 impl Dynamics for TaxiDynamics {
     type Config = Config;
     type State = State;
@@ -237,22 +269,7 @@ impl Dynamics for TaxiDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.encoded, *action as usize, rng)?;
-        let heading =
-            if matches!(action, Action::Pickup | Action::Dropoff) { state.heading } else { *action };
-        let (row, col, passenger, destination) = decode(state.encoded);
-        let (next_row, next_col, next_passenger, _) = decode(next);
-        let changes_mind = state.fickle_step && passenger == IN_TAXI && (row, col) != (next_row, next_col);
-        let encoded = if changes_mind {
-            let other = rng.choice(STANDS.len() - 1);
-            encode(next_row, next_col, next_passenger, other + usize::from(other >= destination))
-        } else {
-            next
-        };
-        let fickle_step = state.fickle_step && !changes_mind;
-        let state = State { encoded, fickle_step, last_action: Some(*action), heading, probability };
-        Ok(Transition { state, reward, terminated })
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.encoded))
     }
 
     #[inline]
@@ -405,18 +422,57 @@ fn finish(canvas: &mut dyn Canvas, foot: Point) {
     canvas.rect([x - 3.0, y - 42.0], [3.0, 42.0], INK);
 }
 
+impl Native for TaxiDynamics {
+    type Packed = Cell;
+    type Stream = WordStream;
+
+    const DRAWS: bool = true;
+    const INFO: bool = true;
+
+    fn supports(config: &Config) -> Result<(), &'static str> {
+        if config.fickle_passenger { Err("it has no fickle passengers") } else { Ok(()) }
+    }
+
+    #[inline(always)]
+    fn pack(state: &State) -> Cell {
+        Cell { state: state.encoded as u32, probability: state.probability }
+    }
+
+    #[inline(always)]
+    fn unpack(cell: Cell, _fresh: bool) -> State {
+        State {
+            encoded: cell.state as usize,
+            fickle_step: false,
+            last_action: None,
+            heading: Action::South,
+            probability: cell.probability,
+        }
+    }
+
+    #[inline(always)]
+    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
+        self.advance(state, action, rng).unwrap_or(Transition {
+            state: *state,
+            reward: 0.0,
+            terminated: false,
+        })
+    }
+}
+
 gym_core::register!(
     Registration::new::<Taxi>("Taxi-v3")
         .description("Pick up a passenger and drop them where they want to go.")
         .without_arguments()
         .max_episode_steps(200)
         .reward_threshold(8.0)
+        .vector_entry_point(native::entry_point::<TaxiDynamics>)
 );
 gym_core::register!(
     Registration::new::<Taxi>("Taxi-v4")
         .description("Pick up a passenger and drop them where they want to go.")
         .max_episode_steps(200)
         .reward_threshold(8.0)
+        .vector_entry_point(native::entry_point::<TaxiDynamics>)
 );
 
 #[cfg(test)]

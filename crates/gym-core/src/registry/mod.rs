@@ -16,7 +16,7 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
-pub use registration::{Configure, NoArguments, Registration};
+pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use wrappers::WrapperRegistration;
 

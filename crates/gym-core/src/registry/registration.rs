@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
 use super::stack::stack;
+use crate::vector::{Autoreset, VectorEnv};
+
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -37,6 +39,12 @@ impl<D: Dynamics> Configure for Stateful<D> {
     }
 }
 
+/// Makes a native vector: from a spec, the number of sub-environments, and when they are reset.
+///
+/// It fails for what it cannot do, such as a render mode or wrappers in the spec. It respects
+/// `max_episode_steps`.
+pub type VectorEntryPoint = fn(&EnvSpec, usize, Autoreset) -> Result<Box<dyn VectorEnv>>;
+
 /// An entry of the registry. Submit it at link time with [`register!`](crate::register!), or at
 /// run time with [`registry::register`](crate::registry::register).
 #[derive(Clone)]
@@ -52,6 +60,7 @@ pub struct Registration {
     exceptions: &'static [(&'static str, &'static str)],
     defaults: fn() -> Json,
     construct: fn(&EnvSpec) -> Result<BoxEnv>,
+    vector_entry_point: Option<VectorEntryPoint>,
 }
 
 impl Registration {
@@ -78,6 +87,7 @@ impl Registration {
             exceptions: &[],
             defaults: defaults::<E>,
             construct: construct::<E>,
+            vector_entry_point: None,
         }
     }
 
@@ -138,6 +148,13 @@ impl Registration {
         self
     }
 
+    /// Has a native vector, which [`make_vec`](crate::make_vec) then prefers.
+    #[must_use]
+    pub const fn vector_entry_point(mut self, entry_point: VectorEntryPoint) -> Self {
+        self.vector_entry_point = Some(entry_point);
+        self
+    }
+
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
@@ -161,6 +178,11 @@ impl Registration {
     /// The crate it comes from.
     pub fn crate_name(&self) -> &str {
         self.crate_name
+    }
+
+    /// What makes its native vector, if it has one.
+    pub fn native_vector(&self) -> Option<VectorEntryPoint> {
+        self.vector_entry_point
     }
 
     /// How [`make`](crate::make) builds it.

@@ -10,6 +10,7 @@
 mod integers;
 mod seed;
 mod state;
+mod stream;
 mod ziggurat;
 mod ziggurat_tables;
 
@@ -22,6 +23,7 @@ use rand_pcg::Pcg64;
 use crate::Result;
 
 pub use seed::Seed;
+pub use stream::{Stream, WordStream};
 
 /// numpy's `Generator` over `PCG64`: the same seed gives the same numbers, bit for bit.
 ///

@@ -38,6 +38,11 @@ impl Seed {
     pub fn from_u128(seed: u128) -> Self {
         Self(BigUint::from(seed))
     }
+
+    /// The seed that is larger by `n`.
+    pub(crate) fn plus(&self, n: u64) -> Self {
+        Self(&self.0 + n)
+    }
 }
 
 impl From<u64> for Seed {

@@ -14,8 +14,18 @@ use super::{
 };
 
 impl Space {
-    /// The space of `n` elements as one value.
-    pub(crate) fn batch(&self, n: usize) -> Result<Self> {
+    /// The space of `n` elements as one value: Gymnasium's `batch_space`.
+    ///
+    /// ```
+    /// use gym_core::Space;
+    /// let batch = Space::discrete(3).batch(4)?;
+    /// assert_eq!(batch.to_string(), "MultiDiscrete([3 3 3 3])");
+    /// # Ok::<(), gym_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] if the batch would have more elements than memory has addresses.
+    pub fn batch(&self, n: usize) -> Result<Self> {
         let shape = [&[n], self.shape().unwrap_or_default()].concat();
         element_count(&shape).map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
         Ok(match self {
@@ -32,6 +42,33 @@ impl Space {
             }
             _ => TupleSpace::new(vec![self.clone(); n]).into(),
         })
+    }
+
+    /// Elements of this space as one element of its [batch](Self::batch): Gymnasium's `concatenate`.
+    ///
+    /// ```
+    /// use gym_core::{Space, Value};
+    /// let space = Space::discrete(3);
+    /// let batch = space.concatenate(&[Value::Int(2), Value::Int(0)])?;
+    /// assert_eq!(batch, Value::Array([2i64, 0].into()));
+    /// assert!(space.iterate(&batch)?.eq([Value::Int(2), Value::Int(0)]));
+    /// # Ok::<(), gym_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`] if a value has not the form of this space's elements.
+    pub fn concatenate(&self, elements: &[Value]) -> Result<Value> {
+        concatenate(self, &elements.iter().collect::<Vec<_>>())
+            .map_err(|fault| super::not_in(&Value::Tuple(elements.to_vec()), self, &fault))
+    }
+
+    /// The elements of this space that an element of its [batch](Self::batch) is made of, in order:
+    /// Gymnasium's `iterate`.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`] if the value has not the form of a batch.
+    pub fn iterate(&self, batch: &Value) -> Result<impl ExactSizeIterator<Item = Value> + use<>> {
+        iterate(self, batch).map(Vec::into_iter).map_err(|fault| self.refuse_batch(batch, &fault))
     }
 }
 

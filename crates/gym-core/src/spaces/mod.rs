@@ -18,6 +18,7 @@ mod multi_discrete;
 pub(crate) mod number;
 mod numpy_fmt;
 mod one_of;
+mod rows;
 mod sampler;
 mod selection;
 mod sequence;
@@ -184,13 +185,7 @@ impl Space {
 
     /// [`Error::NotInSpace`], with the start of a long value.
     fn refuse(&self, value: &impl fmt::Display, fault: &Fault) -> Error {
-        const MAX_LENGTH: usize = 200;
-        let mut value = value.to_string();
-        if let Some((end, _)) = value.char_indices().nth(MAX_LENGTH) {
-            value.truncate(end);
-            value.push_str("...");
-        }
-        Error::NotInSpace { value, space: self.to_string(), reason: fault.to_string() }
+        not_in(value, self, fault)
     }
 
     /// Random elements, by Gymnasium's `seed` and `sample`.
@@ -262,6 +257,17 @@ impl fmt::Display for Space {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         each!(self, space => space.fmt(f))
     }
+}
+
+/// [`Error::NotInSpace`], with the start of a long value.
+fn not_in(value: &impl fmt::Display, space: &impl fmt::Display, fault: &Fault) -> Error {
+    const MAX_LENGTH: usize = 200;
+    let mut value = value.to_string();
+    if let Some((end, _)) = value.char_indices().nth(MAX_LENGTH) {
+        value.truncate(end);
+        value.push_str("...");
+    }
+    Error::NotInSpace { value, space: space.to_string(), reason: fault.to_string() }
 }
 
 fn invalid<T>(reason: impl Into<String>) -> Result<T> {

@@ -1,0 +1,81 @@
+//! A generator's position in less memory.
+
+use std::fmt;
+
+use rand::Rng;
+use rand_pcg::Pcg64;
+
+use super::Generator;
+
+/// A stream of random numbers that is kept for each of many environments: a [`Generator`], or what
+/// is needed to go on from one.
+pub trait Stream: Clone + fmt::Debug + Send + 'static {
+    /// The stream that continues where a generator is.
+    fn new(generator: Generator) -> Self;
+
+    /// Lets `f` draw from it.
+    fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R;
+
+    /// [`Generator::random`].
+    #[inline(always)]
+    fn random(&mut self) -> f64 {
+        self.lend(Generator::random)
+    }
+
+    /// Draws a [`random`](Self::random) and drops it.
+    #[inline(always)]
+    fn skip(&mut self) {
+        self.lend(|rng| rng.next_u64());
+    }
+}
+
+impl Stream for Generator {
+    fn new(generator: Generator) -> Self {
+        generator
+    }
+
+    #[inline(always)]
+    fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R {
+        f(self)
+    }
+}
+
+/// The [`Stream`] of an environment that draws whole words alone, such as
+/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, for there is no half
+/// of a word to keep.
+#[derive(Clone, Debug)]
+pub struct WordStream(Pcg64);
+
+impl Stream for WordStream {
+    fn new(generator: Generator) -> Self {
+        Self(generator.pcg)
+    }
+
+    #[inline(always)]
+    fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R {
+        let mut generator = Generator { pcg: self.0.clone(), half: None };
+        let result = f(&mut generator);
+        debug_assert!(generator.half.is_none(), "half a word would be lost");
+        self.0 = generator.pcg;
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_continues_its_generator() {
+        let mut rng = Generator::from(3);
+        rng.random();
+        let mut stream = WordStream::new(rng.clone());
+        for _ in 0..5 {
+            assert_eq!(stream.random(), rng.random());
+            stream.skip();
+            rng.random();
+            assert_eq!(stream.lend(|rng| rng.uniform(-2.0, 3.0)), rng.uniform(-2.0, 3.0));
+        }
+        assert_eq!(size_of::<WordStream>(), 32);
+    }
+}

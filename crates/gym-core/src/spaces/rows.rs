@@ -1,0 +1,253 @@
+//! The rows of a batch, one at a time: without allocation where elements are numbers.
+
+use crate::array::Array;
+use crate::{DType, Result, Value};
+
+use super::fault::Fault;
+use super::number::{Number, Numeric, can_cast, with_type};
+use super::{DictSpace, Space};
+
+impl Space {
+    /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers take the type of
+    /// the space.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `batch` has another form or no such row.
+    pub fn read_row(&self, batch: &Value, index: usize, element: &mut Value) -> Result<()> {
+        self.get_at(batch, index, element).map_err(|fault| self.refuse_batch(batch, &fault))
+    }
+
+    /// Overwrites element `index` of a [batch](Self::batch).
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or there
+    /// is no such row; the row may then be half written.
+    pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
+        self.put_at(batch, index, element).map_err(|fault| self.refuse(element, &fault))
+    }
+
+    /// Whether a value has the form of a batch of `n` elements; their bounds are not checked, and
+    /// numbers may be of any type that the space's type holds.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if it has not, with the place in the value.
+    pub fn check_batch(&self, batch: &Value, n: usize) -> Result<()> {
+        self.check_rows(batch, n).map_err(|fault| self.refuse_batch(batch, &fault))
+    }
+
+    /// Whether a value has the form of `n` elements, types of numbers included.
+    pub(crate) fn is_batch(&self, batch: &Value, n: usize) -> bool {
+        match (self, batch) {
+            (Self::Tuple(space), Value::Tuple(columns)) => {
+                columns.len() == space.spaces().len()
+                    && space.spaces().iter().zip(columns).all(|(space, column)| space.is_batch(column, n))
+            }
+            (Self::Dict(space), Value::Dict(columns)) => {
+                has_keys(space, columns)
+                    && space
+                        .spaces()
+                        .iter()
+                        .zip(columns)
+                        .all(|((_, space), (_, column))| space.is_batch(column, n))
+            }
+            (_, Value::Array(array)) => {
+                self.dtype() == Some(array.dtype())
+                    && self.shape().is_some_and(|shape| rows(array, shape) == Some(n))
+            }
+            (Self::Tuple(_) | Self::Dict(_), _) => false,
+            (_, Value::Tuple(items)) => self.dtype().is_none() && items.len() == n,
+            _ => false,
+        }
+    }
+
+    /// A batch of `n` elements to be overwritten: zeros.
+    pub(crate) fn empty_batch(&self, n: usize) -> Result<Value> {
+        Ok(match self {
+            Self::Tuple(space) => {
+                Value::Tuple(space.spaces().iter().map(|space| space.empty_batch(n)).collect::<Result<_>>()?)
+            }
+            Self::Dict(space) => {
+                let columns =
+                    space.spaces().iter().map(|(key, space)| Ok((key.clone(), space.empty_batch(n)?)));
+                Value::Dict(columns.collect::<Result<_>>()?)
+            }
+            _ => match (self.shape(), self.dtype()) {
+                (Some(shape), Some(dtype)) => Value::Array(Array::zeros(dtype, [&[n], shape].concat())),
+                _ => Value::Tuple(vec![self.zero()?; n]),
+            },
+        })
+    }
+
+    pub(super) fn refuse_batch(&self, batch: &Value, fault: &Fault) -> crate::Error {
+        super::not_in(batch, &format_args!("a batch of {self}"), fault)
+    }
+
+    fn check_rows(&self, batch: &Value, n: usize) -> Result<(), Fault> {
+        let count = |actual: usize| match actual == n {
+            true => Ok(()),
+            false => Err(Fault::new(format!("there are {actual} rows and should be {n}"))),
+        };
+        match (self, batch) {
+            (Self::Tuple(space), _) => {
+                for (i, (space, column)) in space.members(batch)?.enumerate() {
+                    space.check_rows(column, n).map_err(|fault| fault.at(i))?;
+                }
+                Ok(())
+            }
+            (Self::Dict(space), _) => {
+                for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(batch)?) {
+                    space.check_rows(column, n).map_err(|fault| fault.under(key))?;
+                }
+                Ok(())
+            }
+            _ => match (self.shape(), self.dtype(), batch) {
+                (Some(shape), Some(dtype), Value::Array(array)) => {
+                    expect_type(array, dtype)?;
+                    count(expect_rows(array, shape)?)
+                }
+                (Some(_), ..) => Err(Fault::kind("an array", batch)),
+                (None, _, Value::Tuple(items)) => count(items.len()),
+                _ => Err(Fault::kind("a tuple", batch)),
+            },
+        }
+    }
+
+    fn get_at(&self, batch: &Value, index: usize, element: &mut Value) -> Result<(), Fault> {
+        match (self, batch) {
+            (Self::Tuple(space), Value::Tuple(_)) => {
+                let n = space.spaces().len();
+                if !matches!(element, Value::Tuple(items) if items.len() == n) {
+                    *element = Value::Tuple(vec![Value::Null; n]);
+                }
+                let Value::Tuple(items) = element else { return Ok(()) };
+                for (i, ((space, column), item)) in space.members(batch)?.zip(items).enumerate() {
+                    space.get_at(column, index, item).map_err(|fault| fault.at(i))?;
+                }
+                Ok(())
+            }
+            (Self::Dict(space), Value::Dict(_)) => {
+                if !matches!(element, Value::Dict(entries) if has_keys(space, entries)) {
+                    let keys = space.spaces().iter().map(|(key, _)| (key.clone(), Value::Null));
+                    *element = Value::Dict(keys.collect());
+                }
+                let Value::Dict(entries) = element else { return Ok(()) };
+                for ((space, column), (key, item)) in space.members(batch)?.zip(entries) {
+                    space.get_at(column, index, item).map_err(|fault| fault.under(key))?;
+                }
+                Ok(())
+            }
+            (Self::Discrete(space), Value::Array(array)) => {
+                expect_type(array, space.dtype())?;
+                expect_row(expect_rows(array, &[])?, index)?;
+                let number = Number::at(array.data(), index).to_int().and_then(|i| i64::try_from(i).ok());
+                *element = Value::Int(number.ok_or_else(|| Fault::new("a number is too large"))?);
+                Ok(())
+            }
+            (_, Value::Array(array)) => {
+                let (Some(shape), Some(dtype)) = (self.shape(), self.dtype()) else {
+                    return Err(Fault::kind("a tuple", batch));
+                };
+                expect_type(array, dtype)?;
+                expect_row(expect_rows(array, shape)?, index)?;
+                let out = super::array_of(element, dtype, shape);
+                let (start, len) = (index * out.len(), out.len());
+                with_type!(dtype, T => {
+                    let out = out.as_mut_slice::<T>().unwrap_or_default();
+                    match array.as_slice::<T>() {
+                        Some(numbers) => out.copy_from_slice(&numbers[start..start + len]),
+                        None => {
+                            for (i, x) in out.iter_mut().enumerate() {
+                                *x = T::cast(Number::at(array.data(), start + i));
+                            }
+                        }
+                    }
+                });
+                Ok(())
+            }
+            (Self::Tuple(_), _) => Err(Fault::kind("a tuple", batch)),
+            (Self::Dict(_), _) => Err(Fault::kind("a dict", batch)),
+            (_, Value::Tuple(items)) if self.dtype().is_none() => {
+                expect_row(items.len(), index)?;
+                element.clone_from(&items[index]);
+                Ok(())
+            }
+            _ if self.dtype().is_some() => Err(Fault::kind("an array", batch)),
+            _ => Err(Fault::kind("a tuple", batch)),
+        }
+    }
+
+    fn put_at(&self, batch: &mut Value, index: usize, element: &Value) -> Result<(), Fault> {
+        match (self, batch) {
+            (Self::Tuple(space), Value::Tuple(columns)) if columns.len() == space.spaces().len() => {
+                for (i, ((space, item), column)) in space.members(element)?.zip(columns).enumerate() {
+                    space.put_at(column, index, item).map_err(|fault| fault.at(i))?;
+                }
+                Ok(())
+            }
+            (Self::Dict(space), Value::Dict(columns)) if has_keys(space, columns) => {
+                for ((space, item), (key, column)) in space.members(element)?.zip(columns) {
+                    space.put_at(column, index, item).map_err(|fault| fault.under(key))?;
+                }
+                Ok(())
+            }
+            (Self::Discrete(_), Value::Array(array)) => {
+                let Value::Int(i) = element else { return Err(Fault::kind("a whole number", element)) };
+                expect_row(expect_rows(array, &[])?, index)?;
+                with_type!(array.dtype(), T => {
+                    array.as_mut_slice::<T>().unwrap_or_default()[index] = T::cast(Number::Int((*i).into()));
+                });
+                Ok(())
+            }
+            (_, Value::Array(array)) if self.dtype() == Some(array.dtype()) => {
+                let shape = self.shape().unwrap_or_default();
+                expect_row(expect_rows(array, shape)?, index)?;
+                let row = super::fault::expect_array(element, shape, array.dtype())?;
+                let (start, len) = (index * row.len(), row.len());
+                with_type!(array.dtype(), T => {
+                    let out = &mut array.as_mut_slice::<T>().unwrap_or_default()[start..start + len];
+                    match row.as_slice::<T>() {
+                        Some(numbers) => out.copy_from_slice(numbers),
+                        None => out.iter_mut().zip(Number::all(row.data())).for_each(|(x, y)| *x = T::cast(y)),
+                    }
+                });
+                Ok(())
+            }
+            (_, Value::Tuple(items)) if self.dtype().is_none() => {
+                expect_row(items.len(), index)?;
+                items[index].clone_from(element);
+                Ok(())
+            }
+            _ => Err(Fault::new("the batch is of another space")),
+        }
+    }
+}
+
+/// How many rows of a shape an array has.
+fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
+    array.shape().split_first().and_then(|(&n, inner)| (inner == shape).then_some(n))
+}
+
+fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
+    rows(array, shape).ok_or_else(|| {
+        let [actual, expected] = [array.shape(), shape].map(super::numpy_fmt::shape);
+        Fault::new(format!("the shape is {actual} and should be rows of {expected}"))
+    })
+}
+
+fn expect_row(n: usize, index: usize) -> Result<(), Fault> {
+    match index < n {
+        true => Ok(()),
+        false => Err(Fault::new(format!("there is no row {index}: there are {n}"))),
+    }
+}
+
+fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
+    match can_cast(array.dtype(), dtype) {
+        true => Ok(()),
+        false => Err(Fault::new(format!("the numbers are {} and should be {dtype}", array.dtype()))),
+    }
+}
+
+fn has_keys(space: &DictSpace, entries: &[(String, Value)]) -> bool {
+    entries.len() == space.spaces().len() && entries.iter().zip(space.spaces()).all(|(a, b)| a.0 == b.0)
+}

@@ -1,0 +1,311 @@
+//! Many environments stepped as one: Gymnasium's `VectorEnv`.
+
+mod columns;
+mod infos;
+pub mod native;
+mod reset;
+
+use std::any::Any;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::render::{Metadata, Rendered};
+use crate::{Env, Error, Info, Result, Sampler, Seed, Space, Value};
+
+pub use columns::Columns;
+pub use reset::{Seeds, VectorReset};
+
+/// When the sub-environments of a vector are reset after their episodes have ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Autoreset {
+    /// On the next step: that step ignores the action, starts the next episode and gives its first
+    /// observation, with a reward of 0 and no flag set. A learner leaves this transition out.
+    #[default]
+    NextStep,
+    /// On the same step: the observation is the first of the next episode, and the last of the one
+    /// that ended is in [`Columns::final_observations`].
+    SameStep,
+    /// Never: the caller resets with a [mask](VectorReset::mask), and until then a step is an
+    /// error.
+    Disabled,
+}
+
+/// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
+///
+/// Results go to the caller's [`Columns`], which have a row for each sub-environment, so that a
+/// step allocates nothing. Actions come as one element of the batched
+/// [`action_space`](Self::action_space).
+///
+/// ```text
+/// let mut envs = gym::make_vec("CartPole-v1", 64, None)?;
+/// let mut columns = envs.columns()?;
+/// let mut actions = envs.action_sampler(0)?;
+/// envs.reset_into(&42.into(), &mut columns)?; // seeds 42, 43, ...
+/// for _ in 0..1000 {
+///     envs.step_into(&actions.sample(), &mut columns)?;
+///     let observations: &[f32] = columns.observations.as_slice().unwrap(); // 64 rows of 4
+/// }
+/// ```
+///
+/// Wrappers of vectors are `VectorEnv`s again, and so is `Box<dyn VectorEnv>`.
+pub trait VectorEnv: Send {
+    /// How many sub-environments there are: at least one.
+    fn num_envs(&self) -> usize;
+
+    /// The space that each observation lies in.
+    fn single_observation_space(&self) -> Space;
+
+    /// The space of each sub-environment's actions.
+    fn single_action_space(&self) -> Space;
+
+    /// When sub-environments are reset after their episodes have ended.
+    fn autoreset(&self) -> Autoreset;
+
+    /// Starts episodes and leaves their first observations in `columns`, with rewards of 0 and no flag
+    /// set.
+    ///
+    /// Where a mask leaves a sub-environment out, that one is not touched: its row holds the
+    /// observation it had before.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for seeds or a mask of another number than there are
+    /// sub-environments, or a mask that selects none: then nothing was reset.
+    /// [`Error::SubEnvironment`] if one cannot be reset; the others then are.
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()>;
+
+    /// Takes a step in every sub-environment (one whose reset is due starts an episode instead, see
+    /// [`Autoreset`]) and leaves the results in `columns`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidAction`] unless `actions` has the form of the batched action space, and
+    /// [`Error::SubEnvironment`] if one cannot step because it must be reset first: then nothing has
+    /// changed. [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the
+    /// others have then taken their step.
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()>;
+
+    /// Shows `visit` each entry of the [`info`](Env::info) of sub-environment `index` about the last
+    /// call of `reset_into` or `step_into`; nothing if a mask left it out. With
+    /// [`Autoreset::SameStep`], where an episode has ended this is about the reset.
+    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (index, visit);
+    }
+
+    /// Shows `visit` each entry of the `info` of the step that ended an episode of sub-environment
+    /// `index`, where the last step did so and [`Autoreset::SameStep`] has reset it since:
+    /// Gymnasium's `final_info`.
+    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (index, visit);
+    }
+
+    /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns, to go with the columns of
+    /// the same step.
+    ///
+    /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
+    /// what is not there is zero in a column of numbers and `Null` in any other. With
+    /// [`Autoreset::SameStep`], `final_obs` and `final_info` tell of the episodes that have ended.
+    fn infos(&self, columns: &Columns) -> Info {
+        infos::batch(self, columns)
+    }
+
+    /// The entries of the [`info`](Self::info) of one sub-environment by name: an element of what
+    /// Gymnasium's wrapper `DictInfoToList` gives.
+    fn info_map(&self, index: usize) -> Info {
+        let mut map = Info::new();
+        self.info(index, &mut |key, value| {
+            map.insert(key.to_owned(), value);
+        });
+        map
+    }
+
+    /// Shows `visit` each sub-environment, in order, with its index, to downcast to its type.
+    /// [`call`](<dyn VectorEnv>::call) does so.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] if there are no environments to show, as in a native vector.
+    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
+        let _ = visit;
+        Err(Error::custom(format!(
+            "{} is not made of environments: make a sync or an async vector for this",
+            self.describe()
+        )))
+    }
+
+    /// The picture or text of each sub-environment, by the render mode they were made with.
+    ///
+    /// # Errors
+    /// [`Error::UnsupportedMode`] if they were made without a render mode, or cannot be drawn.
+    fn render(&mut self) -> Result<Vec<Rendered>> {
+        Err(Error::UnsupportedMode {
+            target: self.describe(),
+            mode: "anything".into(),
+            reason: "it draws nothing: make a sync or an async vector for this".into(),
+        })
+    }
+
+    /// Render modes, frames per second and frame size of the sub-environments.
+    fn metadata(&self) -> Metadata {
+        Metadata::default()
+    }
+
+    /// The kind of vector, its environment and their number: `SyncVectorEnv(CartPole-v1, num_envs=3)`.
+    fn describe(&self) -> String {
+        let name = crate::env::short_type_name::<Self>();
+        format!("{name}(num_envs={})", self.num_envs())
+    }
+
+    /// Ends the use of all sub-environments: later steps are an `Err`.
+    fn close(&mut self) {}
+
+    /// The space of all observations together.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] as [`Space::batch`].
+    fn observation_space(&self) -> Result<Space> {
+        self.single_observation_space().batch(self.num_envs())
+    }
+
+    /// The space of all actions together.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] as [`Space::batch`].
+    fn action_space(&self) -> Result<Space> {
+        self.single_action_space().batch(self.num_envs())
+    }
+
+    /// Random actions for all sub-environments, as Gymnasium's `envs.action_space` draws them.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] as [`Space::batch`].
+    fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler>
+    where
+        Self: Sized,
+    {
+        Ok(self.action_space()?.sampler(seed))
+    }
+
+    /// Columns for this vector, to be filled by `reset_into`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] if there is no buffer for observations of the space.
+    fn columns(&self) -> Result<Columns> {
+        Columns::new(&self.single_observation_space(), self.num_envs())
+    }
+
+    /// Starts episodes, with new columns: `reset(42)` seeds the sub-environments with 42, 43, ...,
+    /// `reset(())` carries their generators on.
+    ///
+    /// # Errors
+    /// As [`reset_into`](Self::reset_into).
+    fn reset(&mut self, reset: impl Into<VectorReset>) -> Result<Columns>
+    where
+        Self: Sized,
+    {
+        let mut columns = self.columns()?;
+        self.reset_into(&reset.into(), &mut columns)?;
+        Ok(columns)
+    }
+
+    /// Takes a step, with new columns.
+    ///
+    /// # Errors
+    /// As [`step_into`](Self::step_into).
+    fn step(&mut self, actions: &Value) -> Result<Columns>
+    where
+        Self: Sized,
+    {
+        let mut columns = self.columns()?;
+        self.step_into(actions, &mut columns)?;
+        Ok(columns)
+    }
+}
+
+impl dyn VectorEnv {
+    /// Calls a function with each sub-environment and its index; the results are in the order of the
+    /// indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
+    ///
+    /// ```text
+    /// let specs = envs.call(|_, env: &mut BoxEnv| env.spec())?;
+    /// ```
+    ///
+    /// # Errors
+    /// As [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
+    /// type `E`; those of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
+    pub fn call<E: Env, R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
+        let mut results = Vec::with_capacity(self.num_envs());
+        let mut fits = true;
+        self.visit_envs(&mut |index, env| match env.downcast_mut() {
+            Some(env) => results.push(f(index, env)),
+            None => fits = false,
+        })?;
+        if !fits {
+            let name = crate::env::short_type_name::<E>();
+            return Err(Error::custom(format!("the sub-environments of {} are no {name}", self.describe())));
+        }
+        Ok(results)
+    }
+}
+
+impl fmt::Debug for dyn VectorEnv {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe())
+    }
+}
+
+impl<V: VectorEnv + ?Sized> VectorEnv for Box<V> {
+    fn num_envs(&self) -> usize {
+        (**self).num_envs()
+    }
+
+    fn single_observation_space(&self) -> Space {
+        (**self).single_observation_space()
+    }
+
+    fn single_action_space(&self) -> Space {
+        (**self).single_action_space()
+    }
+
+    fn autoreset(&self) -> Autoreset {
+        (**self).autoreset()
+    }
+
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        (**self).reset_into(reset, columns)
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        (**self).step_into(actions, columns)
+    }
+
+    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        (**self).info(index, visit);
+    }
+
+    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        (**self).final_info(index, visit);
+    }
+
+    fn infos(&self, columns: &Columns) -> Info {
+        (**self).infos(columns)
+    }
+
+    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
+        (**self).visit_envs(visit)
+    }
+
+    fn render(&mut self) -> Result<Vec<Rendered>> {
+        (**self).render()
+    }
+
+    fn metadata(&self) -> Metadata {
+        (**self).metadata()
+    }
+
+    fn describe(&self) -> String {
+        (**self).describe()
+    }
+
+    fn close(&mut self) {
+        (**self).close();
+    }
+}

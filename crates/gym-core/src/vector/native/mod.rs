@@ -1,0 +1,119 @@
+//! Native vectors: many environments of one kind stepped by one loop, with the vector instructions
+//! of the CPU that the program runs on.
+//!
+//! A task takes part by implementing [`Native`] beside [`Dynamics`], with the same equations: they
+//! are written once, generic over [`Math`](crate::math::Math). Its [`Dynamics`] take the C library
+//! and are exact; its [`Native::step`] takes polynomials, so that the compiler can turn the loop over
+//! environments into vector instructions. Where a task has no sines, as tables have none, a native
+//! vector gives the very numbers of a sync one.
+//!
+//! ```text
+//! impl Native for CartPoleDynamics { .. }
+//! gym_core::register!(
+//!     Registration::new::<CartPole>("CartPole-v1")
+//!         .max_episode_steps(500)
+//!         .vector_entry_point(vector::native::entry_point::<CartPoleDynamics>)
+//! );
+//! ```
+//!
+//! The results of an environment depend on its seed and its actions alone: they are the same bits
+//! for each CPU, whatever the number of environments and its place among them.
+
+mod columns;
+mod envs;
+mod packed;
+mod step;
+
+use serde_json::Value as Json;
+
+use crate::rng::Stream;
+use crate::vector::{Autoreset, VectorEnv};
+use crate::{Dynamics, EnvSpec, Error, Result, Transition};
+
+#[doc(hidden)]
+pub use columns::indices;
+pub use columns::{ActionColumn, ObservationColumn};
+pub use envs::NativeVectorEnv;
+pub use packed::{Packed, Whole};
+
+/// How many environments a block holds: those whose states lie together, number by number.
+pub const LANES: usize = 32;
+
+/// [`Dynamics`] that can be stepped many at once.
+pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync {
+    /// What is kept of a state between steps: `[f64; K]` for a few numbers, `u32` for one of a table,
+    /// [`Whole`] for all of it.
+    type Packed: Packed;
+
+    /// What is kept of the generator: [`WordStream`](crate::rng::WordStream), unless 32-bit numbers
+    /// are drawn.
+    type Stream: Stream;
+
+    /// Whether steps draw from the generator, and not starts alone.
+    const DRAWS: bool;
+
+    /// Whether [`info`](Dynamics::info) has entries.
+    const INFO: bool = false;
+
+    /// Refuses arguments that only a scalar environment understands.
+    ///
+    /// # Errors
+    /// What is wrong with them, as a sentence's end.
+    fn supports(config: &Self::Config) -> Result<(), &'static str> {
+        let _ = config;
+        Ok(())
+    }
+
+    /// Packs a state.
+    fn pack(state: &Self::State) -> Self::Packed;
+
+    /// The state that was packed; `fresh` tells whether it is the first of an episode. What
+    /// [`step`](Self::step), [`observe`](Self::observe_state) and [`info`](Dynamics::info) do not look
+    /// at may differ.
+    fn unpack(packed: Self::Packed, fresh: bool) -> Self::State;
+
+    /// [`Dynamics::transition`] for an action of the action space. To be marked `#[inline(always)]`,
+    /// with all that it calls, and free of branches where it can be.
+    fn step(
+        &self,
+        state: &Self::State,
+        action: Self::Action,
+        rng: &mut Self::Stream,
+    ) -> Transition<Self::State>;
+
+    /// [`Dynamics::observe`], for a state that came of [`step`](Self::step). To be marked
+    /// `#[inline(always)]`.
+    fn observe_state(&self, state: &Self::State) -> Self::Observation {
+        self.observe(state)
+    }
+}
+
+/// Makes a native vector of a registered task, for
+/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point).
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for arguments that the task does not take or [does not
+/// support](Native::supports) here, render modes, wrappers, or no environments at all.
+pub fn entry_point<D: Native>(
+    spec: &EnvSpec,
+    num_envs: usize,
+    autoreset: Autoreset,
+) -> Result<Box<dyn VectorEnv>> {
+    let refuse = |reason: &str| {
+        let reason = format!("{reason}; make a sync or async vector for this");
+        Err(Error::argument(format!("a native vector of `{}`", spec.id), reason))
+    };
+    if spec.render_mode.is_some() {
+        return refuse("it draws nothing");
+    }
+    if !spec.additional_wrappers.is_empty() {
+        return refuse("its environments cannot be wrapped one by one");
+    }
+    let config: D::Config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
+        .map_err(|error| Error::argument(format!("`{}`", spec.id), error.to_string()))?;
+    if let Err(reason) = D::supports(&config) {
+        return refuse(reason);
+    }
+    let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
+    Ok(Box::new(envs.named(&spec.id)))
+}

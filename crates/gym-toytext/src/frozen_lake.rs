@@ -234,7 +234,9 @@ impl Dynamics for FrozenLakeDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        visit("prob", Value::Float(state.probability));
+        // Gymnasium's reset gives a whole number, which the batched infos of a vector show
+        let is_start = state.last_action.is_none();
+        visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
     }
 
     fn metadata(&self) -> Metadata {

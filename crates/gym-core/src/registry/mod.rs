@@ -9,6 +9,8 @@ mod id;
 mod registration;
 mod spec;
 mod stack;
+mod vector;
+mod vector_wrappers;
 mod wrappers;
 
 use std::collections::BTreeMap;
@@ -18,6 +20,7 @@ pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
+pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::WrapperRegistration;
 
 use crate::{Error, Result};

@@ -232,3 +232,26 @@ fn a_refused_action_draws_nothing() {
     }
     assert!((1..20).contains(&refused), "{refused}");
 }
+
+#[test]
+fn a_recording_is_rebuilt() {
+    use gym::rendering::RecordVideo;
+    let folder = std::env::temp_dir().join(format!("gym-rebuilt-video-{}", std::process::id()));
+    let make = || gym::builder("CartPole-v1").render_mode(gym::render::RenderMode::RgbArray).build().unwrap();
+    let env = RecordVideo::new(make(), &folder).unwrap().name_prefix("try").fps(25);
+    let spec = BoxEnv::new(env).spec().unwrap();
+    let json = serde_json::to_string(&spec).unwrap();
+    let mut rebuilt = serde_json::from_str::<EnvSpec>(&json).unwrap().make().unwrap();
+    assert_eq!(rebuilt.spec().unwrap(), spec);
+    rebuilt.reset(0).unwrap();
+    drop(rebuilt);
+    assert!(folder.join("try-episode-0.gif").is_file());
+    let own = RecordVideo::new(make(), &folder).unwrap().episode_trigger(|_| true);
+    assert!(own.spec().is_none(), "a function cannot be rebuilt");
+    for (name, value) in [("fps", json!(-1)), ("video_length", json!("long")), ("codec", json!("x"))] {
+        let wrapper =
+            WrapperSpec::new("RecordVideo").arg("video_folder", folder.to_str().unwrap()).arg(name, value);
+        assert!(wrapper.wrap(make()).unwrap_err().to_string().contains(name));
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}

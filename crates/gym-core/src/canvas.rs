@@ -5,6 +5,8 @@
 //! decides the real size: `gym-render` rasterises it, writes it as SVG, or records it.
 
 use std::f64::consts::PI;
+use std::fmt::{self, Write};
+use std::ops::Deref;
 
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];
@@ -206,5 +208,51 @@ pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> 
     })
 }
 
+/// A short text, such as a number to draw, without allocation: `Label::new(format_args!("{n}"))`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Label {
+    bytes: [u8; 24],
+    len: usize,
+}
+
+impl Label {
+    /// The text; a piece that does not fit is left out, with all that follows.
+    pub fn new(text: fmt::Arguments<'_>) -> Self {
+        let mut label = Self::default();
+        // the only error is that it is full
+        let _ = label.write_fmt(text);
+        label
+    }
+}
+
+impl Write for Label {
+    fn write_str(&mut self, piece: &str) -> fmt::Result {
+        let free = self.bytes.get_mut(self.len..self.len + piece.len()).ok_or(fmt::Error)?;
+        free.copy_from_slice(piece.as_bytes());
+        self.len += piece.len();
+        Ok(())
+    }
+}
+
+impl Deref for Label {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
+    }
+}
+
 /// A whole turn.
 pub const TURN: f64 = 2.0 * PI;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_hold_what_fits() {
+        assert_eq!(&*Label::new(format_args!("{:04.0} m", 12.3)), "0012 m");
+        assert_eq!(&*Label::new(format_args!("{}{}", "x".repeat(20), "12345")), "x".repeat(20));
+        assert_eq!(&*Label::default(), "");
+    }
+}

@@ -31,6 +31,8 @@
 
 mod apng;
 mod changes;
+mod coverage;
+mod flatten;
 mod font;
 mod gif;
 mod mp4;
@@ -45,6 +47,7 @@ mod record;
 mod record_video;
 mod recorder;
 mod stream;
+mod stroke;
 mod svg;
 #[cfg(test)]
 mod testing;

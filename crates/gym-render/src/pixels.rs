@@ -9,13 +9,12 @@ use gym_core::render::Frame;
 const RGB: usize = 3;
 /// Edges lie on parts of a pixel, as in `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit
 /// together, and the few shades along edges fit into a GIF's colour table.
-const SUBPIXELS: f64 = 4.0;
-/// Pixels that are looked at together.
-const GROUP: usize = 8;
+pub(crate) const SUBPIXELS: usize = 4;
 
 /// Covers the whole frame; translucent colours are laid over what is there.
 pub(crate) fn clear(frame: &mut Frame, color: Color) {
-    blend_run(frame.pixels_mut(), color, 255);
+    let pixels = frame.pixels_mut();
+    blend_run(pixels, 0..pixels.len() / RGB, color, 255);
 }
 
 /// Lays colour over the part of the frame between two corners. A pixel that is only partly inside
@@ -25,10 +24,9 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
     let columns = shares(min[0], max[0], width);
     for (rows, share_y) in shares(min[1], max[1], height) {
         for y in rows {
-            let row = &mut frame.pixels_mut()[y * width * RGB..][..width * RGB];
+            let row = row(frame, y);
             for (columns, share_x) in &columns {
-                let run = &mut row[columns.start * RGB..columns.end * RGB];
-                blend_run(run, color, (share_x * share_y * 255.0).round() as u8);
+                blend_run(row, columns.clone(), color, (share_x * share_y * 255.0).round() as u8);
             }
         }
     }
@@ -38,7 +36,8 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
 /// last one), each with the share of each of its pixels that lies inside. The ends move to the
 /// nearest [`SUBPIXELS`] part of a pixel.
 fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
-    let snap = |at: f64| ((at * SUBPIXELS).round() / SUBPIXELS).clamp(0.0, count as f64);
+    const PARTS: f64 = SUBPIXELS as f64;
+    let snap = |at: f64| ((at * PARTS).round() / PARTS).clamp(0.0, count as f64);
     let (min, max) = (snap(min.min(max)), snap(min.max(max)));
     let (first, last) = (min as usize, max as usize);
     if first == last {
@@ -52,47 +51,30 @@ fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
     ]
 }
 
-/// Lays colour over the pixels in `columns` and `rows` where `mask` (one byte per pixel of the
-/// frame) covers them, and empties the mask there.
-pub(crate) fn fill_mask(
-    frame: &mut Frame,
-    mask: &mut [u8],
-    columns: Range<usize>,
-    rows: Range<usize>,
-    color: Color,
-) {
-    const EMPTY: [u8; GROUP] = [0; GROUP];
-    const FULL: [u8; GROUP] = [255; GROUP];
-    let width = frame.width() as usize;
-    for y in rows {
-        let (start, end) = (y * width + columns.start, y * width + columns.end);
-        let mask = &mut mask[start..end];
-        let row = &mut frame.pixels_mut()[start * RGB..end * RGB];
-        for (run, mask) in row.chunks_mut(GROUP * RGB).zip(mask.chunks(GROUP)) {
-            if mask == EMPTY {
-                continue;
-            }
-            if mask == FULL {
-                blend_run(run, color, 255);
-                continue;
-            }
-            for (pixel, &coverage) in run.chunks_exact_mut(RGB).zip(mask) {
-                blend(pixel, color, coverage);
-            }
-        }
-        mask.fill(0);
-    }
+/// The bytes of a row of pixels.
+pub(crate) fn row(frame: &mut Frame, y: usize) -> &mut [u8] {
+    let bytes = frame.width() as usize * RGB;
+    &mut frame.pixels_mut()[y * bytes..][..bytes]
 }
 
-/// Lays colour over consecutive pixels that are all covered alike.
-fn blend_run(run: &mut [u8], color: Color, coverage: u8) {
+/// Lays colour over consecutive pixels of a row that are all covered alike.
+pub(crate) fn blend_run(row: &mut [u8], pixels: Range<usize>, color: Color, coverage: u8) {
+    let run = &mut row[pixels.start * RGB..pixels.end * RGB];
     let Color { r, g, b, a } = color;
     if scale(a, coverage) == 255 {
-        let group: [u8; GROUP * RGB] = std::array::from_fn(|i| [r, g, b][i % RGB]);
-        let mut groups = run.chunks_exact_mut(GROUP * RGB);
-        groups.by_ref().for_each(|pixels| pixels.copy_from_slice(&group));
-        let rest = groups.into_remainder();
-        rest.copy_from_slice(&group[..rest.len()]);
+        if r == g && g == b {
+            return run.fill(r);
+        }
+        // in words, so that the compiler does not write byte by byte
+        let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
+        let group = [word(0), word(1), word(2)];
+        let mut groups = run.chunks_exact_mut(8 * RGB);
+        for pixels in groups.by_ref() {
+            for (pixels, word) in pixels.chunks_exact_mut(8).zip(group) {
+                pixels.copy_from_slice(&word.to_ne_bytes());
+            }
+        }
+        groups.into_remainder().chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
     } else {
         run.chunks_exact_mut(RGB).for_each(|pixel| blend(pixel, color, coverage));
     }
@@ -145,15 +127,6 @@ mod tests {
         fill_box(&mut frame, [-5.0, 0.0], [-4.0, 1.0], Color::BLACK);
         fill_box(&mut frame, [2.0, 1.0], [3.0, 2.0], Color::BLACK);
         assert_eq!(frame, before);
-    }
-
-    #[test]
-    fn a_mask_is_applied_and_emptied() {
-        let mut frame = Frame::new(10, 1);
-        let mut mask = [255, 255, 255, 255, 255, 255, 255, 255, 51, 0];
-        fill_mask(&mut frame, &mut mask, 0..10, 0..1, Color::rgb(100, 0, 0));
-        assert_eq!(red(&frame), [100, 100, 100, 100, 100, 100, 100, 100, 20, 0]);
-        assert_eq!(mask, [0; 10]);
     }
 
     #[test]

@@ -1,23 +1,15 @@
 //! Drawings as pixels, anti-aliased.
-//!
-//! `tiny-skia` turns outlines into coverage, one byte per pixel, in fixed-point arithmetic. This
-//! module lays the colour over the frame with it, in integers. So a drawing gives the same bytes
-//! on every processor, with or without SIMD.
-
-use std::fmt;
 
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::inventory;
 use gym_core::render::{Frame, Painter, PainterProvider};
-use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Path, PathBuilder, PathStroker, Stroke};
 
+use crate::coverage::{Coverage, REACH};
+use crate::flatten::Flatten;
 use crate::outline::outline;
+use crate::stroke::Stroker;
 use crate::transforms::Transforms;
 use crate::{font, pixels};
-
-/// Shapes that reach further than this from the frame's corner, in pixels, are left out:
-/// `tiny-skia` takes very long or fails on coordinates of a million.
-const REACH: f32 = 32_768.0;
 
 inventory::submit! {
     PainterProvider { new: || Box::new(Raster::new()) }
@@ -25,25 +17,19 @@ inventory::submit! {
 
 /// Draws into [`Frame`]s of any size; the coordinates of the drawing are stretched to fill them.
 ///
-/// It keeps its buffers from frame to frame: use one for many. A shape that reaches further than
-/// 32768 pixels from the frame's corner is left out, unless it is an upright rectangle.
+/// It keeps its buffers from frame to frame: use one for many, and drawing allocates nothing any more.
+/// A shape that reaches further than 32768 pixels from the frame's corner is left out, unless it is an
+/// upright rectangle.
+#[derive(Debug)]
 pub struct Raster {
-    /// Coverage of the shape being drawn, empty in between.
-    mask: Option<Mask>,
-    builder: PathBuilder,
-    stroker: PathStroker,
+    coverage: Coverage,
     transforms: Transforms,
 }
 
 impl Raster {
     /// A painter without buffers yet.
     pub fn new() -> Self {
-        Self {
-            mask: None,
-            builder: PathBuilder::new(),
-            stroker: PathStroker::new(),
-            transforms: Transforms::new(),
-        }
+        Self { coverage: Coverage::default(), transforms: Transforms::new() }
     }
 }
 
@@ -53,18 +39,10 @@ impl Default for Raster {
     }
 }
 
-impl fmt::Debug for Raster {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Raster").finish_non_exhaustive()
-    }
-}
-
 impl Painter for Raster {
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame) {
         let (width, height) = (frame.width(), frame.height());
-        if self.mask.as_ref().is_none_or(|mask| (mask.width(), mask.height()) != (width, height)) {
-            self.mask = Mask::new(width, height);
-        }
+        self.coverage.resize(width, height);
         let scale = |pixels: u32, units: u32| f64::from(pixels) / f64::from(units.max(1));
         self.transforms.restart(Transform::scale(scale(width, size.0), scale(height, size.1)));
         draw(&mut Surface { raster: self, unit_is_pixel: (width, height) == size, frame });
@@ -92,55 +70,40 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// A path of `segments`, in inner coordinates.
-    fn path(&mut self, segments: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
-        let mut builder = std::mem::take(&mut self.raster.builder);
-        builder.clear();
-        segments(&mut |segment| append(&mut builder, segment));
-        builder.finish()
+    /// Fills an outline given in inner coordinates.
+    fn fill_outline(&mut self, color: Color, draw: impl FnOnce(&mut dyn FnMut(Segment))) {
+        let transform = self.raster.transforms.current();
+        let mut pen = Flatten::new(&mut self.raster.coverage, 1.0);
+        draw(&mut |segment| pen.segment(transformed(segment, transform)));
+        self.raster.coverage.fill(self.frame, color);
     }
 
-    /// Fills a path given in inner coordinates, and keeps its buffer for the next one.
-    fn fill_path(&mut self, path: Path, color: Color) {
-        let transform = skia_transform(self.raster.transforms.current());
-        let (Some(path), Some(mask)) = (path.transform(transform), &mut self.raster.mask) else {
-            return;
-        };
-        if !within_reach(&path, 1.0) {
-            return;
-        }
-        mask.fill_path(&path, FillRule::Winding, true, tiny_skia::Transform::identity());
-        // One pixel more on each side, for curves that bulge out by a rounding error.
-        let range = |min: f32, max: f32, count: u32| {
-            let pixel = |at: f32| (at.max(0.0) as usize).min(count as usize);
-            pixel(min - 1.0)..pixel(max + 2.0)
-        };
-        let bounds = path.bounds();
-        let columns = range(bounds.left(), bounds.right(), mask.width());
-        let rows = range(bounds.top(), bounds.bottom(), mask.height());
-        pixels::fill_mask(self.frame, mask.data_mut(), columns, rows, color);
-        self.raster.builder = path.clear();
-    }
-
-    /// Strokes a path given in inner coordinates. A line thinner than a pixel is drawn a pixel
+    /// Strokes an outline given in inner coordinates. A line thinner than a pixel is drawn a pixel
     /// wide and fainter, so that it does not fall between the samples.
-    fn stroke_path(&mut self, path: &Path, width: f64, cap: LineCap, color: Color) {
+    fn stroke_outline(
+        &mut self,
+        width: f64,
+        round_ends: bool,
+        color: Color,
+        draw: impl FnOnce(&mut dyn FnMut(Segment)),
+    ) {
         let transform = self.raster.transforms.current();
         let scale = (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt();
         let pixels = width * scale;
+        // not a number neither
+        if !(pixels > 0.0 && pixels <= 2.0 * REACH) {
+            return;
+        }
         let (width, color) = if pixels < 1.0 {
             (1.0 / scale, color.alpha((f64::from(color.a) * pixels).round() as u8))
         } else {
             (width, color)
         };
-        let stroke =
-            Stroke { width: width as f32, line_cap: cap, line_join: LineJoin::Round, ..Stroke::default() };
-        let resolution = PathStroker::compute_resolution_scale(&skia_transform(transform));
-        if within_reach(path, resolution)
-            && let Some(outline) = self.raster.stroker.stroke(path, &stroke, resolution)
-        {
-            self.fill_path(outline, color);
-        }
+        let mut stroker = Stroker::new(&mut self.raster.coverage, transform, width, round_ends, scale);
+        let mut pen = Flatten::new(&mut stroker, scale);
+        draw(&mut |segment| pen.segment(segment));
+        stroker.end();
+        self.raster.coverage.fill(self.frame, color);
     }
 }
 
@@ -157,21 +120,19 @@ impl Canvas for Surface<'_> {
         {
             let max = [min[0] + size[0], min[1] + size[1]];
             pixels::fill_box(self.frame, transform.apply(min), transform.apply(max), color);
-        } else if let Some(path) = self.path(|mut emit| outline(shape, &mut emit)) {
-            self.fill_path(path, color);
+        } else {
+            self.fill_outline(color, |mut emit| outline(shape, &mut emit));
         }
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
-        if let Some(path) = self.path(|mut emit| outline(shape, &mut emit)) {
-            self.stroke_path(&path, width, LineCap::Butt, color);
-        }
+        self.stroke_outline(width, false, color, |mut emit| outline(shape, &mut emit));
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
-        if let Some(path) = self.path(|mut emit| font::outline(text, position, size, align, &mut emit)) {
-            self.stroke_path(&path, size * font::WEIGHT, LineCap::Round, color);
-        }
+        self.stroke_outline(size * font::WEIGHT, true, color, |mut emit| {
+            font::outline(text, position, size, align, &mut emit);
+        });
     }
 
     fn push(&mut self, transform: Transform) {
@@ -187,37 +148,16 @@ impl Canvas for Surface<'_> {
     }
 }
 
-/// Whether all points of a path, scaled, are numbers within [`REACH`].
-fn within_reach(path: &Path, scale: f32) -> bool {
-    path.points().iter().all(|point| point.x.abs() * scale <= REACH && point.y.abs() * scale <= REACH)
-}
-
-fn append(builder: &mut PathBuilder, segment: Segment) {
-    let xy = |[x, y]: Point| (x as f32, y as f32);
+/// An affine map of a curve is the curve of the mapped points.
+fn transformed(segment: Segment, transform: Transform) -> Segment {
+    let place = |point| transform.apply(point);
     match segment {
-        Segment::Move(to) => {
-            let (x, y) = xy(to);
-            builder.move_to(x, y);
-        }
-        Segment::Line(to) => {
-            let (x, y) = xy(to);
-            builder.line_to(x, y);
-        }
-        Segment::Quad(control, to) => {
-            let ((x1, y1), (x, y)) = (xy(control), xy(to));
-            builder.quad_to(x1, y1, x, y);
-        }
-        Segment::Cubic(control1, control2, to) => {
-            let ((x1, y1), (x2, y2), (x, y)) = (xy(control1), xy(control2), xy(to));
-            builder.cubic_to(x1, y1, x2, y2, x, y);
-        }
-        Segment::Close => builder.close(),
+        Segment::Move(to) => Segment::Move(place(to)),
+        Segment::Line(to) => Segment::Line(place(to)),
+        Segment::Quad(control, to) => Segment::Quad(place(control), place(to)),
+        Segment::Cubic(first, second, to) => Segment::Cubic(place(first), place(second), place(to)),
+        Segment::Close => Segment::Close,
     }
-}
-
-fn skia_transform(Transform { x, y, origin }: Transform) -> tiny_skia::Transform {
-    let [sx, ky, kx, sy, tx, ty] = [x[0], x[1], y[0], y[1], origin[0], origin[1]].map(|v| v as f32);
-    tiny_skia::Transform::from_row(sx, ky, kx, sy, tx, ty)
 }
 
 #[cfg(test)]
@@ -383,7 +323,7 @@ mod tests {
             canvas.text("Gym 0.1", [4.0, 44.0], 8.0, Align::Left, Color::BLACK.alpha(200));
         });
         let hash = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0xe042_ae4f_d295_ac5b);
+        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0x4402_f4b9_287e_3dfc);
     }
 
     #[test]
@@ -404,6 +344,8 @@ mod tests {
         let image = frame((8, 8), |canvas| {
             canvas.line([0.0, 0.0], [8.0, 8.0], -1.0, RED);
             canvas.line([0.0, 0.0], [8.0, 8.0], f64::NAN, RED);
+            canvas.line([0.0, 0.0], [8.0, 8.0], 1e30, RED);
+            canvas.text("a", [4.0, 4.0], 1e30, Align::Left, RED);
             canvas.polygon(&[], RED);
             canvas.polygon(&[[1.0, 1.0]], RED);
             canvas.pop();

@@ -4,14 +4,24 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use gym_core::registry::WrapperRegistration;
 use gym_core::render::{Frame, Rendered};
-use gym_core::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use gym_core::{
+    BoxEnv, Env, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory,
+};
 
 use crate::VideoWriter;
 use crate::recorder::not_frames;
 
 /// Whether to record, by the number of the episode or of the step.
 type Trigger = Box<dyn FnMut(u64) -> bool + Send>;
+
+/// Gymnasium's name of the wrapper.
+const NAME: &str = "RecordVideo";
+
+inventory::submit! {
+    WrapperRegistration { name: NAME, wrap: |env, kwargs| Ok(BoxEnv::new(RecordVideo::from_kwargs(env, kwargs)?)) }
+}
 
 /// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
@@ -28,8 +38,8 @@ type Trigger = Box<dyn FnMut(u64) -> bool + Send>;
 /// A file that cannot be written does not stop the training: the recording is given up with a
 /// warning through the `log` crate, and [`take_error`](Self::take_error) hands out the reason.
 ///
-/// Recording is no part of a snapshot: after `restore` it continues with what happens then. Nor is
-/// it part of the spec. A clone does not record.
+/// Recording is no part of a snapshot: after `restore` it continues with what happens then. A clone
+/// does not record. With a trigger of your own there is no spec, since functions cannot be rebuilt.
 ///
 /// ```no_run
 /// use gym_core::{Env, Result, builder, render::RenderMode};
@@ -160,6 +170,34 @@ impl<E: Env> RecordVideo<E> {
         self.env
     }
 
+    /// Records `env` as a spec says.
+    fn from_kwargs(env: E, kwargs: &Kwargs) -> Result<Self> {
+        let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
+        let folder = folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))?;
+        let mut video = Self::new(env, folder)?;
+        for (name, value) in kwargs {
+            let number = value.as_u64();
+            match (name.as_str(), value.as_str()) {
+                ("video_folder", _) => {}
+                ("name_prefix", Some(prefix)) => video.name_prefix = prefix.to_owned(),
+                ("extension", Some(extension)) => video.extension = extension.to_owned(),
+                ("video_length", _) if number.is_some() => video.video_length = number.unwrap_or_default(),
+                ("fps", _) if value.is_null() => {}
+                ("fps", _) if number.is_some_and(|fps| u32::try_from(fps).is_ok()) => {
+                    video.fps = number.unwrap_or_default() as u32;
+                }
+                _ => {
+                    let reason = format!(
+                        "`{name}` cannot be {value}: its arguments are video_folder, video_length, name_prefix, fps \
+                         and extension"
+                    );
+                    return Err(Error::argument(NAME, reason));
+                }
+            }
+        }
+        Ok(video)
+    }
+
     /// Starts a recording where a trigger says so, in place of one that is running.
     fn start(&mut self, kind: &str, number: u64) {
         self.stop();
@@ -263,7 +301,17 @@ impl<E: Env> Env for RecordVideo<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec()
+        if self.episode_trigger.is_some() || self.step_trigger.is_some() {
+            return None;
+        }
+        // a path that is not Unicode is no JSON
+        let wrapper = WrapperSpec::new(NAME)
+            .arg("video_folder", self.folder.to_str()?)
+            .arg("video_length", self.video_length)
+            .arg("name_prefix", self.name_prefix.as_str())
+            .arg("fps", self.fps)
+            .arg("extension", self.extension.as_str());
+        self.env.spec().map(|spec| spec.wrapped(wrapper))
     }
 
     fn close(&mut self) {

@@ -15,7 +15,7 @@
 //! After Example 5.1 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
 //! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::vector::native::{self, Native, Whole};
@@ -266,7 +266,7 @@ impl Dynamics for BlackjackDynamics {
         canvas.text("DEALER", [32.0, 46.0], 12.0, Align::Left, Color::WHITE);
         card(canvas, [32.0, 58.0], open, *face, *suit);
         back(canvas, [124.0, 58.0]);
-        canvas.text(&open.to_string(), [296.0, 134.0], 40.0, Align::Center, Color::WHITE);
+        canvas.text(&Label::new(format_args!("{open}")), [296.0, 134.0], 40.0, Align::Center, Color::WHITE);
 
         canvas.text("PLAYER", [32.0, 210.0], 12.0, Align::Left, Color::WHITE);
         let hidden = player.cards().len() - 1;
@@ -276,7 +276,13 @@ impl Dynamics for BlackjackDynamics {
             let suit = SUITS[(*suit as usize + 1 + i) % SUITS.len()];
             card(canvas, [32.0 + shift * i as f64, 222.0], *value, None, suit);
         }
-        canvas.text(&player.sum().to_string(), [296.0, 298.0], 40.0, Align::Center, Color::WHITE);
+        canvas.text(
+            &Label::new(format_args!("{}", player.sum())),
+            [296.0, 298.0],
+            40.0,
+            Align::Center,
+            Color::WHITE,
+        );
         let note = match (player.is_bust(), player.usable_ace()) {
             (true, _) => "bust",
             (_, true) => "usable ace",
@@ -297,11 +303,11 @@ const BACK: Color = Color::rgb(56, 84, 150);
 fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, suit: Suit) {
     let color = if matches!(suit, Suit::Hearts | Suit::Diamonds) { RED } else { BLACK };
     let rank = match (value, face) {
-        (1, _) => "A".to_owned(),
-        (_, Some(Face::Jack)) => "J".to_owned(),
-        (_, Some(Face::Queen)) => "Q".to_owned(),
-        (_, Some(Face::King)) => "K".to_owned(),
-        _ => value.to_string(),
+        (1, _) => Label::new(format_args!("A")),
+        (_, Some(Face::Jack)) => Label::new(format_args!("J")),
+        (_, Some(Face::Queen)) => Label::new(format_args!("Q")),
+        (_, Some(Face::King)) => Label::new(format_args!("K")),
+        _ => Label::new(format_args!("{value}")),
     };
     blank(canvas, corner);
     canvas.push(Transform::translate(corner[0], corner[1]));

@@ -268,7 +268,7 @@ impl Dynamics for FrozenLakeDynamics {
         let [w, h] = [f64::from(width) / ncol as f64, f64::from(height) / nrow as f64];
         let scale = w.min(h) / 64.0;
         canvas.clear(SHADE);
-        for (cell, letter) in self.desc.concat().bytes().enumerate() {
+        for (cell, letter) in self.desc.iter().flat_map(|row| row.bytes()).enumerate() {
             let (row, col) = (cell / ncol, cell % ncol);
             let corner = [w * col as f64, h * row as f64];
             canvas.rect([corner[0] + scale, corner[1] + scale], [w - 2.0 * scale, h - 2.0 * scale], ICE);

@@ -3,9 +3,7 @@
 //! All is drawn in the coordinates of Gymnasium's window. Where Gymnasium draws 1000x800 pixels and
 //! averages them to 96x96, the observation is drawn at its own size, anti-aliased.
 
-use std::fmt::{self, Write};
-
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Space};
 
@@ -123,10 +121,13 @@ impl Episode {
     /// From the field to the window.
     fn view(&self) -> Transform {
         let position = self.world.position(self.car.hull);
+        // the world's own sine and cosine: the platform's may differ in the last digit
+        let rotation = self.world.pose(self.car.hull).rotation;
+        let (sin, cos) = (f64::from(rotation.im), f64::from(rotation.re));
         Transform::y_up(WINDOW_H)
             .then(Transform::translate(WINDOW_W / 2.0, WINDOW_H / 4.0))
             .then(Transform::scale(self.zoom(), self.zoom()))
-            .then(Transform::rotate(-f64::from(self.world.angle(self.car.hull))))
+            .then(Transform { x: [cos, -sin], y: [sin, cos], origin: [0.0; 2] })
             .then(Transform::translate(-f64::from(position.x), -f64::from(position.y)))
     }
 
@@ -266,38 +267,13 @@ impl Episode {
         horizontal(20.0, -10.0, state.wheels[0][0], Color::rgb(0, 255, 0));
         horizontal(30.0, -0.8, w, Color::rgb(255, 0, 0));
 
-        let mut score = Label::default();
-        // a score that does not fit is cut off
-        let _ = write!(score, "{:04.0}", self.reward);
+        let score = Label::new(format_args!("{:04.0}", self.reward));
         canvas.text(
-            score.text(),
+            &score,
             [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0 + 15.0],
             30.0,
             Align::Center,
             Color::WHITE,
         );
-    }
-}
-
-/// A short text without allocation.
-#[derive(Default)]
-struct Label {
-    bytes: [u8; 16],
-    len: usize,
-}
-
-impl Label {
-    fn text(&self) -> &str {
-        std::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
-    }
-}
-
-impl Write for Label {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let rest = &mut self.bytes[self.len..];
-        let target = rest.get_mut(..text.len()).ok_or(fmt::Error)?;
-        target.copy_from_slice(text.as_bytes());
-        self.len += text.len();
-        Ok(())
     }
 }

@@ -40,7 +40,7 @@ mod sweeps;
 #[cfg(test)]
 mod tests;
 mod time_of_impact;
-mod trig;
+pub(super) mod trig;
 mod validate;
 
 use serde::{Deserialize, Serialize};

@@ -33,7 +33,7 @@ const TWO_OVER_PI: [u32; 24] = [
 
 /// Sine and cosine; not a number for what is not finite.
 #[inline]
-pub(super) fn sin_cos(angle: f32) -> (f32, f32) {
+pub(crate) fn sin_cos(angle: f32) -> (f32, f32) {
     let bits = angle.to_bits() & 0x7fff_ffff;
     let x = f64::from(angle);
     if bits < 0x3f40_0000 {

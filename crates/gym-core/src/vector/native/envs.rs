@@ -198,8 +198,13 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             let state =
                 stream.lend(|rng| self.dynamics.start(&start, rng)).map_err(|error| error.at_env(i))?;
             if self.blocks.is_empty() {
-                let block =
-                    Block { states: D::pack(&state).splat(), steps: [0; LANES], due: 0, unset: u32::MAX };
+                let block = Block {
+                    states: D::pack(&state).splat(),
+                    steps: [0; LANES],
+                    due: 0,
+                    unset: u32::MAX,
+                    ended: 0,
+                };
                 let mut blocks = vec![block; self.num_envs.div_ceil(LANES)];
                 if let (Some(last), rest @ 1..) = (blocks.last_mut(), self.num_envs % LANES) {
                     last.unset >>= LANES - rest;

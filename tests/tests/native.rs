@@ -7,7 +7,7 @@ use gym::classic::mountain_car::MountainCarDynamics;
 use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
 use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
-use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorReset};
+use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
 use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Value, builder, registry};
 use serde_json::json;
 
@@ -34,8 +34,14 @@ fn spec(id: &str, arguments: serde_json::Value) -> EnvSpec {
 }
 
 fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn VectorEnv>> {
-    let entry_point = registry::find(&spec.id).unwrap().native_vector().expect("a native vector");
-    entry_point(spec, n, autoreset)
+    let spec = VectorSpec {
+        env: spec.clone(),
+        num_envs: n,
+        vectorization_mode: VectorKind::Native,
+        autoreset_mode: autoreset,
+        threads: None,
+    };
+    spec.make()
 }
 
 /// Scalar environments, reset as a vector's.
@@ -178,6 +184,33 @@ fn tables_equal_scalar_environments() {
 }
 
 #[test]
+fn infos_of_tables_equal_those_of_sync() {
+    for id in TABLES {
+        for mode in MODES {
+            let kinds = [VectorKind::Native, VectorKind::Sync];
+            let make = |kind| builder(id).vector(5).kind(kind).autoreset(mode).build().unwrap();
+            let [mut native, mut sync] = kinds.map(make);
+            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+            let mut actions = native.action_space().unwrap().sampler(2);
+            for step in 0..200 {
+                let done: Vec<bool> = (0..5).map(|i| exact.done(i)).collect();
+                if step == 0 || mode == Autoreset::Disabled && done.contains(&true) {
+                    let reset = if step == 0 { 9.into() } else { VectorReset::default().mask(done) };
+                    native.reset_into(&reset, &mut fast).unwrap();
+                    sync.reset_into(&reset, &mut exact).unwrap();
+                    assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: reset {step}");
+                }
+                let actions = actions.sample();
+                native.step_into(&actions, &mut fast).unwrap();
+                sync.step_into(&actions, &mut exact).unwrap();
+                assert_eq!(fast.observations, exact.observations, "{id}, {mode:?}: step {step}");
+                assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: step {step}");
+            }
+        }
+    }
+}
+
+#[test]
 fn arguments_of_tables_work() {
     for (id, arguments) in [
         ("FrozenLake-v1", json!({"is_slippery": false, "reward_schedule": [2.0, -1.0, -0.5]})),
@@ -279,7 +312,7 @@ fn a_step_of_mountain_car_is_within_its_bound() {
 /// by a unit of that.
 #[test]
 fn a_step_of_mountain_car_continuous_is_within_its_bound() {
-    let bound = Bound { state: 2e-9, observation: 2e-9, reward: 0.0 };
+    let bound = Bound { state: f64::from(f32::EPSILON), observation: f32::EPSILON, reward: 0.0 };
     let config = gym::classic::mountain_car_continuous::Config::default();
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, [("low", -1.2), ("high", 0.55)], bound);
 }
@@ -296,7 +329,7 @@ fn a_step_of_pendulum_is_within_its_bound() {
 
 #[test]
 fn a_step_of_acrobot_is_within_its_bound() {
-    let bound = Bound { state: 1e-13, observation: f32::EPSILON, reward: 0.0 };
+    let bound = Bound { state: 1e-14, observation: f32::EPSILON, reward: 0.0 };
     compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, [("low", -3.0), ("high", 3.0)], bound);
 }
 
@@ -479,21 +512,26 @@ fn what_only_scalar_environments_can_do_is_refused() {
     let rendered = EnvSpec { render_mode: Some(gym::render::RenderMode::RgbArray), ..plain("CartPole-v1") };
     for (spec, reason) in [
         (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),
-        (spec("FrozenLake-v1", json!({"map_name": null})), "one map"),
+        (spec("FrozenLake-v1", json!({"map_name": null})), "random maps"),
         (EnvSpec { max_episode_steps: Some(70_000), ..plain("CartPole-v1") }, "65534"),
-        (wrapped, "wrapped"),
+        (wrapped, "to wrap"),
         (rendered, "draws nothing"),
     ] {
         let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
-        assert!(error.contains(reason) && error.contains("make a sync or async vector"), "{error}");
+        assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");
     }
     let unknown = native(&spec("CartPole-v1", json!({"gravity": 1})), 2, Autoreset::NextStep).unwrap_err();
     assert!(unknown.to_string().contains("sutton_barto_reward"), "{unknown}");
+    let none = native(&spec("CliffWalking-v0", json!({"is_slippery": true})), 2, Autoreset::NextStep);
+    assert!(none.unwrap_err().to_string().contains("takes no arguments"));
     assert!(native(&plain("CartPole-v1"), 0, Autoreset::NextStep).is_err());
     assert!(
         native(&EnvSpec { max_episode_steps: Some(0), ..plain("CartPole-v1") }, 1, Autoreset::NextStep)
             .is_err()
     );
+    let rebuilt = native(&plain("Taxi-v4"), 3, Autoreset::SameStep).unwrap().spec().unwrap().make().unwrap();
+    assert_eq!(rebuilt.describe(), "NativeVectorEnv(Taxi-v4, num_envs=3)");
+    assert_eq!(rebuilt.autoreset(), Autoreset::SameStep);
     let endless = EnvSpec { max_episode_steps: None, ..plain("Pendulum-v1") };
     assert!(native(&endless, 1, Autoreset::NextStep).is_ok());
 }
@@ -565,7 +603,7 @@ fn environments_without_an_episode_are_named() {
     let before = columns.clone();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
     assert!(
-        error.to_string().starts_with(&format!("sub-environment {over}: its episode is over")),
+        error.to_string().starts_with(&format!("sub-environment {over}: its episode has ended")),
         "{error}"
     );
     assert_eq!(columns, before);

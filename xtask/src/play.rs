@@ -123,6 +123,7 @@ impl Session {
                 id: spec.id,
                 kwargs: arguments.kwargs.clone(),
                 wrappers: Vec::new(),
+                vector: None,
                 events: Vec::new(),
             },
             episode: 0,

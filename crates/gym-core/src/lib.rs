@@ -32,7 +32,7 @@ pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
 pub use error::{Error, Result};
 pub use functional::{Dynamics, Stateful, Transition};
-pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make};
+pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
 pub use reset::{Kwargs, Reset};
 pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;

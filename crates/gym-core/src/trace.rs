@@ -10,13 +10,18 @@
 //!    "terminated": false, "truncated": false, "info": {}}
 //! ]}
 //! ```
+//!
+//! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
+//! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json, value::RawValue};
 
+use crate::registry::EnvBuilder;
+use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
 use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, WrapperSpec, builder};
 
-/// The resets and steps of one environment.
+/// The resets and steps of one environment, or of one vector.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trace {
     /// The environment's id.
@@ -28,8 +33,27 @@ pub struct Trace {
     /// is left out of such traces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
+    /// The vector that it is a sub-environment of, if it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vector: Option<VectorRequest>,
     /// What happened, in order.
     pub events: Vec<Event>,
+}
+
+/// The vector of a trace.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VectorRequest {
+    /// How many sub-environments it has.
+    pub num_envs: usize,
+    /// When they are reset.
+    #[serde(default)]
+    pub autoreset_mode: Autoreset,
+    /// How they are stepped; sync where it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<VectorKind>,
+    /// Wrappers around the vector, innermost first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wrappers: Vec<WrapperSpec>,
 }
 
 /// One reset or one step, and the answer to it.
@@ -65,7 +89,7 @@ pub struct Event {
 /// Seed and options of a reset.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ResetRequest {
-    /// The seed, of any size; its digits are kept as they are written.
+    /// The seed, of any size, or a list of them; its digits are kept as they are written.
     seed: Option<Box<RawValue>>,
     /// The options.
     options: Option<Kwargs>,
@@ -87,8 +111,28 @@ impl TryFrom<&ResetRequest> for Reset {
     }
 }
 
+impl TryFrom<&ResetRequest> for VectorReset {
+    type Error = Error;
+
+    fn try_from(request: &ResetRequest) -> Result<Self> {
+        let invalid = |error: serde_json::Error| Error::custom(format!("the reset of a vector: {error}"));
+        let seeds = match &request.seed {
+            None => Seeds::None,
+            Some(list) if list.get().starts_with('[') => {
+                let list: Vec<Option<&RawValue>> = serde_json::from_str(list.get()).map_err(invalid)?;
+                let seeds = list.into_iter().map(|seed| seed.map(|digits| digits.get().parse()).transpose());
+                Seeds::Each(seeds.collect::<Result<_>>()?)
+            }
+            Some(digits) => Seeds::From(digits.get().parse()?),
+        };
+        let mut options = request.options.clone().unwrap_or_default();
+        let mask = options.remove("reset_mask").map(serde_json::from_value).transpose().map_err(invalid)?;
+        Ok(Self { seeds, options, mask })
+    }
+}
+
 impl Trace {
-    /// Does the same resets and steps again, and records what the environment answers now.
+    /// Does the same resets and steps again, and records what the environment or the vector answers now.
     ///
     /// Where the trace has a `state`, `state` is asked for it; such a trace may leave the observation
     /// out, and the answers then do so too.
@@ -96,20 +140,31 @@ impl Trace {
     /// # Errors
     /// What the environment answers with an error, and at which event.
     pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
-        let mut env = self.make()?;
+        let events = if self.vector.is_some() {
+            let mut envs = self.make_vector()?;
+            let mut columns = envs.columns()?;
+            self.replay_events(|event| event.replay_vector(&mut envs, &mut columns))
+        } else {
+            let mut env = self.make()?;
+            self.replay_events(|event| event.replay(&mut env, &state))
+        };
+        let Self { id, kwargs, wrappers, vector, .. } = self.clone();
+        Ok(Self { id, kwargs, wrappers, vector, events: events? })
+    }
+
+    fn replay_events(&self, mut replay: impl FnMut(&Event) -> Result<Event>) -> Result<Vec<Event>> {
+        let has_clock = !self.wrappers.is_empty() || self.vector.is_some();
         let mut events = Vec::with_capacity(self.events.len());
         for (i, event) in self.events.iter().enumerate() {
-            let answer = event.replay(&mut env, &state);
-            let mut answer = answer.map_err(|error| Error::custom(format!("event {i}: {error}")))?;
-            if let Some(Json::Object(episode)) = answer.info.as_mut().and_then(|info| info.get_mut("episode"))
-                && !self.wrappers.is_empty()
+            let mut answer = replay(event).map_err(|error| Error::custom(format!("event {i}: {error}")))?;
+            if let Some(info) = answer.info.as_mut()
+                && has_clock
             {
-                episode.remove("t");
+                remove_clock(info);
             }
             events.push(answer);
         }
-        let Self { id, kwargs, wrappers, .. } = self;
-        Ok(Self { id: id.clone(), kwargs: kwargs.clone(), wrappers: wrappers.clone(), events })
+        Ok(events)
     }
 
     /// The environment of the trace, in its wrappers.
@@ -117,8 +172,26 @@ impl Trace {
     /// # Errors
     /// As [`make`](crate::make), and for a wrapper that is not known.
     pub fn make(&self) -> Result<BoxEnv> {
-        let env = builder(&self.id).args(self.kwargs.clone()).build()?;
-        self.wrappers.iter().try_fold(env, |env, wrapper| wrapper.wrap(env))
+        self.builder().build()
+    }
+
+    /// The vector of the trace, in its wrappers.
+    ///
+    /// # Errors
+    /// As [`make_vec`](crate::make_vec), for a wrapper that is not known, and if this is the trace of a
+    /// single environment.
+    pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
+        let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {
+            return Err(Error::custom("this is the trace of one environment, not of a vector"));
+        };
+        let vector = self.builder().vector(*num_envs).autoreset(*autoreset_mode);
+        let envs = vector.kind(kind.unwrap_or(VectorKind::Sync)).build()?;
+        wrappers.iter().try_fold(envs, |envs, wrapper| wrapper.wrap_vector(envs))
+    }
+
+    fn builder(&self) -> EnvBuilder {
+        let builder = builder(&self.id).args(self.kwargs.clone());
+        self.wrappers.iter().cloned().fold(builder, EnvBuilder::wrap)
     }
 
     /// Where another trace of the same requests first has another answer than this one records: the
@@ -161,7 +234,7 @@ impl Event {
                     ..Self::default()
                 }
             }
-            _ => return Err(Error::custom("an event is either a `reset` or a `step`")),
+            _ => return Err(not_an_event()),
         };
         answer.reset.clone_from(&self.reset);
         answer.step.clone_from(&self.step);
@@ -173,6 +246,40 @@ impl Event {
             }
         }
         Ok(answer)
+    }
+
+    fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {
+        let mut answer = self.clone();
+        match (&self.reset, &self.step) {
+            (Some(request), None) => envs.reset_into(&request.try_into()?, columns)?,
+            (None, Some(actions)) => {
+                envs.step_into(&envs.action_space()?.from_json(actions)?, columns)?;
+                answer.reward = Some(json!(columns.rewards));
+                answer.terminated = Some(json!(columns.terminated));
+                answer.truncated = Some(json!(columns.truncated));
+            }
+            _ => return Err(not_an_event()),
+        }
+        answer.observation = Some(json!(columns.observations));
+        answer.info = Some(json!(envs.infos(columns)));
+        Ok(answer)
+    }
+}
+
+fn not_an_event() -> Error {
+    Error::custom("an event is either a `reset` or a `step`")
+}
+
+/// Removes the wall-clock time of episode statistics, which no two runs share.
+fn remove_clock(info: &mut Json) {
+    if let Json::Object(info) = info {
+        if let Some(Json::Object(episode)) = info.get_mut("episode") {
+            episode.remove("t");
+            episode.remove("_t");
+        }
+        if let Some(final_info) = info.get_mut("final_info") {
+            remove_clock(final_info);
+        }
     }
 }
 

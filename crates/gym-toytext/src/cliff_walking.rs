@@ -167,7 +167,9 @@ impl Dynamics for CliffWalkingDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        visit("prob", Value::Float(state.probability));
+        // Gymnasium's reset gives a whole number, which the batched infos of a vector show
+        let is_start = state.last_action.is_none();
+        visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
     }
 
     fn metadata(&self) -> Metadata {
@@ -271,9 +273,11 @@ impl Native for CliffWalkingDynamics {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
+    /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, _fresh: bool) -> State {
-        State { cell: cell.state as usize, last_action: None, probability: cell.probability }
+    fn unpack(cell: Cell, fresh: bool) -> State {
+        let last_action = if fresh { None } else { Some(Action::Up) };
+        State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
 
     #[inline(always)]

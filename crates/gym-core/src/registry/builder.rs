@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
-use super::{EnvSpec, find, resolve};
+use super::{EnvSpec, WrapperSpec, find, resolve};
 use crate::render::RenderMode;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, RenderCollection, TimeLimit};
 use crate::{BoxEnv, Error, Kwargs, Result};
@@ -41,6 +41,7 @@ pub struct EnvBuilder {
     time_limit: Option<Option<u32>>,
     disable_env_checker: Option<bool>,
     order_enforce: Option<bool>,
+    wrappers: Vec<WrapperSpec>,
 }
 
 #[derive(Clone, Debug)]
@@ -112,6 +113,13 @@ impl EnvBuilder {
         self
     }
 
+    /// Puts a wrapper around all others.
+    #[must_use]
+    pub fn wrap(mut self, wrapper: WrapperSpec) -> Self {
+        self.wrappers.push(wrapper);
+        self
+    }
+
     /// The spec that all options together make. An id without version, or with one that is out of
     /// date, gives a warning through the `log` crate.
     ///
@@ -135,6 +143,7 @@ impl EnvBuilder {
         spec.max_episode_steps = self.time_limit.unwrap_or(spec.max_episode_steps);
         spec.disable_env_checker = self.disable_env_checker.unwrap_or(spec.disable_env_checker);
         spec.order_enforce = self.order_enforce.unwrap_or(spec.order_enforce);
+        spec.additional_wrappers.extend(self.wrappers);
         Ok(spec)
     }
 

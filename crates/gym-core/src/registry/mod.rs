@@ -8,6 +8,8 @@ mod builder;
 mod id;
 mod registration;
 mod spec;
+mod vector;
+mod vector_wrappers;
 mod wrappers;
 
 use std::collections::BTreeMap;
@@ -17,6 +19,7 @@ pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
+pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::WrapperRegistration;
 
 use crate::{Error, Result};

@@ -61,7 +61,7 @@ macro_rules! wrapper {
     };
 }
 
-fn arguments<T: DeserializeOwned>(name: &str, kwargs: &Kwargs) -> Result<T> {
+pub(super) fn arguments<T: DeserializeOwned>(name: &str, kwargs: &Kwargs) -> Result<T> {
     serde_json::from_value(Json::Object(kwargs.clone()))
         .map_err(|error| Error::argument(name, error.to_string()))
 }
@@ -75,7 +75,7 @@ enum Duration {
 }
 
 /// A number, or infinity as a string.
-fn bound(name: &str, json: Option<Json>) -> Result<Option<f64>> {
+pub(super) fn bound(name: &str, json: Option<Json>) -> Result<Option<f64>> {
     match json {
         None | Some(Json::Null) => Ok(None),
         Some(Json::String(text)) if text == "inf" => Ok(Some(f64::INFINITY)),

@@ -1,8 +1,124 @@
 //! The infos of sub-environments as columns: Gymnasium's `_add_info`.
 
-use super::{Columns, VectorEnv};
-use crate::Info;
+use std::collections::BTreeMap;
 
-pub(super) fn batch<V: VectorEnv + ?Sized>(_envs: &V, _columns: &Columns) -> Info {
-    Info::new()
+use super::{Columns, VectorEnv};
+use crate::spaces::number::{Number, Numeric, with_type};
+use crate::{Array, DType, Info, Value};
+
+/// See [`VectorEnv::infos`].
+pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
+    let n = envs.num_envs();
+    let space = envs.single_observation_space();
+    let mut group = Group::new(n);
+    for index in 0..n {
+        if columns.has_final.get(index) == Some(&true) {
+            let mut observation = Value::Null;
+            if space.read_row(&columns.final_observations, index, &mut observation).is_ok() {
+                group.add_to("final_obs", index, observation, |n, _| Values::Objects(vec![Value::Null; n]));
+            }
+            let mut entries = Vec::new();
+            envs.final_info(index, &mut |key, value| entries.push((key.to_owned(), value)));
+            group.add("final_info", index, Value::Dict(entries));
+        }
+        envs.info(index, &mut |key, value| group.add(key, index, value));
+    }
+    group.into_entries().collect()
+}
+
+/// A truth value for each sub-environment, as infos hold it.
+pub(super) fn flags(flags: &[bool]) -> Value {
+    Value::Tuple(flags.iter().map(|flag| Value::Bool(*flag)).collect())
+}
+
+/// Columns by key, for `n` sub-environments, each with the mask of the values that are there.
+struct Group {
+    n: usize,
+    columns: BTreeMap<String, (Values, Vec<bool>)>,
+}
+
+/// The values of one key. What is not there is zero, `false` or `Null`.
+enum Values {
+    Numbers(Array),
+    Flags(Vec<bool>),
+    Objects(Vec<Value>),
+    Group(Group),
+}
+
+impl Group {
+    fn new(n: usize) -> Self {
+        Self { n, columns: BTreeMap::new() }
+    }
+
+    /// Adds a value to a column whose type the first value decides.
+    fn add(&mut self, key: &str, index: usize, value: Value) {
+        self.add_to(key, index, value, Values::for_value);
+    }
+
+    fn add_to(&mut self, key: &str, index: usize, value: Value, new: fn(usize, &Value) -> Values) {
+        let n = self.n;
+        let column = self.columns.entry(key.to_owned());
+        let (values, is_there) = column.or_insert_with(|| (new(n, &value), vec![false; n]));
+        is_there[index] = values.set(index, value);
+    }
+
+    /// Each key with its values, and with an underscore before it the mask.
+    fn into_entries(self) -> impl Iterator<Item = (String, Value)> {
+        self.columns.into_iter().flat_map(|(key, (values, is_there))| {
+            let mask = (format!("_{key}"), flags(&is_there));
+            let values = match values {
+                Values::Numbers(array) => Value::Array(array),
+                Values::Flags(values) => flags(&values),
+                Values::Objects(values) => Value::Tuple(values),
+                Values::Group(group) => Value::Dict(group.into_entries().collect()),
+            };
+            [(key, values), mask]
+        })
+    }
+}
+
+impl Values {
+    fn for_value(n: usize, value: &Value) -> Self {
+        match value {
+            Value::Bool(_) => Self::Flags(vec![false; n]),
+            Value::Int(_) => Self::Numbers(Array::zeros(DType::I64, [n])),
+            Value::Float(_) => Self::Numbers(Array::zeros(DType::F64, [n])),
+            Value::Array(array) => Self::Numbers(Array::zeros(array.dtype(), [&[n], array.shape()].concat())),
+            Value::Dict(_) => Self::Group(Group::new(n)),
+            _ => Self::Objects(vec![Value::Null; n]),
+        }
+    }
+
+    /// Sets one value, cast to the type of the column as numpy casts; `false` if the column cannot hold
+    /// it.
+    fn set(&mut self, index: usize, value: Value) -> bool {
+        match (self, value) {
+            (Self::Flags(flags), Value::Bool(flag)) => flags[index] = flag,
+            (Self::Numbers(array), Value::Int(i)) if array.shape().len() == 1 => {
+                set_number(array, index, Number::Int(i.into()));
+            }
+            (Self::Numbers(array), Value::Float(x)) if array.shape().len() == 1 => {
+                set_number(array, index, Number::Float(x));
+            }
+            (Self::Numbers(array), Value::Array(row)) if array.shape()[1..] == *row.shape() => {
+                for i in 0..row.len() {
+                    set_number(array, index * row.len() + i, Number::at(row.data(), i));
+                }
+            }
+            (Self::Group(group), Value::Dict(entries)) => {
+                entries.into_iter().for_each(|(key, value)| group.add(&key, index, value));
+            }
+            (Self::Objects(values), value) => values[index] = value,
+            _ => return false,
+        }
+        true
+    }
+}
+
+fn set_number(array: &mut Array, index: usize, number: Number) {
+    with_type!(array.dtype(), T => {
+        if let Some(x) = array.as_mut_slice::<T>().and_then(|numbers| numbers.get_mut(index)) {
+            *x = T::cast(number);
+        }
+    });
 }

@@ -3,7 +3,11 @@
 mod columns;
 mod infos;
 pub mod native;
+mod pool;
 mod reset;
+mod slot;
+mod sync;
+pub mod wrappers;
 
 use std::any::Any;
 use std::fmt;
@@ -13,8 +17,12 @@ use serde::{Deserialize, Serialize};
 use crate::render::{Metadata, Rendered};
 use crate::{Env, Error, Info, Result, Sampler, Seed, Space, Value};
 
+pub use crate::registry::{VectorKind, VectorSpec};
 pub use columns::Columns;
+pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
+pub use sync::SyncVectorEnv;
+pub use wrappers::VectorWrap;
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -78,7 +86,7 @@ pub trait VectorEnv: Send {
     /// [`Autoreset`]) and leaves the results in `columns`.
     ///
     /// # Errors
-    /// [`Error::InvalidAction`] unless `actions` has the form of the batched action space, and
+    /// [`Error::NotInSpace`] unless `actions` has the form of the batched action space, and
     /// [`Error::SubEnvironment`] if one cannot step because it must be reset first: then nothing has
     /// changed. [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the
     /// others have then taken their step.
@@ -146,6 +154,11 @@ pub trait VectorEnv: Send {
     /// Render modes, frames per second and frame size of the sub-environments.
     fn metadata(&self) -> Metadata {
         Metadata::default()
+    }
+
+    /// How [`VectorSpec::make`] would build this vector again, if it can.
+    fn spec(&self) -> Option<VectorSpec> {
+        None
     }
 
     /// The kind of vector, its environment and their number: `SyncVectorEnv(CartPole-v1, num_envs=3)`.
@@ -299,6 +312,10 @@ impl<V: VectorEnv + ?Sized> VectorEnv for Box<V> {
 
     fn metadata(&self) -> Metadata {
         (**self).metadata()
+    }
+
+    fn spec(&self) -> Option<VectorSpec> {
+        (**self).spec()
     }
 
     fn describe(&self) -> String {

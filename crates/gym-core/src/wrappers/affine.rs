@@ -2,6 +2,7 @@
 
 use serde_json::Value as Json;
 
+use crate::array::Scalar;
 use crate::spaces::BoxSpace;
 use crate::{Array, DType, Data, Error, Result, Space};
 
@@ -41,7 +42,7 @@ impl<const N: usize> From<[f64; N]> for Bound {
 
 impl Bound {
     /// A number or nested lists, with infinity as a string.
-    pub(super) fn to_json(&self) -> Json {
+    pub(crate) fn to_json(&self) -> Json {
         match self {
             Self::Scalar(x) => super::number_to_json(*x),
             Self::Array(array) => {
@@ -94,7 +95,7 @@ impl Bound {
 
 /// `gradient * x + intercept` for each element, in the type of the box.
 #[derive(Clone, Debug)]
-pub(super) enum Affine {
+pub(crate) enum Affine {
     F32 { gradient: Vec<f32>, intercept: Vec<f32> },
     F64 { gradient: Vec<f64>, intercept: Vec<f64> },
 }
@@ -104,7 +105,7 @@ impl Affine {
     ///
     /// Infinite bounds must stay as they are; an element with one of them is shifted so that its finite
     /// bound fits.
-    pub(super) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
+    pub(crate) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
         let (shape, dtype) = (inner.shape(), inner.dtype());
         if !dtype.is_float() {
             return Err(Error::custom(format!(
@@ -159,30 +160,29 @@ impl Affine {
         Ok((map, outer))
     }
 
-    /// Maps an array in place.
-    pub(super) fn forward(&self, array: &mut Array) {
+    /// Maps an array, or each row of a batch, in place.
+    pub(crate) fn forward(&self, array: &mut Array) {
         self.apply(array, |x, a, b| a * x + b, |x, a, b| a * x + b);
     }
 
     /// Undoes [`forward`](Self::forward).
-    pub(super) fn backward(&self, array: &mut Array) {
+    pub(crate) fn backward(&self, array: &mut Array) {
         self.apply(array, |x, a, b| (x - b) / a, |x, a, b| (x - b) / a);
     }
 
     fn apply(&self, array: &mut Array, f32s: fn(f32, f32, f32) -> f32, f64s: fn(f64, f64, f64) -> f64) {
         match self {
-            Self::F32 { gradient, intercept } => {
-                let numbers = array.as_mut_slice::<f32>().unwrap_or_default();
-                for (x, (a, b)) in numbers.iter_mut().zip(gradient.iter().zip(intercept)) {
-                    *x = f32s(*x, *a, *b);
-                }
-            }
-            Self::F64 { gradient, intercept } => {
-                let numbers = array.as_mut_slice::<f64>().unwrap_or_default();
-                for (x, (a, b)) in numbers.iter_mut().zip(gradient.iter().zip(intercept)) {
-                    *x = f64s(*x, *a, *b);
-                }
-            }
+            Self::F32 { gradient, intercept } => map_rows(array, gradient, intercept, f32s),
+            Self::F64 { gradient, intercept } => map_rows(array, gradient, intercept, f64s),
+        }
+    }
+}
+
+fn map_rows<T: Scalar>(array: &mut Array, gradient: &[T], intercept: &[T], f: fn(T, T, T) -> T) {
+    let numbers = array.as_mut_slice::<T>().unwrap_or_default();
+    for row in numbers.chunks_exact_mut(gradient.len().max(1)) {
+        for (x, (a, b)) in row.iter_mut().zip(gradient.iter().zip(intercept)) {
+            *x = f(*x, *a, *b);
         }
     }
 }

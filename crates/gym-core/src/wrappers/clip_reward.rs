@@ -4,8 +4,34 @@ use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, WrapperSpec};
 #[derive(Clone, Debug)]
 pub struct ClipReward<E> {
     env: E,
-    min_reward: Option<f64>,
-    max_reward: Option<f64>,
+    bounds: RewardBounds,
+}
+
+/// Bounds of a reward.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RewardBounds {
+    pub(crate) min: Option<f64>,
+    pub(crate) max: Option<f64>,
+}
+
+impl RewardBounds {
+    pub(crate) fn new(min_reward: Option<f64>, max_reward: Option<f64>) -> Result<Self> {
+        let refuse = |reason: String| Err(Error::argument("ClipReward", reason));
+        match (min_reward, max_reward) {
+            (None, None) => refuse("neither min_reward nor max_reward is given: give at least one".into()),
+            (Some(bound), None) | (None, Some(bound)) if bound.is_nan() => refuse("a bound is NaN".into()),
+            (Some(min), Some(max)) if min > max || min.is_nan() || max.is_nan() => {
+                refuse(format!("min_reward {min} must not be above max_reward {max}"))
+            }
+            (min, max) => Ok(Self { min, max }),
+        }
+    }
+
+    /// The reward within the bounds. NaN stays, as numpy's `clip` leaves it.
+    pub(crate) fn clip(self, reward: f64) -> f64 {
+        let reward = self.min.filter(|min| reward < *min).unwrap_or(reward);
+        self.max.filter(|max| reward > *max).unwrap_or(reward)
+    }
 }
 
 impl<E: Env> ClipReward<E> {
@@ -19,26 +45,18 @@ impl<E: Env> ClipReward<E> {
         min_reward: impl Into<Option<f64>>,
         max_reward: impl Into<Option<f64>>,
     ) -> Result<Self> {
-        let (min_reward, max_reward) = (min_reward.into(), max_reward.into());
-        let refuse = |reason: String| Err(Error::argument("ClipReward", reason));
-        match (min_reward, max_reward) {
-            (None, None) => refuse("neither min_reward nor max_reward is given: give at least one".into()),
-            (Some(bound), None) | (None, Some(bound)) if bound.is_nan() => refuse("a bound is NaN".into()),
-            (Some(min), Some(max)) if min > max || min.is_nan() || max.is_nan() => {
-                refuse(format!("min_reward {min} must not be above max_reward {max}"))
-            }
-            _ => Ok(Self { env, min_reward, max_reward }),
-        }
+        let bounds = RewardBounds::new(min_reward.into(), max_reward.into())?;
+        Ok(Self { env, bounds })
     }
 
     /// The lower bound.
     pub fn min_reward(&self) -> Option<f64> {
-        self.min_reward
+        self.bounds.min
     }
 
     /// The upper bound.
     pub fn max_reward(&self) -> Option<f64> {
-        self.max_reward
+        self.bounds.max
     }
 
     /// The environment within.
@@ -56,21 +74,14 @@ impl<E: Env> Env for ClipReward<E> {
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let mut outcome = self.env.step_into(action, observation)?;
-        // comparisons that NaN fails, so that it stays as numpy's `clip` leaves it
-        if let Some(min) = self.min_reward.filter(|min| outcome.reward < *min) {
-            outcome.reward = min;
-        }
-        if let Some(max) = self.max_reward.filter(|max| outcome.reward > *max) {
-            outcome.reward = max;
-        }
-        Ok(outcome)
+        let outcome = self.env.step_into(action, observation)?;
+        Ok(Outcome { reward: self.bounds.clip(outcome.reward), ..outcome })
     }
 
     fn spec(&self) -> Option<EnvSpec> {
         let wrapper = WrapperSpec::new("ClipReward")
-            .arg("min_reward", super::number_to_json(self.min_reward))
-            .arg("max_reward", super::number_to_json(self.max_reward));
+            .arg("min_reward", super::number_to_json(self.bounds.min))
+            .arg("max_reward", super::number_to_json(self.bounds.max));
         self.env.spec().map(|spec| spec.wrapped(wrapper))
     }
 

@@ -4,12 +4,12 @@
 
 mod add_render_observation;
 mod add_white_noise;
-mod affine;
+pub(crate) mod affine;
 mod area;
 mod autoreset;
 mod bins;
-mod clip_action;
-mod clip_reward;
+pub(crate) mod clip_action;
+pub(crate) mod clip_reward;
 mod delay_observation;
 mod discretize_action;
 mod discretize_observation;
@@ -19,9 +19,10 @@ mod flatten_observation;
 mod frame_stack_observation;
 mod grayscale_observation;
 mod max_and_skip_observation;
+pub(crate) mod moments;
 mod noise;
 mod normalize_observation;
-mod normalize_reward;
+pub(crate) mod normalize_reward;
 mod obstruct_view;
 mod order_enforcing;
 mod passive_env_checker;
@@ -29,11 +30,11 @@ mod record_episode_statistics;
 mod render;
 mod render_collection;
 mod repeat_action;
-mod rescale_action;
+pub(crate) mod rescale_action;
 mod rescale_observation;
 mod reshape_observation;
 mod resize_observation;
-mod running;
+pub(crate) mod running;
 mod sticky_action;
 mod time_aware_observation;
 mod time_limit;
@@ -63,7 +64,7 @@ pub use normalize_reward::NormalizeReward;
 pub use obstruct_view::ObstructView;
 pub use order_enforcing::OrderEnforcing;
 pub use passive_env_checker::PassiveEnvChecker;
-pub use record_episode_statistics::RecordEpisodeStatistics;
+pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use render::Render;
 pub use render_collection::RenderCollection;
 pub use repeat_action::RepeatAction;
@@ -191,7 +192,7 @@ fn act<E: Env>(env: &mut E, action: &Value, observation: &mut E::Observation) ->
 }
 
 /// The box that a wrapper needs for a space.
-fn expect_box<'a>(wrapper: &str, kind: &str, space: &'a Space) -> Result<&'a BoxSpace> {
+pub(crate) fn expect_box<'a>(wrapper: &str, kind: &str, space: &'a Space) -> Result<&'a BoxSpace> {
     match space {
         Space::Box(space) => Ok(space),
         _ => Err(Error::argument(wrapper, format!("it needs a Box {kind} space, and this one is {space}"))),

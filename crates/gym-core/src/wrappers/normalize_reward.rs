@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use super::moments::Batch;
 use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes.
@@ -35,12 +36,7 @@ impl<E: Env> NormalizeReward<E> {
     /// # Errors
     /// [`Error::InvalidArgument`] for a `gamma` outside `[0, 1]`.
     pub fn new(env: E, gamma: f64) -> Result<Self> {
-        if !(0.0..=1.0).contains(&gamma) {
-            return Err(Error::argument(
-                "NormalizeReward",
-                format!("gamma is {gamma}: it must be in [0, 1]"),
-            ));
-        }
+        check_gamma(gamma)?;
         let estimate =
             Estimate { discounted_reward: 0.0, mean: 0.0, var: 1.0, count: super::running::INITIAL_COUNT };
         Ok(Self { env, gamma, epsilon: Self::EPSILON, update_running_mean: true, estimate })
@@ -86,7 +82,8 @@ impl<E: Env> Env for NormalizeReward<E> {
         let keep = f64::from(!outcome.terminated);
         *discounted_reward = *discounted_reward * self.gamma * keep + outcome.reward;
         if self.update_running_mean {
-            super::running::update_f64(mean, var, *var * *count, *count, *discounted_reward);
+            let batch = Batch::of_one(*discounted_reward);
+            super::running::update_f64(mean, var, *var * *count, *count, batch);
             *count += 1.0;
         }
         Ok(Outcome { reward: outcome.reward / (*var + self.epsilon).sqrt(), ..outcome })
@@ -112,4 +109,11 @@ impl<E: Env> Env for NormalizeReward<E> {
     crate::forward!(
         env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
     );
+}
+
+pub(crate) fn check_gamma(gamma: f64) -> Result<()> {
+    match (0.0..=1.0).contains(&gamma) {
+        true => Ok(()),
+        false => Err(Error::argument("NormalizeReward", format!("gamma is {gamma}: it must be in [0, 1]"))),
+    }
 }

@@ -33,6 +33,18 @@ pub struct EpisodeStatistics {
     pub seconds: f64,
 }
 
+impl EpisodeStatistics {
+    /// The entry of `info`.
+    pub(crate) fn to_value(self) -> Value {
+        let entries = [
+            ("r", Value::Float(self.episode_return)),
+            ("l", Value::Int(self.length as i64)),
+            ("t", Value::Float(self.seconds)),
+        ];
+        Value::Dict(entries.map(|(key, value)| (key.to_owned(), value)).into())
+    }
+}
+
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Record {
     episode_return: f64,
@@ -118,12 +130,7 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         if self.record.just_ended
             && let Some(episode) = self.record.episodes.back()
         {
-            let entries = [
-                ("r", Value::Float(episode.episode_return)),
-                ("l", Value::Int(episode.length as i64)),
-                ("t", Value::Float(episode.seconds)),
-            ];
-            visit("episode", Value::Dict(entries.map(|(key, value)| (key.to_owned(), value)).into()));
+            visit("episode", episode.to_value());
         }
     }
 

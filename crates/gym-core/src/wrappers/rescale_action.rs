@@ -1,3 +1,4 @@
+use crate::spaces::BoxSpace;
 use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
 use super::affine::{Affine, Bound};
@@ -20,16 +21,8 @@ impl<E: Env> RescaleAction<E> {
     /// [`Error::InvalidArgument`] unless the actions are real numbers in a `Box`, the lower bounds are
     /// below the upper ones, and exactly the bounds that were infinite are so again.
     pub fn new(env: E, min_action: impl Into<Bound>, max_action: impl Into<Bound>) -> Result<Self> {
-        let (inner, min_action, max_action) = (env.action_space(), min_action.into(), max_action.into());
-        let inner = super::expect_box("RescaleAction", "action", &inner)?;
-        let refuse = |reason: String| Error::argument("RescaleAction", reason);
-        let (map, space) =
-            Affine::new(inner, &min_action, &max_action).map_err(|error| refuse(error.to_string()))?;
-        let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
-        if let Some((bound, _)) = bounds.find(|(low, high)| low == high) {
-            return Err(refuse(format!("the bounds of an element are both {bound}: they must differ")));
-        }
-        drop(bounds);
+        let (min_action, max_action) = (min_action.into(), max_action.into());
+        let (map, space) = affine_map(&env.action_space(), &min_action, &max_action)?;
         Ok(Self { env, space: space.into(), min_action, max_action, map, inner: Value::Null })
     }
 
@@ -71,4 +64,17 @@ impl<E: Env> Env for RescaleAction<E> {
         env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
+}
+
+/// The map from an action space to the box between new bounds, and that box.
+pub(crate) fn affine_map(inner: &Space, min: &Bound, max: &Bound) -> Result<(Affine, BoxSpace)> {
+    let inner = super::expect_box("RescaleAction", "action", inner)?;
+    let refuse = |reason: String| Error::argument("RescaleAction", reason);
+    let (map, space) = Affine::new(inner, min, max).map_err(|error| refuse(error.to_string()))?;
+    let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
+    if let Some((bound, _)) = bounds.find(|(low, high)| low == high) {
+        return Err(refuse(format!("the bounds of an element are both {bound}: they must differ")));
+    }
+    drop(bounds);
+    Ok((map, space))
 }

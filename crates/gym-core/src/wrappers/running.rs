@@ -1,19 +1,20 @@
-//! Running mean and variance by Chan's parallel update, one sample at a time: Gymnasium's
-//! `RunningMeanStd`, in its order of operations.
+//! Running mean and variance by Chan's parallel update: Gymnasium's `RunningMeanStd`, in its order of
+//! operations.
 
 use serde::{Deserialize, Serialize};
 
+use super::moments::{Batch, Rows};
 use crate::{DType, Error, Result};
 
 /// The weight of the initial mean 0 and variance 1.
-pub(super) const INITIAL_COUNT: f64 = 1e-4;
+pub(crate) const INITIAL_COUNT: f64 = 1e-4;
 
 /// Mean and variance of each element of a row of numbers.
 ///
 /// numpy computes in the type of its operands, so Gymnasium's statistics begin as `float32`. They
 /// stay so for `float32` observations and become `float64` with the first update by any other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct RunningMeanStd {
+pub(crate) struct RunningMeanStd {
     moments: Moments,
     count: f64,
 }
@@ -25,12 +26,12 @@ enum Moments {
 }
 
 impl RunningMeanStd {
-    pub(super) fn new(len: usize) -> Self {
+    pub(crate) fn new(len: usize) -> Self {
         Self { moments: Moments::F32 { mean: vec![0.0; len], var: vec![1.0; len] }, count: INITIAL_COUNT }
     }
 
     /// Whether this can be the state for so many numbers.
-    pub(super) fn is_valid(&self, len: usize) -> bool {
+    pub(crate) fn is_valid(&self, len: usize) -> bool {
         let lens = match &self.moments {
             Moments::F32 { mean, var } => [mean.len(), var.len()],
             Moments::F64 { mean, var } => [mean.len(), var.len()],
@@ -39,39 +40,88 @@ impl RunningMeanStd {
     }
 
     /// Takes in one observation whose numbers were of type `dtype`.
-    pub(super) fn update(&mut self, dtype: DType, values: impl Iterator<Item = f64>) {
+    pub(crate) fn update(&mut self, dtype: DType, values: impl Iterator<Item = f64>) {
         let count = self.count;
         if dtype != DType::F32
-            && let Moments::F32 { mean, var } = &self.moments
+            && let Some((scaled, mean, var)) = self.widen()
         {
-            // In the first update the product of variance and count is still float32.
-            let scaled: Vec<_> = var.iter().map(|var| f64::from(var * count as f32)).collect();
-            let mut mean: Vec<_> = mean.iter().map(|x| f64::from(*x)).collect();
-            let mut var = vec![0.0; scaled.len()];
-            for (((mean, var), scaled), x) in mean.iter_mut().zip(&mut var).zip(scaled).zip(values) {
-                update_f64(mean, var, scaled, count, x);
+            for (((mean, var), scaled), x) in mean.iter_mut().zip(var).zip(scaled).zip(values) {
+                update_f64(mean, var, scaled, count, Batch::of_one(x));
             }
-            self.moments = Moments::F64 { mean, var };
             self.count += 1.0;
             return;
         }
         match &mut self.moments {
             Moments::F32 { mean, var } => {
                 for ((mean, var), x) in mean.iter_mut().zip(var).zip(values) {
-                    update_f32(mean, var, *var * count as f32, count, x as f32);
+                    update_f32(mean, var, *var * count as f32, count, Batch::of_one(x as f32));
                 }
             }
             Moments::F64 { mean, var } => {
                 for ((mean, var), x) in mean.iter_mut().zip(var).zip(values) {
-                    update_f64(mean, var, *var * count, count, x);
+                    update_f64(mean, var, *var * count, count, Batch::of_one(x));
                 }
             }
         }
         self.count += 1.0;
     }
 
+    /// Makes `float32` statistics `float64`, and returns them with the product of variance and count,
+    /// which in the update that does this is still `float32`. `None` if they were `float64` already.
+    fn widen(&mut self) -> Option<(Vec<f64>, &mut [f64], &mut [f64])> {
+        let Moments::F32 { mean, var } = &self.moments else { return None };
+        let count = self.count as f32;
+        let scaled = var.iter().map(|var| f64::from(var * count)).collect();
+        let [mean, var] = [mean, var].map(|numbers| numbers.iter().map(|x| f64::from(*x)).collect());
+        self.moments = Moments::F64 { mean, var };
+        match &mut self.moments {
+            Moments::F64 { mean, var } => Some((scaled, mean, var)),
+            Moments::F32 { .. } => None,
+        }
+    }
+
+    /// Takes in some observations at once, one per row, whose numbers were of type `dtype`.
+    pub(crate) fn update_rows(&mut self, dtype: DType, rows: &mut Rows) {
+        let count = self.count;
+        let n = match dtype {
+            DType::F32 => rows.f32s.moments(),
+            _ => rows.f64s.moments(),
+        };
+        if n == 0 {
+            return;
+        }
+        if dtype != DType::F32
+            && let Some((scaled, mean, var)) = self.widen()
+        {
+            for (((mean, var), scaled), batch) in
+                mean.iter_mut().zip(var).zip(scaled).zip(rows.f64s.batches())
+            {
+                update_f64(mean, var, scaled, count, batch);
+            }
+        } else {
+            match &mut self.moments {
+                Moments::F32 { mean, var } => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f32s.batches()) {
+                        update_f32(mean, var, *var * count as f32, count, batch);
+                    }
+                }
+                Moments::F64 { mean, var } if dtype == DType::F32 => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f32s.batches()) {
+                        update_f64(mean, var, *var * count, count, batch.widen());
+                    }
+                }
+                Moments::F64 { mean, var } => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f64s.batches()) {
+                        update_f64(mean, var, *var * count, count, batch);
+                    }
+                }
+            }
+        }
+        self.count += n as f64;
+    }
+
     /// `(x - mean) / sqrt(var + epsilon)` of each number into `out`.
-    pub(super) fn normalize(
+    pub(crate) fn normalize(
         &self,
         dtype: DType,
         values: impl Iterator<Item = f64>,
@@ -99,14 +149,18 @@ impl RunningMeanStd {
 
 macro_rules! update {
     ($name:ident, $float:ty) => {
-        /// Takes one sample, a batch of variance 0, into the moments of `count` samples; `scaled` is the
-        /// variance times the count.
-        pub(super) fn $name(mean: &mut $float, var: &mut $float, scaled: $float, count: f64, x: $float) {
-            let (count, total) = (count as $float, (count + 1.0) as $float);
-            let delta = x - *mean;
-            let batch_var = (x - x) * (x - x); // 0, or NaN where the sample is not finite
-            let m2 = scaled + batch_var + delta * delta * count / total;
-            *mean += delta / total;
+        /// Takes a batch into the moments of `count` samples; `scaled` is the variance times the count.
+        pub(crate) fn $name(
+            mean: &mut $float,
+            var: &mut $float,
+            scaled: $float,
+            count: f64,
+            batch: Batch<$float>,
+        ) {
+            let (total, n) = ((count + batch.n as f64) as $float, batch.n as $float);
+            let delta = batch.mean - *mean;
+            let m2 = scaled + batch.m2 + delta * delta * count as $float * n / total;
+            *mean += delta * n / total;
             *var = m2 / total;
         }
     };
@@ -114,7 +168,7 @@ macro_rules! update {
 update!(update_f32, f32);
 update!(update_f64, f64);
 
-pub(super) fn check_epsilon(wrapper: &str, epsilon: f64) -> Result<()> {
+pub(crate) fn check_epsilon(wrapper: &str, epsilon: f64) -> Result<()> {
     if epsilon > 0.0 && epsilon.is_finite() {
         return Ok(());
     }

@@ -1,0 +1,413 @@
+//! A vector on a pool of threads.
+//!
+//! Sub-environments travel: a worker gets them by value, steps them and sends them back, so that nothing
+//! is shared and nothing waits for a lock. Who is `home` can be talked to, who is away cannot.
+
+use std::any::Any;
+use std::collections::VecDeque;
+use std::fmt;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use super::slot::{Slot, Spaces, describe, slots};
+use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
+use crate::render::{Metadata, Rendered};
+use crate::{BoxEnv, Env, Error, Reset, Result, Space, Value};
+
+/// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
+///
+/// The results are those of [`SyncVectorEnv`](super::SyncVectorEnv) for any number of threads. It pays
+/// where steps take microseconds, as with physics and pictures.
+///
+/// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and take the
+/// results of whichever are ready first, so that no step waits for the slowest; what each of them goes
+/// through is still the same.
+///
+/// Dropping the vector waits for the steps that are being taken, and for nothing else.
+pub struct AsyncVectorEnv<E: Env = BoxEnv> {
+    /// By index, `None` while away.
+    home: Vec<Option<Box<Traveller<E>>>>,
+    /// Back with an answer that nobody has received yet.
+    ready: VecDeque<Box<Traveller<E>>>,
+    pool: Pool<E>,
+    spaces: Spaces,
+    autoreset: Autoreset,
+    spec: Option<VectorSpec>,
+}
+
+/// A sub-environment with what it is sent for.
+struct Traveller<E> {
+    index: usize,
+    slot: Slot<E>,
+    /// A reset, or else a step.
+    reset: Option<Reset>,
+    result: Result<()>,
+}
+
+/// Some sub-environments that one worker steps.
+type Group<E> = Vec<Box<Traveller<E>>>;
+
+/// So many groups per thread when all are stepped: a thread that is done early takes another.
+const GROUPS_PER_THREAD: usize = 4;
+
+impl<E: Env> AsyncVectorEnv<E> {
+    /// A vector of these environments, which are reset on the next step, with a thread for each core, but
+    /// no more than there are sub-environments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there are none, or if their spaces differ; [`Error::Custom`] if the
+    /// operating system gives no threads.
+    pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
+        let cores = thread::available_parallelism().map_or(1, NonZero::get);
+        Self::with_threads(envs, cores)
+    }
+
+    /// With so many threads; they make no difference to the results.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for 0 threads.
+    pub fn with_threads(envs: impl IntoIterator<Item = E>, threads: usize) -> Result<Self> {
+        if threads == 0 {
+            return Err(Error::argument("an async vector", "threads is 0: it must be at least 1"));
+        }
+        let (slots, spaces) = slots(envs)?;
+        let autoreset = Autoreset::default();
+        let pool = Pool::new(threads.min(slots.len()))?;
+        let home = slots.into_iter().enumerate();
+        let home =
+            home.map(|(index, slot)| Some(Box::new(Traveller { index, slot, reset: None, result: Ok(()) })));
+        Ok(Self { home: home.collect(), ready: VecDeque::new(), pool, spaces, autoreset, spec: None })
+    }
+
+    /// Resets sub-environments at another time.
+    #[must_use]
+    pub fn with_autoreset(self, autoreset: Autoreset) -> Self {
+        Self { autoreset, ..self }
+    }
+
+    pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
+        Self { spec: Some(spec), ..self }
+    }
+
+    /// The number of threads.
+    pub fn num_threads(&self) -> usize {
+        self.pool.workers.len()
+    }
+
+    /// How many sub-environments were [sent](Self::send) and not yet received.
+    pub fn num_pending(&self) -> usize {
+        self.home.iter().filter(|traveller| traveller.is_none()).count()
+    }
+
+    /// Lets the sub-environments `ids` take a step, and returns at once: EnvPool's `send`. Row `i` of
+    /// `actions` is for the sub-environment `ids[i]`.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`] unless `actions` has a row for each of `ids`; [`Error::InvalidArgument`] for
+    /// an id that is no index or occurs twice; [`Error::SubEnvironment`] for one that is pending or must
+    /// be reset. Then nothing was sent.
+    pub fn send(&mut self, actions: &Value, ids: &[usize]) -> Result<()> {
+        self.spaces.action.check_batch(actions, ids.len())?;
+        let n = self.home.len();
+        let mut seen = vec![false; n];
+        for (row, &id) in ids.iter().enumerate() {
+            let refuse = |reason: &str| Err(Error::argument("ids", format!("{id} {reason}")));
+            match self.home.get_mut(id) {
+                None => return refuse(&format!("is not the index of a sub-environment: there are {n}")),
+                Some(_) if std::mem::replace(&mut seen[id], true) => return refuse("occurs twice"),
+                Some(None) => return Err(Error::custom("it is still pending: receive it first").at_env(id)),
+                Some(Some(traveller)) => traveller.prepare(&self.spaces, self.autoreset, actions, row)?,
+            }
+        }
+        for &id in ids {
+            self.pool.send(self.home[id].take().into_iter().collect(), self.autoreset)?;
+        }
+        Ok(())
+    }
+
+    /// Waits until `m` of the sub-environments that were sent have taken their step and receives these:
+    /// EnvPool's `recv`. Their indices go to `ids`, in no particular order, and their results to as many
+    /// rows of `columns`. [`info`](VectorEnv::info) then tells of them.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for fewer pending than `m`, or for an `m` of 0; then nothing was
+    /// received. [`Error::SubEnvironment`] for one whose step failed; it alone was received, and the
+    /// others are there for the next call.
+    pub fn recv_into(&mut self, m: usize, ids: &mut Vec<usize>, columns: &mut Columns) -> Result<()> {
+        let pending = self.num_pending();
+        if m == 0 || m > pending {
+            let reason = format!("m is {m} and {pending} are pending: it must be at least 1 and no more");
+            return Err(Error::argument("recv_into", reason));
+        }
+        while self.ready.len() < m {
+            self.ready.extend(self.pool.receive()?);
+        }
+        if let Some(failed) = self.ready.iter().position(|traveller| traveller.result.is_err())
+            && let Some(traveller) = self.ready.remove(failed)
+        {
+            return self.welcome(traveller);
+        }
+        columns.prepare(&self.spaces.observation, m)?;
+        ids.clear();
+        let mut result = Ok(());
+        for (row, traveller) in self.ready.drain(..m).enumerate() {
+            let index = traveller.index;
+            let written = traveller.slot.write(&self.spaces, columns, row);
+            result = result.and(written.map_err(|error| error.at_env(index)));
+            ids.push(index);
+            self.home[index] = Some(traveller);
+        }
+        result
+    }
+
+    /// Calls a function with each sub-environment and its index, on this thread; the results are in the
+    /// order of the indices.
+    ///
+    /// A sub-environment that the function resets or steps is not at the state that its row shows: reset
+    /// the vector before the next step.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] while some are pending.
+    pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
+        self.all_home()?;
+        let travellers = self.home.iter_mut().flatten();
+        Ok(travellers.map(|traveller| f(traveller.index, &mut traveller.slot.env)).collect())
+    }
+
+    fn all_home(&self) -> Result<()> {
+        match self.num_pending() {
+            0 => Ok(()),
+            pending => {
+                Err(Error::custom(format!("{pending} sub-environments are pending: receive them first")))
+            }
+        }
+    }
+
+    /// Takes back one that was away, and tells how it went.
+    fn welcome(&mut self, mut traveller: Box<Traveller<E>>) -> Result<()> {
+        let index = traveller.index;
+        let result = std::mem::replace(&mut traveller.result, Ok(()));
+        self.home[index] = Some(traveller);
+        result.map_err(|error| error.at_env(index))
+    }
+
+    /// Lets those that `goes` selects take a step or a reset, waits for all of them, and writes every row.
+    /// The first error, by index, is returned.
+    fn round(&mut self, columns: &mut Columns, goes: impl Fn(usize) -> bool) -> Result<()> {
+        let n = self.home.len();
+        let group_len = n.div_ceil(self.pool.workers.len() * GROUPS_PER_THREAD);
+        let mut away = 0;
+        for start in (0..n).step_by(group_len) {
+            let mut group = self.pool.spare.pop().unwrap_or_default();
+            for index in (start..n.min(start + group_len)).filter(|index| goes(*index)) {
+                group.extend(self.home[index].take());
+            }
+            away += group.len();
+            self.pool.send(group, self.autoreset)?;
+        }
+        while away > 0 {
+            let mut group = self.pool.receive()?;
+            away -= group.len();
+            for traveller in group.drain(..) {
+                let index = traveller.index;
+                self.home[index] = Some(traveller);
+            }
+            self.pool.spare.push(group);
+        }
+        let mut result = Ok(());
+        for (index, traveller) in self.home.iter_mut().flatten().enumerate() {
+            let answer = std::mem::replace(&mut traveller.result, Ok(()));
+            let answer = answer.and(traveller.slot.write(&self.spaces, columns, index));
+            result = result.and(answer.map_err(|error| error.at_env(index)));
+        }
+        result
+    }
+}
+
+impl<E: Env> Traveller<E> {
+    /// Takes its action from a row, if it can step.
+    fn prepare(&mut self, spaces: &Spaces, autoreset: Autoreset, actions: &Value, row: usize) -> Result<()> {
+        self.reset = None;
+        let ready = self.slot.check(autoreset).and_then(|()| self.slot.read_action(spaces, actions, row));
+        ready.map_err(|error| error.at_env(self.index))
+    }
+
+    fn go(&mut self, autoreset: Autoreset) {
+        self.result = match self.reset.take() {
+            Some(reset) => self.slot.reset(&reset),
+            None => self.slot.step(autoreset),
+        };
+    }
+}
+
+impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
+    fn num_envs(&self) -> usize {
+        self.home.len()
+    }
+
+    fn single_observation_space(&self) -> Space {
+        self.spaces.observation.clone()
+    }
+
+    fn single_action_space(&self) -> Space {
+        self.spaces.action.clone()
+    }
+
+    fn autoreset(&self) -> Autoreset {
+        self.autoreset
+    }
+
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        reset.check(self.home.len())?;
+        self.all_home()?;
+        columns.prepare(&self.spaces.observation, self.home.len())?;
+        for traveller in self.home.iter_mut().flatten() {
+            traveller.slot.clear();
+            traveller.reset = reset.of(traveller.index);
+        }
+        self.round(columns, |index| reset.selects(index))
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        self.all_home()?;
+        self.spaces.action.check_batch(actions, self.home.len())?;
+        for traveller in self.home.iter_mut().flatten() {
+            traveller.prepare(&self.spaces, self.autoreset, actions, traveller.index)?;
+        }
+        columns.prepare(&self.spaces.observation, self.home.len())?;
+        self.round(columns, |_| true)
+    }
+
+    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        if let Some(Some(traveller)) = self.home.get(index) {
+            traveller.slot.info(visit);
+        }
+    }
+
+    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        if let Some(Some(traveller)) = self.home.get(index) {
+            traveller.slot.final_info(visit);
+        }
+    }
+
+    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
+        self.call(|index, env| visit(index, env)).map(|_| ())
+    }
+
+    fn render(&mut self) -> Result<Vec<Rendered>> {
+        self.call(|index, env| env.render().map_err(|error| error.at_env(index)))?.into_iter().collect()
+    }
+
+    fn metadata(&self) -> Metadata {
+        let first = self.home.iter().flatten().next();
+        first.map_or_else(Metadata::default, |traveller| traveller.slot.env.metadata())
+    }
+
+    fn spec(&self) -> Option<VectorSpec> {
+        self.spec.clone()
+    }
+
+    fn describe(&self) -> String {
+        let env = self.home.iter().flatten().next().and_then(|traveller| traveller.slot.env.spec());
+        describe("AsyncVectorEnv", env, self.home.len())
+    }
+
+    /// Waits for those that are pending.
+    fn close(&mut self) {
+        while self.ready.len() < self.num_pending() {
+            match self.pool.receive() {
+                Ok(group) => self.ready.extend(group),
+                Err(_) => break,
+            }
+        }
+        while let Some(traveller) = self.ready.pop_front() {
+            let index = traveller.index;
+            self.home[index] = Some(traveller);
+        }
+        self.home.iter_mut().flatten().for_each(|traveller| traveller.slot.close());
+    }
+}
+
+impl<E: Env> fmt::Debug for AsyncVectorEnv<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe())
+    }
+}
+
+/// Threads that take groups from one channel and answer on another.
+struct Pool<E> {
+    /// `None` once no more work comes.
+    jobs: Option<Sender<Job<E>>>,
+    results: Receiver<Group<E>>,
+    stop: Arc<AtomicBool>,
+    workers: Vec<JoinHandle<()>>,
+    /// Empty groups whose storage is used again.
+    spare: Vec<Group<E>>,
+}
+
+struct Job<E> {
+    group: Group<E>,
+    autoreset: Autoreset,
+}
+
+impl<E: Env> Pool<E> {
+    fn new(threads: usize) -> Result<Self> {
+        let (jobs, queue) = channel();
+        let (answers, results) = channel();
+        let stop = Arc::new(AtomicBool::new(false));
+        let mut pool = Self { jobs: Some(jobs), results, stop, workers: Vec::new(), spare: Vec::new() };
+        let queue = Arc::new(Mutex::new(queue));
+        for i in 0..threads {
+            let (queue, answers, stop) = (queue.clone(), answers.clone(), pool.stop.clone());
+            let worker = thread::Builder::new()
+                .name(format!("gym-vector-{i}"))
+                .spawn(move || work(&queue, &answers, &stop))
+                .map_err(|error| Error::custom(format!("no thread for an async vector: {error}")))?;
+            pool.workers.push(worker);
+        }
+        Ok(pool)
+    }
+
+    fn send(&self, group: Group<E>, autoreset: Autoreset) -> Result<()> {
+        let sent = self.jobs.as_ref().map(|jobs| jobs.send(Job { group, autoreset }));
+        if matches!(sent, Some(Ok(()))) { Ok(()) } else { Err(no_workers()) }
+    }
+
+    fn receive(&self) -> Result<Group<E>> {
+        self.results.recv().map_err(|_| no_workers())
+    }
+}
+
+fn no_workers() -> Error {
+    Error::custom("the threads of this vector have ended: make a new one")
+}
+
+fn work<E: Env>(queue: &Mutex<Receiver<Job<E>>>, answers: &Sender<Group<E>>, stop: &AtomicBool) {
+    loop {
+        let job = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let Ok(Job { mut group, autoreset }) = job else { return };
+        for traveller in &mut group {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
+            traveller.go(autoreset);
+        }
+        if answers.send(group).is_err() {
+            return;
+        }
+    }
+}
+
+impl<E> Drop for Pool<E> {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.jobs = None;
+        for worker in self.workers.drain(..) {
+            // a worker panics only where an environment does so while it is dropped
+            let _ = worker.join();
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! One sub-environment of a vector, and its steps with automatic resets.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::{Autoreset, Columns};
+use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value};
+
+/// A sub-environment with what it answered last. Sync and async vectors are made of these.
+pub(super) struct Slot<E> {
+    pub(super) env: E,
+    /// The action of the next step.
+    action: Value,
+    observation: Value,
+    /// The buffer that the next observation goes to; the last observation of the episode where
+    /// `has_final`.
+    spare: Value,
+    outcome: Outcome,
+    has_info: bool,
+    has_final: bool,
+    final_info: Vec<(String, Value)>,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Stage {
+    Made,
+    Running,
+    Done,
+    Panicked,
+    Closed,
+}
+
+/// The error of a step that only a reset can help.
+pub(super) fn episode_over() -> Error {
+    Error::custom(
+        "its episode has ended and it resets itself no more: reset it, with a mask that leaves the others alone",
+    )
+}
+
+impl<E: Env> Slot<E> {
+    fn new(env: E, spaces: &Spaces) -> Result<Self> {
+        let observation = spaces.observation.zero()?;
+        Ok(Self {
+            env,
+            action: Value::Null,
+            spare: observation.clone(),
+            observation,
+            outcome: Outcome::default(),
+            has_info: false,
+            has_final: false,
+            final_info: Vec::new(),
+            stage: Stage::Made,
+        })
+    }
+
+    /// Whether it can take a step.
+    pub(super) fn check(&self, autoreset: Autoreset) -> Result<()> {
+        match self.stage {
+            Stage::Running => Ok(()),
+            Stage::Done if autoreset == Autoreset::NextStep => Ok(()),
+            Stage::Done => Err(episode_over()),
+            Stage::Made => Err(Error::ResetNeeded("step")),
+            Stage::Panicked => {
+                Err(Error::custom("it panicked before: reset it, with a mask that leaves the others alone"))
+            }
+            Stage::Closed => Err(Error::Closed("step")),
+        }
+    }
+
+    /// Takes the action of the next step from a row.
+    pub(super) fn read_action(&mut self, spaces: &Spaces, actions: &Value, row: usize) -> Result<()> {
+        spaces.action.read_row(actions, row, &mut self.action)
+    }
+
+    pub(super) fn reset(&mut self, reset: &Reset) -> Result<()> {
+        if self.stage == Stage::Closed {
+            return Err(Error::Closed("reset"));
+        }
+        self.answer(|slot| {
+            slot.begin(reset)?;
+            slot.has_info = true;
+            Ok(())
+        })
+    }
+
+    pub(super) fn step(&mut self, autoreset: Autoreset) -> Result<()> {
+        self.answer(|slot| {
+            if slot.stage == Stage::Done {
+                slot.begin(&Reset::default())?;
+            } else {
+                slot.outcome = slot.advance()?;
+                if slot.stage == Stage::Done && autoreset == Autoreset::SameStep {
+                    let Self { env, final_info, .. } = slot;
+                    final_info.clear();
+                    env.info(&mut |key, value| final_info.push((key.to_owned(), value)));
+                    slot.begin(&Reset::default())?;
+                    slot.has_final = true;
+                }
+            }
+            slot.has_info = true;
+            Ok(())
+        })
+    }
+
+    /// Starts an episode.
+    fn begin(&mut self, reset: &Reset) -> Result<()> {
+        let Self { env, spare, .. } = self;
+        E::Observation::fill(spare, |observation| env.reset_into(reset, observation))?;
+        std::mem::swap(&mut self.observation, &mut self.spare);
+        self.stage = Stage::Running;
+        Ok(())
+    }
+
+    /// Takes the action.
+    fn advance(&mut self) -> Result<Outcome> {
+        let Self { env, action, spare, .. } = self;
+        let outcome = E::Action::with(action, |action| {
+            E::Observation::fill(spare, |observation| env.step_into(action, observation))
+        });
+        let outcome = outcome.unwrap_or_else(|| {
+            Err(Error::InvalidAction {
+                action: self.action.to_string(),
+                space: self.env.action_space().to_string(),
+                hint: String::new(),
+            })
+        })?;
+        std::mem::swap(&mut self.observation, &mut self.spare);
+        self.stage = if outcome.done() { Stage::Done } else { Stage::Running };
+        Ok(outcome)
+    }
+
+    /// Lets the environment answer a reset or a step. If it fails there is no reward, flag or info; if
+    /// it panics it must be reset.
+    fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        self.clear();
+        let result = catch_unwind(AssertUnwindSafe(|| ask(self)));
+        let result = result.unwrap_or_else(|panic| {
+            self.stage = Stage::Panicked;
+            Err(Error::Contract(format!("it panicked, and must be reset: {}", message(&*panic))))
+        });
+        if result.is_err() {
+            self.clear();
+        }
+        result
+    }
+
+    /// Forgets what it answered last, but for the observation.
+    pub(super) fn clear(&mut self) {
+        (self.outcome, self.has_info, self.has_final) = (Outcome::default(), false, false);
+    }
+
+    /// Leaves what it answered in a row of the columns.
+    pub(super) fn write(&self, spaces: &Spaces, columns: &mut Columns, row: usize) -> Result<()> {
+        columns.rewards[row] = self.outcome.reward;
+        columns.terminated[row] = self.outcome.terminated;
+        columns.truncated[row] = self.outcome.truncated;
+        columns.has_final[row] = self.has_final;
+        spaces.observation.write_row(&mut columns.observations, row, &self.observation)?;
+        if self.has_final {
+            spaces.observation.write_row(&mut columns.final_observations, row, &self.spare)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        if self.has_info {
+            self.env.info(visit);
+        }
+    }
+
+    pub(super) fn final_info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        if self.has_final {
+            self.final_info.iter().for_each(|(key, value)| visit(key, value.clone()));
+        }
+    }
+
+    pub(super) fn close(&mut self) {
+        self.env.close();
+        self.stage = Stage::Closed;
+    }
+}
+
+/// What a panic was raised with.
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
+}
+
+/// The spaces that all sub-environments share.
+#[derive(Clone, Debug)]
+pub(super) struct Spaces {
+    pub(super) observation: Space,
+    pub(super) action: Space,
+}
+
+/// The sub-environments of a vector.
+///
+/// Fails if there are none, or if their spaces differ.
+pub(super) fn slots<E: Env>(envs: impl IntoIterator<Item = E>) -> Result<(Vec<Slot<E>>, Spaces)> {
+    let refuse = |reason: String| Err(Error::argument("a vector", reason));
+    let envs: Vec<E> = envs.into_iter().collect();
+    let Some(first) = envs.first() else {
+        return refuse("there are no sub-environments: at least one is needed".into());
+    };
+    let spaces = Spaces { observation: first.observation_space(), action: first.action_space() };
+    let kinds: [(_, _, fn(&E) -> Space); 2] = [
+        ("observation", &spaces.observation, E::observation_space),
+        ("action", &spaces.action, E::action_space),
+    ];
+    for (index, env) in envs.iter().enumerate() {
+        for (kind, first, space) in kinds {
+            let space = space(env);
+            if space != *first {
+                return refuse(format!(
+                    "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: \
+                     they must be equal"
+                ));
+            }
+        }
+    }
+    let slots = envs.into_iter().map(|env| Slot::new(env, &spaces)).collect::<Result<_>>()?;
+    Ok((slots, spaces))
+}
+
+/// `SyncVectorEnv(CartPole-v1, num_envs=3)`.
+pub(super) fn describe(kind: &str, env: Option<EnvSpec>, n: usize) -> String {
+    let id = env.map_or_else(String::new, |spec| format!("{}, ", spec.id));
+    format!("{kind}({id}num_envs={n})")
+}

@@ -1,0 +1,156 @@
+use std::any::Any;
+use std::fmt;
+
+use super::slot::{Slot, Spaces, describe, slots};
+use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
+use crate::render::{Metadata, Rendered};
+use crate::{BoxEnv, Env, Error, Result, Space, Value};
+
+/// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
+///
+/// The results are those of stepping each by hand. It is the fastest kind for environments whose steps
+/// take well under a microsecond and have no native vector.
+///
+/// ```text
+/// use gym::vector::{SyncVectorEnv, VectorEnv};
+/// let mut envs = SyncVectorEnv::new((0..8).map(|_| CartPole::default()))?; // typed
+/// let mut envs = gym::make_vec("CartPole-v1", 8, VectorKind::Sync)?;       // erased
+/// ```
+pub struct SyncVectorEnv<E: Env = BoxEnv> {
+    slots: Vec<Slot<E>>,
+    spaces: Spaces,
+    autoreset: Autoreset,
+    spec: Option<VectorSpec>,
+}
+
+impl<E: Env> SyncVectorEnv<E> {
+    /// A vector of these environments, which are reset on the next step.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there are none, or if their spaces differ.
+    pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
+        let (slots, spaces) = slots(envs)?;
+        Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None })
+    }
+
+    /// Resets sub-environments at another time.
+    #[must_use]
+    pub fn with_autoreset(self, autoreset: Autoreset) -> Self {
+        Self { autoreset, ..self }
+    }
+
+    pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
+        Self { spec: Some(spec), ..self }
+    }
+
+    /// Calls a function with each sub-environment and its index; the results are in the order of the
+    /// indices.
+    ///
+    /// A sub-environment that the function resets or steps is not at the state that its row shows:
+    /// reset the vector before the next step.
+    pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Vec<R> {
+        self.slots.iter_mut().enumerate().map(|(index, slot)| f(index, &mut slot.env)).collect()
+    }
+
+    /// Lets each sub-environment answer and writes its row. The first error is returned, after all have
+    /// answered.
+    fn gather(
+        &mut self,
+        columns: &mut Columns,
+        mut ask: impl FnMut(usize, &mut Slot<E>) -> Result<()>,
+    ) -> Result<()> {
+        let mut result = Ok(());
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            let answer = ask(index, slot);
+            let answer = answer.and(slot.write(&self.spaces, columns, index));
+            result = result.and(answer.map_err(|error: Error| error.at_env(index)));
+        }
+        result
+    }
+}
+
+impl<E: Env> VectorEnv for SyncVectorEnv<E> {
+    fn num_envs(&self) -> usize {
+        self.slots.len()
+    }
+
+    fn single_observation_space(&self) -> Space {
+        self.spaces.observation.clone()
+    }
+
+    fn single_action_space(&self) -> Space {
+        self.spaces.action.clone()
+    }
+
+    fn autoreset(&self) -> Autoreset {
+        self.autoreset
+    }
+
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        reset.check(self.slots.len())?;
+        columns.prepare(&self.spaces.observation, self.slots.len())?;
+        self.gather(columns, |index, slot| match reset.of(index) {
+            Some(reset) => slot.reset(&reset),
+            None => {
+                slot.clear();
+                Ok(())
+            }
+        })
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        self.spaces.action.check_batch(actions, self.slots.len())?;
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            slot.check(self.autoreset)
+                .and_then(|()| slot.read_action(&self.spaces, actions, index))
+                .map_err(|error| error.at_env(index))?;
+        }
+        columns.prepare(&self.spaces.observation, self.slots.len())?;
+        let autoreset = self.autoreset;
+        self.gather(columns, |_, slot| slot.step(autoreset))
+    }
+
+    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        if let Some(slot) = self.slots.get(index) {
+            slot.info(visit);
+        }
+    }
+
+    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        if let Some(slot) = self.slots.get(index) {
+            slot.final_info(visit);
+        }
+    }
+
+    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
+        self.call(|index, env| visit(index, env));
+        Ok(())
+    }
+
+    fn render(&mut self) -> Result<Vec<Rendered>> {
+        self.slots.iter_mut().map(|slot| slot.env.render()).collect()
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.slots.first().map_or_else(Metadata::default, |slot| slot.env.metadata())
+    }
+
+    fn spec(&self) -> Option<VectorSpec> {
+        self.spec.clone()
+    }
+
+    fn describe(&self) -> String {
+        let env = self.slots.first().and_then(|slot| slot.env.spec());
+        describe("SyncVectorEnv", env, self.slots.len())
+    }
+
+    fn close(&mut self) {
+        self.slots.iter_mut().for_each(Slot::close);
+    }
+}
+
+impl<E: Env> fmt::Debug for SyncVectorEnv<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe())
+    }
+}

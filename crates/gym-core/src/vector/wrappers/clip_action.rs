@@ -1,0 +1,50 @@
+use super::cast_actions;
+use crate::spaces::BoxSpace;
+use crate::vector::{Columns, VectorEnv};
+use crate::wrappers::{clip_action::clip, expect_box};
+use crate::{Result, Space, Value};
+
+/// Clips actions to the bounds of the sub-environments' `Box`, and so takes any numbers: its own action
+/// space is unbounded.
+#[derive(Clone, Debug)]
+pub struct ClipAction<V> {
+    envs: V,
+    space: Space,
+    bounds: BoxSpace,
+    inner: Value,
+}
+
+impl<V: VectorEnv> ClipAction<V> {
+    /// Clips the actions for `envs`.
+    ///
+    /// # Errors
+    /// As [`wrappers::ClipAction::new`](crate::wrappers::ClipAction::new).
+    pub fn new(envs: V) -> Result<Self> {
+        let bounds = expect_box("ClipAction", "action", &envs.single_action_space())?.clone();
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?.into();
+        Ok(Self { envs, space, bounds, inner: Value::Null })
+    }
+
+    /// The vector within.
+    pub fn into_inner(self) -> V {
+        self.envs
+    }
+}
+
+impl<V: VectorEnv> VectorEnv for ClipAction<V> {
+    fn single_action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        let array = cast_actions(&self.space, self.envs.num_envs(), actions, &mut self.inner)?;
+        clip(array, &self.bounds);
+        self.envs.step_into(&self.inner, columns)
+    }
+
+    crate::forward_vector!(
+        envs: num_envs, single_observation_space, autoreset, reset_into, info, final_info, infos, visit_envs,
+        render, metadata, spec, describe, close
+    );
+}

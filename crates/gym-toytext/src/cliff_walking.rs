@@ -273,9 +273,11 @@ impl Native for CliffWalkingDynamics {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
+    /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, _fresh: bool) -> State {
-        State { cell: cell.state as usize, last_action: None, probability: cell.probability }
+    fn unpack(cell: Cell, fresh: bool) -> State {
+        let last_action = if fresh { None } else { Some(Action::Up) };
+        State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
 
     #[inline(always)]

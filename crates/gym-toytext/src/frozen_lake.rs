@@ -447,7 +447,7 @@ impl Native for FrozenLakeDynamics {
     fn supports(config: &Config) -> Result<(), &'static str> {
         match config {
             Config { desc: None, map_name: None, .. } => {
-                Err("its environments share one map, not a random one each")
+                Err("there are no random maps, one for each environment,")
             }
             _ => Ok(()),
         }
@@ -458,9 +458,11 @@ impl Native for FrozenLakeDynamics {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
+    /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, _fresh: bool) -> State {
-        State { cell: cell.state as usize, last_action: None, probability: cell.probability }
+    fn unpack(cell: Cell, fresh: bool) -> State {
+        let last_action = if fresh { None } else { Some(Action::Left) };
+        State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
 
     #[inline(always)]

@@ -430,7 +430,7 @@ impl Native for TaxiDynamics {
     const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
-        if config.fickle_passenger { Err("it has no fickle passengers") } else { Ok(()) }
+        if config.fickle_passenger { Err("there are no fickle passengers") } else { Ok(()) }
     }
 
     #[inline(always)]

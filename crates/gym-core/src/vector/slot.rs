@@ -31,6 +31,13 @@ enum Stage {
     Closed,
 }
 
+/// The error of a step that only a reset can help.
+pub(super) fn episode_over() -> Error {
+    Error::custom(
+        "its episode has ended and it resets itself no more: reset it, with a mask that leaves the others alone",
+    )
+}
+
 impl<E: Env> Slot<E> {
     fn new(env: E, spaces: &Spaces) -> Result<Self> {
         let observation = spaces.observation.zero()?;
@@ -52,10 +59,7 @@ impl<E: Env> Slot<E> {
         match self.stage {
             Stage::Running => Ok(()),
             Stage::Done if autoreset == Autoreset::NextStep => Ok(()),
-            Stage::Done => Err(Error::custom(
-                "its episode has ended and it resets itself no more: reset it, with a mask that leaves the \
-                 others alone",
-            )),
+            Stage::Done => Err(episode_over()),
             Stage::Made => Err(Error::ResetNeeded("step")),
             Stage::Panicked => {
                 Err(Error::custom("it panicked before: reset it, with a mask that leaves the others alone"))

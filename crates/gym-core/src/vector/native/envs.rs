@@ -8,7 +8,8 @@ use super::step::{Block, NO_LIMIT, Step};
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::render::Metadata;
 use crate::rng::Stream;
-use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset};
+use crate::vector::slot::{describe, episode_over};
+use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
 use crate::{Error, Generator, Result, Space, Value};
 
 /// Environments stepped by one loop with vector instructions: the vector behind
@@ -19,7 +20,7 @@ use crate::{Error, Generator, Result, Space, Value};
 #[derive(Clone)]
 pub struct NativeVectorEnv<D: Native> {
     dynamics: D,
-    name: String,
+    spec: Option<VectorSpec>,
     num_envs: usize,
     limit: u16,
     autoreset: Autoreset,
@@ -64,7 +65,7 @@ impl<D: Native> NativeVectorEnv<D> {
         let observation_space = dynamics.observation_space();
         Ok(Self {
             dynamics,
-            name: D::NAME.to_owned(),
+            spec: None,
             num_envs,
             limit,
             autoreset,
@@ -78,10 +79,8 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// The same under an id, for [`describe`](VectorEnv::describe).
-    #[must_use]
-    pub fn named(self, id: &str) -> Self {
-        Self { name: id.to_owned(), ..self }
+    pub(super) fn with_spec(self, spec: VectorSpec) -> Self {
+        Self { spec: Some(spec), ..self }
     }
 
     /// The same with only the instructions that each CPU of this kind has: slower, and the same bits,
@@ -111,11 +110,8 @@ impl<D: Native> NativeVectorEnv<D> {
             let over = if disabled { block.due } else { 0 };
             let lane = (block.unset | over).trailing_zeros() as usize;
             if lane < LANES {
-                let error = if block.unset >> lane & 1 == 1 {
-                    Error::ResetNeeded("step")
-                } else {
-                    Error::custom("its episode is over: reset it, with a mask that leaves out the others")
-                };
+                let error =
+                    if block.unset >> lane & 1 == 1 { Error::ResetNeeded("step") } else { episode_over() };
                 return Err(error.at_env(i * LANES + lane));
             }
         }
@@ -288,8 +284,12 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         Metadata { render_modes: &[], ..self.dynamics.metadata() }
     }
 
+    fn spec(&self) -> Option<VectorSpec> {
+        self.spec.clone()
+    }
+
     fn describe(&self) -> String {
-        format!("NativeVectorEnv({}, num_envs={})", self.name, self.num_envs)
+        describe("NativeVectorEnv", self.spec.clone().map(|spec| spec.env), self.num_envs)
     }
 
     fn close(&mut self) {

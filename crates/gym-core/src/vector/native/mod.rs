@@ -26,6 +26,7 @@ mod step;
 
 use serde_json::Value as Json;
 
+use crate::registry::{VectorKind, VectorSpec, find};
 use crate::rng::Stream;
 use crate::vector::{Autoreset, VectorEnv};
 use crate::{Dynamics, EnvSpec, Error, Result, Transition};
@@ -58,7 +59,7 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
     /// Refuses arguments that only a scalar environment understands.
     ///
     /// # Errors
-    /// What is wrong with them, as a sentence's end.
+    /// What is not there, to go on with "in a native vector".
     fn supports(config: &Self::Config) -> Result<(), &'static str> {
         let _ = config;
         Ok(())
@@ -93,27 +94,26 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for arguments that the task does not take or [does not
-/// support](Native::supports) here, render modes, wrappers, or no environments at all.
+/// support](Native::supports) here, and as [`NativeVectorEnv::new`].
 pub fn entry_point<D: Native>(
     spec: &EnvSpec,
     num_envs: usize,
     autoreset: Autoreset,
 ) -> Result<Box<dyn VectorEnv>> {
-    let refuse = |reason: &str| {
-        let reason = format!("{reason}; make a sync or async vector for this");
-        Err(Error::argument(format!("a native vector of `{}`", spec.id), reason))
-    };
-    if spec.render_mode.is_some() {
-        return refuse("it draws nothing");
-    }
-    if !spec.additional_wrappers.is_empty() {
-        return refuse("its environments cannot be wrapped one by one");
+    let refuse = |reason: String| Error::argument(format!("`{}`", spec.id), reason);
+    if !spec.kwargs.is_empty() && find(&spec.id)?.default_kwargs().is_empty() {
+        return Err(refuse("it takes no arguments".into()));
     }
     let config: D::Config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
-        .map_err(|error| Error::argument(format!("`{}`", spec.id), error.to_string()))?;
-    if let Err(reason) = D::supports(&config) {
-        return refuse(reason);
-    }
+        .map_err(|error| refuse(error.to_string()))?;
+    D::supports(&config)
+        .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
-    Ok(Box::new(envs.named(&spec.id)))
+    Ok(Box::new(envs.with_spec(VectorSpec {
+        env: spec.clone(),
+        num_envs,
+        vectorization_mode: VectorKind::Native,
+        autoreset_mode: autoreset,
+        threads: None,
+    })))
 }

@@ -1,0 +1,673 @@
+//! Native vectors against scalar environments stepped by hand: equal where there are only tables,
+//! within a stated bound of one step where there are sines.
+
+use gym::classic::acrobot::AcrobotDynamics;
+use gym::classic::cartpole::CartPoleDynamics;
+use gym::classic::mountain_car::MountainCarDynamics;
+use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
+use gym::classic::pendulum::PendulumDynamics;
+use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
+use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
+use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Value, builder, registry};
+use serde_json::json;
+
+const TABLES: [&str; 8] = [
+    "Blackjack-v1",
+    "CliffWalking-v0",
+    "CliffWalking-v1",
+    "CliffWalkingSlippery-v1",
+    "FrozenLake-v1",
+    "FrozenLake8x8-v1",
+    "Taxi-v3",
+    "Taxi-v4",
+];
+const CLASSIC: [&str; 6] =
+    ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
+const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+
+fn spec(id: &str, arguments: serde_json::Value) -> EnvSpec {
+    let mut spec = registry::find(id).unwrap().spec().unwrap();
+    for (name, value) in arguments.as_object().unwrap() {
+        spec.kwargs.insert(name.clone(), value.clone());
+    }
+    spec
+}
+
+fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn VectorEnv>> {
+    let spec = VectorSpec {
+        env: spec.clone(),
+        num_envs: n,
+        vectorization_mode: VectorKind::Native,
+        autoreset_mode: autoreset,
+        threads: None,
+    };
+    spec.make()
+}
+
+/// Scalar environments, reset as a vector's.
+struct ByHand {
+    envs: Vec<BoxEnv>,
+    due: Vec<bool>,
+    autoreset: Autoreset,
+}
+
+/// What one of them gives, its infos at last.
+#[derive(Debug, PartialEq)]
+struct Row {
+    observation: Value,
+    reward: f64,
+    terminated: bool,
+    truncated: bool,
+    last: Option<(Value, gym::Info)>,
+    info: gym::Info,
+}
+
+impl ByHand {
+    fn new(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Self {
+        Self { envs: (0..n).map(|_| spec.make().unwrap()).collect(), due: vec![false; n], autoreset }
+    }
+
+    fn reset(&mut self, reset: &VectorReset) -> Vec<Option<Value>> {
+        let start = |(i, env): (usize, &mut BoxEnv)| {
+            let reset = reset.of(i)?;
+            self.due[i] = false;
+            Some(env.reset(reset).unwrap())
+        };
+        self.envs.iter_mut().enumerate().map(start).collect()
+    }
+
+    fn step(&mut self, actions: &[Value]) -> Vec<Row> {
+        let step = |(i, env): (usize, &mut BoxEnv)| {
+            let mut row = Row {
+                observation: Value::Null,
+                reward: 0.0,
+                terminated: false,
+                truncated: false,
+                last: None,
+                info: gym::Info::new(),
+            };
+            if self.due[i] && self.autoreset == Autoreset::NextStep {
+                row.observation = env.reset(()).unwrap();
+                self.due[i] = false;
+            } else {
+                let step = env.step(&actions[i]).unwrap();
+                let done = step.done();
+                row = Row { observation: step.observation, reward: step.reward, ..row };
+                (row.terminated, row.truncated) = (step.terminated, step.truncated);
+                if done && self.autoreset == Autoreset::SameStep {
+                    let last = std::mem::replace(&mut row.observation, Value::Null);
+                    row.last = Some((last, env.info_map()));
+                    row.observation = env.reset(()).unwrap();
+                } else {
+                    self.due[i] = done;
+                }
+            }
+            row.info = env.info_map();
+            row
+        };
+        self.envs.iter_mut().enumerate().map(step).collect()
+    }
+}
+
+fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
+    let space = envs.single_observation_space();
+    let observations = space.iterate(&columns.observations).unwrap();
+    let finals = space.iterate(&columns.final_observations).unwrap();
+    observations
+        .zip(finals)
+        .enumerate()
+        .map(|(i, (observation, last))| {
+            let mut final_info = gym::Info::new();
+            envs.final_info(i, &mut |key, value| {
+                final_info.insert(key.to_owned(), value);
+            });
+            Row {
+                observation,
+                reward: columns.rewards[i],
+                terminated: columns.terminated[i],
+                truncated: columns.truncated[i],
+                last: columns.has_final[i].then_some((last, final_info)),
+                info: envs.info_map(i),
+            }
+        })
+        .collect()
+}
+
+/// Steps both with random actions; with `Autoreset::Disabled`, resets those that are done.
+fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
+    let name = format!("{} {:?}, {n}, {autoreset:?}", spec.id, spec.kwargs);
+    let mut envs = native(spec, n, autoreset).unwrap();
+    let mut by_hand = ByHand::new(spec, n, autoreset);
+    let mut columns = envs.columns().unwrap();
+    let mut reset = VectorReset::from(123);
+    let mut actions = envs.action_space().unwrap().sampler(5);
+    for step in 0..steps {
+        if step == 0 || autoreset == Autoreset::Disabled && by_hand.due.contains(&true) {
+            if step > 0 {
+                reset = VectorReset::default().mask(by_hand.due.clone());
+                // a seed list now and then
+                if step % 3 == 0 {
+                    let seeds = (0..n as u64).map(|i| (i % 2 == 0).then(|| Seed::from(i * 7 + step as u64)));
+                    reset.seeds = Seeds::Each(seeds.collect());
+                }
+            }
+            let before = by_hand.due.clone();
+            envs.reset_into(&reset, &mut columns).unwrap();
+            let starts = by_hand.reset(&reset);
+            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap();
+            for (i, (start, shown)) in starts.into_iter().zip(shown).enumerate() {
+                assert!(start.is_none_or(|start| start == shown), "{name}: start {i} after step {step}");
+                assert!(before[i] || step == 0 || reset.of(i).is_none());
+            }
+            assert!(
+                columns.rewards.iter().all(|reward| *reward == 0.0) && !columns.terminated.contains(&true)
+            );
+        }
+        let batch = actions.sample();
+        envs.step_into(&batch, &mut columns).unwrap();
+        let single: Vec<Value> = envs.single_action_space().iterate(&batch).unwrap().collect();
+        for (i, (got, want)) in rows(&*envs, &columns).into_iter().zip(by_hand.step(&single)).enumerate() {
+            assert_eq!(got, want, "{name}: step {step} of {i}");
+        }
+    }
+}
+
+#[test]
+fn tables_equal_scalar_environments() {
+    for id in TABLES {
+        for mode in MODES {
+            for (n, steps) in [(1, 400), (7, 300), (1000, 12)] {
+                compare(&spec(id, json!({})), n, mode, steps);
+            }
+        }
+    }
+}
+
+#[test]
+fn infos_of_tables_equal_those_of_sync() {
+    for id in TABLES {
+        for mode in MODES {
+            let kinds = [VectorKind::Native, VectorKind::Sync];
+            let make = |kind| builder(id).vector(5).kind(kind).autoreset(mode).build().unwrap();
+            let [mut native, mut sync] = kinds.map(make);
+            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+            let mut actions = native.action_space().unwrap().sampler(2);
+            for step in 0..200 {
+                let done: Vec<bool> = (0..5).map(|i| exact.done(i)).collect();
+                if step == 0 || mode == Autoreset::Disabled && done.contains(&true) {
+                    let reset = if step == 0 { 9.into() } else { VectorReset::default().mask(done) };
+                    native.reset_into(&reset, &mut fast).unwrap();
+                    sync.reset_into(&reset, &mut exact).unwrap();
+                    assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: reset {step}");
+                }
+                let actions = actions.sample();
+                native.step_into(&actions, &mut fast).unwrap();
+                sync.step_into(&actions, &mut exact).unwrap();
+                assert_eq!(fast.observations, exact.observations, "{id}, {mode:?}: step {step}");
+                assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: step {step}");
+            }
+        }
+    }
+}
+
+#[test]
+fn arguments_of_tables_work() {
+    for (id, arguments) in [
+        ("FrozenLake-v1", json!({"is_slippery": false, "reward_schedule": [2.0, -1.0, -0.5]})),
+        ("FrozenLake-v1", json!({"desc": ["SFS", "FHF", "SFG"], "success_rate": 0.5})),
+        ("CliffWalking-v1", json!({"is_slippery": true})),
+        ("Taxi-v4", json!({"is_rainy": true, "rainy_probability": 0.4})),
+        ("Blackjack-v1", json!({"sab": false, "natural": true})),
+    ] {
+        for mode in MODES {
+            compare(&spec(id, arguments.clone()), 33, mode, 150);
+        }
+    }
+}
+
+/// How far the numbers of a state may be off after one step, as a part of the larger of their size
+/// and 1; how far observations and rewards may be.
+struct Bound {
+    state: f64,
+    observation: f32,
+    reward: f64,
+}
+
+/// Compares each of a million steps with one of the exact scalar dynamics from the same state. `options`
+/// let episodes start anywhere; those that autoreset starts begin as usual.
+fn compare_steps<D: Native<Packed = [f64; K]>, const K: usize, const O: usize>(
+    config: D::Config,
+    options: [(&str, f64); 2],
+    bound: Bound,
+) where
+    D: Dynamics<Observation = [f32; O]>,
+{
+    const STEPS: usize = 1_000_000;
+    const N: usize = 1000;
+    let dynamics = D::new(config).unwrap();
+    let mut envs = NativeVectorEnv::new(dynamics.clone(), N, Some(150), Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    let mut actions = envs.action_sampler(3).unwrap();
+    let mut rng = Generator::from(0);
+    let (mut compared, mut worst, mut ends) = (0, [0.0f64; 3], 0);
+    for step in 0.. {
+        if compared >= STEPS {
+            break;
+        }
+        if step % 100 == 0 {
+            let reset = VectorReset::from(step).option(options[0].0, options[0].1);
+            envs.reset_into(&reset.option(options[1].0, options[1].1), &mut columns).unwrap();
+        }
+        let before: Vec<D::State> = (0..N).map(|i| envs.state(i).unwrap()).collect();
+        let due: Vec<bool> = (0..N).map(|i| columns.done(i)).collect();
+        let batch = actions.sample();
+        envs.step_into(&batch, &mut columns).unwrap();
+        let items = D::Action::items(&batch, N).unwrap();
+        let observations = columns.observations.as_slice::<f32>().unwrap().as_chunks::<O>().0;
+        for i in (0..N).filter(|i| !due[*i]) {
+            let action = D::Action::from_item(items[i]);
+            let exact = dynamics.transition(&before[i], &action, &mut rng).unwrap();
+            let numbers = [D::pack(&envs.state(i).unwrap()), D::pack(&exact.state)];
+            for k in 0..K {
+                let [fast, exact] = numbers.map(|numbers| numbers[k]);
+                worst[0] = worst[0].max((fast - exact).abs() / exact.abs().max(1.0));
+            }
+            for (fast, exact) in observations[i].iter().zip(dynamics.observe(&exact.state)) {
+                worst[1] = worst[1].max(f64::from((fast - exact).abs() / exact.abs().max(1.0)));
+            }
+            worst[2] = worst[2].max((columns.rewards[i] - exact.reward).abs());
+            assert_eq!(columns.terminated[i], exact.terminated, "{}: step {step} of {i}", D::NAME);
+            ends += usize::from(exact.terminated);
+            compared += 1;
+        }
+    }
+    println!("{}: {worst:?} after {compared} steps, {ends} ends", D::NAME);
+    assert!(ends > 0 || D::NAME == "Pendulum", "{}: no episode came to an end of its own", D::NAME);
+    assert!(worst[0] <= bound.state, "{}: a state is {} off", D::NAME, worst[0]);
+    assert!(worst[1] <= f64::from(bound.observation), "{}: an observation is {} off", D::NAME, worst[1]);
+    assert!(worst[2] <= bound.reward, "{}: a reward is {} off", D::NAME, worst[2]);
+}
+
+#[test]
+fn a_step_of_cartpole_is_within_its_bound() {
+    let bound = Bound { state: 1e-15, observation: f32::EPSILON, reward: 0.0 };
+    compare_steps::<CartPoleDynamics, 4, 4>(
+        gym::classic::cartpole::Config::default(),
+        [("low", -0.25), ("high", 0.25)],
+        bound,
+    );
+}
+
+#[test]
+fn a_step_of_mountain_car_is_within_its_bound() {
+    let bound = Bound { state: 1e-15, observation: f32::EPSILON, reward: 0.0 };
+    compare_steps::<MountainCarDynamics, 2, 2>(
+        gym::classic::mountain_car::Config::default(),
+        [("low", -1.2), ("high", 0.55)],
+        bound,
+    );
+}
+
+/// Numbers are of `float32`: where the last digit of the cosine decides how one is rounded, it is off
+/// by a unit of that.
+#[test]
+fn a_step_of_mountain_car_continuous_is_within_its_bound() {
+    let bound = Bound { state: f64::from(f32::EPSILON), observation: f32::EPSILON, reward: 0.0 };
+    let config = gym::classic::mountain_car_continuous::Config::default();
+    compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, [("low", -1.2), ("high", 0.55)], bound);
+}
+
+#[test]
+fn a_step_of_pendulum_is_within_its_bound() {
+    let bound = Bound { state: 2e-15, observation: f32::EPSILON, reward: 1e-9 };
+    compare_steps::<PendulumDynamics, 2, 3>(
+        gym::classic::pendulum::Config::default(),
+        [("x_init", 100.0), ("y_init", 8.0)],
+        bound,
+    );
+}
+
+#[test]
+fn a_step_of_acrobot_is_within_its_bound() {
+    let bound = Bound { state: 1e-14, observation: f32::EPSILON, reward: 0.0 };
+    compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, [("low", -3.0), ("high", 3.0)], bound);
+}
+
+#[test]
+fn starts_equal_those_of_scalar_environments() {
+    for id in CLASSIC {
+        let spec = spec(id, json!({}));
+        let mut envs = native(&spec, 40, Autoreset::NextStep).unwrap();
+        let mut by_hand = ByHand::new(&spec, 40, Autoreset::NextStep);
+        let mut columns = envs.columns().unwrap();
+        let options = if id == "Pendulum-v1" { ["x_init", "y_init"] } else { ["low", "high"] };
+        let mask: Vec<bool> = (0..40).map(|i| i % 3 == 0).collect();
+        for reset in [
+            VectorReset::from(7),
+            VectorReset::default(),
+            VectorReset::seeds((0..40u64).map(|i| i * i)),
+            VectorReset::default().mask(mask.clone()),
+            VectorReset::from(1).option(options[0], 0.01).option(options[1], 0.02).mask(mask),
+        ] {
+            envs.reset_into(&reset, &mut columns).unwrap();
+            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap();
+            let mut shown: Vec<Value> = shown.collect();
+            for (i, start) in by_hand.reset(&reset).into_iter().enumerate() {
+                if let Some(start) = start {
+                    assert_eq!(shown[i], start, "{id}: {reset:?} of {i}");
+                }
+            }
+            // what a mask leaves out is shown as it was
+            let left_out = VectorReset::default().mask((0..40).map(|i| i == 39).collect::<Vec<_>>());
+            let mut other = Columns::default();
+            envs.reset_into(&left_out, &mut other).unwrap();
+            by_hand.reset(&left_out);
+            let again = envs.single_observation_space().iterate(&other.observations).unwrap();
+            shown.truncate(39);
+            assert!(again.take(39).eq(shown), "{id}");
+        }
+    }
+}
+
+/// Lengths and returns of the episodes that end within some steps of random actions.
+fn episodes(n: usize, steps: usize, mut step: impl FnMut() -> Vec<(f64, bool)>) -> [Vec<f64>; 2] {
+    let (mut length, mut total) = (vec![0.0; n], vec![0.0; n]);
+    let mut finished = [Vec::new(), Vec::new()];
+    for _ in 0..steps {
+        for (i, (reward, done)) in step().into_iter().enumerate() {
+            length[i] += 1.0;
+            total[i] += reward;
+            if done {
+                finished[0].push(std::mem::take(&mut length[i]));
+                finished[1].push(std::mem::take(&mut total[i]));
+            }
+        }
+    }
+    finished
+}
+
+/// An action that leads to the end where random ones do not, if there is a simple one: it adds energy.
+fn swing(id: &str, observation: &[f32]) -> Option<Value> {
+    let speed = match id {
+        "MountainCar-v0" => observation[1],
+        "Acrobot-v1" => observation[5],
+        _ => return None,
+    };
+    Some(Value::Int(if speed < 0.0 { 0 } else { 2 }))
+}
+
+/// Of other seeds and other actions, so that nothing but the distribution can agree.
+#[test]
+fn episodes_are_distributed_as_those_of_scalar_environments() {
+    const N: usize = 100;
+    const STEPS: usize = 1500;
+    for id in CLASSIC {
+        let spec = spec(id, json!({}));
+        let mut envs = native(&spec, N, Autoreset::SameStep).unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&1000.into(), &mut columns).unwrap();
+        let space = envs.single_action_space();
+        let mut sampler = space.sampler(10);
+        let fast = episodes(N, STEPS, || {
+            let observations = columns.observations.as_slice::<f32>().unwrap();
+            let width = observations.len() / N;
+            let actions =
+                observations.chunks(width).map(|row| swing(id, row).unwrap_or_else(|| sampler.sample()));
+            let actions = space.concatenate(&actions.collect::<Vec<_>>()).unwrap();
+            envs.step_into(&actions, &mut columns).unwrap();
+            (0..N).map(|i| (columns.rewards[i], columns.done(i))).collect()
+        });
+        let mut by_hand = ByHand::new(&spec, N, Autoreset::SameStep);
+        let mut observations: Vec<Value> = by_hand.reset(&5000.into()).into_iter().flatten().collect();
+        let mut sampler = space.sampler(11);
+        let exact = episodes(N, STEPS, || {
+            let action = |row: &Value| swing(id, row.as_slice().unwrap()).unwrap_or_else(|| sampler.sample());
+            let actions: Vec<Value> = observations.iter().map(action).collect();
+            let rows = by_hand.step(&actions);
+            let results = rows.iter().map(|row| (row.reward, row.terminated || row.truncated)).collect();
+            observations = rows.into_iter().map(|row| row.observation).collect();
+            results
+        });
+        for (fast, exact) in fast.iter().zip(&exact) {
+            let moments = |x: &[f64]| {
+                let n = x.len() as f64;
+                let mean = x.iter().sum::<f64>() / n;
+                let variance = x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
+                (mean, variance / n)
+            };
+            let ((fast_mean, fast_error), (exact_mean, exact_error)) = (moments(fast), moments(exact));
+            let error = (fast_error + exact_error).sqrt();
+            println!("{id}: {fast_mean} and {exact_mean}, standard error {error}, {} episodes", fast.len());
+            assert!((fast_mean - exact_mean).abs() <= 5.0 * error, "{id}: {fast_mean} for {exact_mean}");
+            assert!(fast.len() >= 100, "{id}");
+        }
+    }
+}
+
+/// The columns of some steps, as bits.
+fn bits<D: Native>(envs: &mut NativeVectorEnv<D>, seed: u64, actions: &[Value], row: usize) -> Vec<Value> {
+    let mut columns = envs.reset(seed).unwrap();
+    let space = envs.single_observation_space();
+    let mut seen = Vec::new();
+    for actions in actions {
+        envs.step_into(actions, &mut columns).unwrap();
+        let observation = space.iterate(&columns.observations).unwrap().nth(row).unwrap();
+        seen.extend([observation, Value::Float(columns.rewards[row])]);
+    }
+    seen
+}
+
+fn same_bits<D: Native>(dynamics: &D) {
+    const N: usize = 1000;
+    let vector = |n| NativeVectorEnv::new(dynamics.clone(), n, Some(60), Autoreset::SameStep).unwrap();
+    let mut actions = vector(N).action_sampler(8).unwrap();
+    let actions: Vec<Value> = (0..200).map(|_| actions.sample()).collect();
+    for i in [0, 31, 32, 517, 999] {
+        let many = bits(&mut vector(N), 50, &actions, i);
+        assert_eq!(many, bits(&mut vector(N).baseline(), 50, &actions, i), "{}: without SIMD", D::NAME);
+        let space = dynamics.action_space();
+        let single = |batch: &Value| {
+            let action = space.iterate(batch).unwrap().nth(i).unwrap();
+            space.concatenate(&[action]).unwrap()
+        };
+        let actions: Vec<Value> = actions.iter().map(single).collect();
+        let one = bits(&mut vector(1), 50 + i as u64, &actions, 0);
+        assert_eq!(many, one, "{}: {i} alone", D::NAME);
+    }
+}
+
+#[test]
+fn bits_depend_on_neither_place_nor_cpu() {
+    same_bits(&CartPoleDynamics::new(Default::default()).unwrap());
+    same_bits(&MountainCarDynamics::new(Default::default()).unwrap());
+    same_bits(&MountainCarContinuousDynamics::new(Default::default()).unwrap());
+    same_bits(&PendulumDynamics::new(Default::default()).unwrap());
+    same_bits(&AcrobotDynamics::new(Default::default()).unwrap());
+    same_bits(&gym::toytext::frozen_lake::FrozenLakeDynamics::new(Default::default()).unwrap());
+}
+
+#[test]
+fn arguments_of_classic_environments_work() {
+    let spec = spec("CartPole-v1", json!({"sutton_barto_reward": true}));
+    let mut envs = native(&spec, 100, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    let mut actions = envs.action_space().unwrap().sampler(0);
+    let mut fell = 0;
+    for _ in 0..60 {
+        envs.step_into(&actions.sample(), &mut columns).unwrap();
+        for i in 0..100 {
+            assert_eq!(columns.rewards[i], if columns.terminated[i] { -1.0 } else { 0.0 });
+            fell += usize::from(columns.terminated[i]);
+        }
+    }
+    assert!(fell > 100);
+}
+
+#[test]
+fn what_only_scalar_environments_can_do_is_refused() {
+    let plain = |id: &str| spec(id, json!({}));
+    let wrapped = builder("CartPole-v1").build().unwrap();
+    let wrapped = gym::Wrap::clip_reward(wrapped, -1.0, 1.0).unwrap().spec().unwrap();
+    let rendered = EnvSpec { render_mode: Some(gym::render::RenderMode::RgbArray), ..plain("CartPole-v1") };
+    for (spec, reason) in [
+        (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),
+        (spec("FrozenLake-v1", json!({"map_name": null})), "random maps"),
+        (EnvSpec { max_episode_steps: Some(70_000), ..plain("CartPole-v1") }, "65534"),
+        (wrapped, "to wrap"),
+        (rendered, "draws nothing"),
+    ] {
+        let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
+        assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");
+    }
+    let unknown = native(&spec("CartPole-v1", json!({"gravity": 1})), 2, Autoreset::NextStep).unwrap_err();
+    assert!(unknown.to_string().contains("sutton_barto_reward"), "{unknown}");
+    let none = native(&spec("CliffWalking-v0", json!({"is_slippery": true})), 2, Autoreset::NextStep);
+    assert!(none.unwrap_err().to_string().contains("takes no arguments"));
+    assert!(native(&plain("CartPole-v1"), 0, Autoreset::NextStep).is_err());
+    assert!(
+        native(&EnvSpec { max_episode_steps: Some(0), ..plain("CartPole-v1") }, 1, Autoreset::NextStep)
+            .is_err()
+    );
+    let rebuilt = native(&plain("Taxi-v4"), 3, Autoreset::SameStep).unwrap().spec().unwrap().make().unwrap();
+    assert_eq!(rebuilt.describe(), "NativeVectorEnv(Taxi-v4, num_envs=3)");
+    assert_eq!(rebuilt.autoreset(), Autoreset::SameStep);
+    let endless = EnvSpec { max_episode_steps: None, ..plain("Pendulum-v1") };
+    assert!(native(&endless, 1, Autoreset::NextStep).is_ok());
+}
+
+/// A step with these actions of a vector of three, after which nothing may have changed.
+fn refused(id: &str, actions: Value) -> String {
+    let mut envs = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    let before = columns.clone();
+    let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+    assert_eq!(columns, before, "{id}: {error}");
+    let mut fresh = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
+    let mut expected = fresh.columns().unwrap();
+    fresh.reset_into(&0.into(), &mut expected).unwrap();
+    let good = envs.action_space().unwrap().sampler(1).sample();
+    envs.step_into(&good, &mut columns).unwrap();
+    fresh.step_into(&good, &mut expected).unwrap();
+    assert_eq!(columns, expected, "{id}: after {error}");
+    error
+}
+
+#[test]
+fn bad_actions_are_refused_before_anything_is_stepped() {
+    let boxed = |values: [f32; 3]| Value::Array(Array::from(values).reshape([3, 1]).unwrap());
+    for id in TABLES.iter().chain(&CLASSIC) {
+        for actions in
+            [Value::Null, Value::Int(0), Value::Array([0i64, 0].into()), Value::Array([0.0f64; 3].into())]
+        {
+            assert!(refused(id, actions).contains("array of just this shape and type"), "{id}");
+        }
+        let (bad, index) = if ["MountainCarContinuous-v0", "Pendulum-v1"].contains(id) {
+            (vec![boxed([0.0, 0.0, f32::NAN]), boxed([0.0, 0.0, f32::INFINITY])], 2)
+        } else {
+            (vec![Value::Array([0i64, -1, 0].into()), Value::Array([0i64, 9, i64::MAX].into())], 1)
+        };
+        for bad in bad {
+            let error = refused(id, bad);
+            assert!(error.starts_with(&format!("sub-environment {index}: invalid action")), "{error}");
+        }
+    }
+    // beyond the bounds a torque is clipped, as in Gymnasium
+    let mut envs = native(&spec("Pendulum-v1", json!({})), 3, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    envs.step_into(&boxed([9.0, -9.0, f32::MAX]), &mut columns).unwrap();
+    assert!(columns.rewards.iter().all(|reward| reward.is_finite()));
+}
+
+#[test]
+fn environments_without_an_episode_are_named() {
+    let spec = spec("FrozenLake-v1", json!({}));
+    let mut envs = native(&spec, 40, Autoreset::Disabled).unwrap();
+    let mut columns = envs.columns().unwrap();
+    let actions = envs.action_space().unwrap().sampler(0).sample();
+    let error = envs.step_into(&actions, &mut columns).unwrap_err();
+    assert!(error.to_string().starts_with("sub-environment 0: cannot call `step` before `reset`"), "{error}");
+    let all_but_35 = VectorReset::from(0).mask((0..40).map(|i| i != 35).collect::<Vec<_>>());
+    envs.reset_into(&all_but_35, &mut columns).unwrap();
+    let error = envs.step_into(&actions, &mut columns).unwrap_err();
+    assert!(error.to_string().starts_with("sub-environment 35: "), "{error}");
+    envs.reset_into(&1.into(), &mut columns).unwrap();
+    let over = loop {
+        envs.step_into(&actions, &mut columns).unwrap();
+        if let Some(over) = (0..40).find(|i| columns.done(*i)) {
+            break over;
+        }
+    };
+    let before = columns.clone();
+    let error = envs.step_into(&actions, &mut columns).unwrap_err();
+    assert!(
+        error.to_string().starts_with(&format!("sub-environment {over}: its episode has ended")),
+        "{error}"
+    );
+    assert_eq!(columns, before);
+    for bad in [
+        VectorReset::seeds([1u64, 2]),
+        VectorReset::default().mask([true]),
+        VectorReset::default().mask([false; 40]),
+    ] {
+        assert!(envs.reset_into(&bad, &mut columns).is_err());
+    }
+    envs.close();
+    assert!(
+        envs.step_into(&actions, &mut columns).is_err() && envs.reset_into(&1.into(), &mut columns).is_err()
+    );
+}
+
+#[test]
+fn a_bad_reset_option_changes_nothing() {
+    let mut envs = native(&spec("CartPole-v1", json!({})), 5, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&4.into(), &mut columns).unwrap();
+    let actions = Value::Array([1i64; 5].into());
+    let mut other = native(&spec("CartPole-v1", json!({})), 5, Autoreset::NextStep).unwrap();
+    let mut expected = other.columns().unwrap();
+    other.reset_into(&4.into(), &mut expected).unwrap();
+    let bad = VectorReset::from(9).option("low", "far");
+    let error = envs.reset_into(&bad, &mut columns).unwrap_err().to_string();
+    assert!(error.starts_with("sub-environment 0: invalid argument for reset options"), "{error}");
+    envs.step_into(&actions, &mut columns).unwrap();
+    other.step_into(&actions, &mut expected).unwrap();
+    assert_eq!(columns, expected);
+}
+
+#[test]
+fn steps_do_not_allocate() {
+    for id in TABLES.iter().chain(&CLASSIC) {
+        for mode in [Autoreset::NextStep, Autoreset::SameStep] {
+            let spec = EnvSpec { max_episode_steps: Some(20), ..spec(id, json!({})) };
+            let mut envs = native(&spec, 100, mode).unwrap();
+            let mut columns = envs.columns().unwrap();
+            envs.reset_into(&0.into(), &mut columns).unwrap();
+            let mut sampler = envs.action_space().unwrap().sampler(0);
+            for _ in 0..50 {
+                let actions = sampler.sample();
+                let count = allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
+                assert_eq!(count.count_total, 0, "{id}, {mode:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_million_cartpoles_take_66_bytes_each() {
+    const N: usize = 1_000_000;
+    let mut envs = native(&spec("CartPole-v1", json!({})), N, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    let memory = allocation_counter::measure(|| envs.reset_into(&0.into(), &mut columns).unwrap());
+    let bytes = memory.bytes_current as f64 / N as f64;
+    assert!(bytes < 66.6, "{bytes} bytes for each environment");
+    let actions = Value::Array(vec![1i64; N].into());
+    let mut ends = 0;
+    for _ in 0..12 {
+        envs.step_into(&actions, &mut columns).unwrap();
+        ends += (0..N).filter(|i| columns.done(*i)).count();
+    }
+    assert_eq!(ends, N, "a pole that is always pushed falls once within 12 steps");
+}

@@ -1,5 +1,6 @@
 //! Commands over every environment that is linked: `cargo xtask help`.
 
+mod bench;
 mod conform;
 mod demo;
 mod docs;
@@ -42,6 +43,8 @@ enum Command {
     Replay(replay::Arguments),
     /// Writes the pages about the environments, and checks the book.
     Docs(docs::Arguments),
+    /// Measures steps and frames per second.
+    Bench(bench::Arguments),
     /// Checks that environments keep the rules.
     Conform(conform::Arguments),
     /// Starts a crate with an environment of your own.
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Docs(arguments) => docs::docs(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Soak(arguments) => soak::soak(&arguments),

@@ -14,7 +14,7 @@ const STEPS: usize = 12;
 
 /// Larger requests are honest ones to fill the memory or the day, and are not tried; those beyond any
 /// memory are, as they must be refused.
-const REASONABLE: f64 = 1e4;
+const REASONABLE: f64 = 300.0;
 const BEYOND_ANY_MEMORY: f64 = 1e15;
 
 /// An id as text.

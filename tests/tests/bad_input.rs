@@ -55,6 +55,12 @@ fn unknown_and_bad_arguments() {
     says(make("FrozenLake-v1", json!({"success_rate": 1.5})), &["success_rate"]);
     says(make("CartPole-v1", json!({"render_mode": "nope"})), &["render_mode", "rgb_array"]);
     says(gym::builder("CartPole-v1").max_episode_steps(0).build(), &["at least 1"]);
+    // numbers that would blow the state out of all numbers
+    says(make("Pendulum-v1", json!({"g": 1e308})), &["g is", "1000000"]);
+    says(
+        make("LunarLander-v3", json!({"enable_wind": true, "wind_power": -1e308})),
+        &["wind_power", "1000000"],
+    );
 }
 
 #[test]

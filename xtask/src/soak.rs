@@ -4,7 +4,9 @@ use gym::{Env, Error, Registration, Reset, Result, Value, registry};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Steps over all environments together.
+    /// The environments; all that are linked if none is named.
+    ids: Vec<String>,
+    /// Steps over these environments together.
     #[arg(long, default_value_t = 1_000_000)]
     steps: u64,
     /// Seeds environments and actions.
@@ -17,7 +19,10 @@ const MAX_GROWTH: u64 = 2 << 20; // bytes
 
 /// Steps through every environment for a long time. Memory that grows is an error.
 pub(crate) fn soak(arguments: &Arguments) -> Result<()> {
-    let registrations = registry::all();
+    let registrations = match &arguments.ids[..] {
+        [] => registry::all(),
+        ids => ids.iter().map(|id| registry::find(id)).collect::<Result<_>>()?,
+    };
     let each = arguments.steps.div_ceil(registrations.len().max(1) as u64);
     let mut total = 0;
     for registration in &registrations {

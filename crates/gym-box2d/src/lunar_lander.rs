@@ -195,6 +195,9 @@ struct Puff {
     step: u32,
 }
 
+/// Far beyond the 20 up to which Gymnasium recommends wind, and far below what overflows a `float32`.
+const MAX_POWER: f64 = 1e6;
+
 impl LunarLander {
     /// The environment with these arguments.
     ///
@@ -209,8 +212,9 @@ impl LunarLander {
         for (name, value) in
             [("wind_power", config.wind_power), ("turbulence_power", config.turbulence_power)]
         {
-            if !value.is_finite() {
-                return Err(Error::argument("LunarLander", format!("{name} is {value}: it must be finite")));
+            if !(-MAX_POWER..=MAX_POWER).contains(&value) {
+                let reason = format!("{name} is {value}: it must lie between -{MAX_POWER} and {MAX_POWER}");
+                return Err(Error::argument("LunarLander", reason));
             }
         }
         if !(2..=3).contains(&config.version) {

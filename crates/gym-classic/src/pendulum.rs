@@ -107,11 +107,11 @@ impl Dynamics for PendulumDynamics {
     const NAME: &'static str = "Pendulum";
 
     fn new(config: Config) -> Result<Self> {
-        if !config.g.is_finite() {
-            return Err(Error::argument(
-                Self::NAME,
-                format!("g is {}: it must be a finite number", config.g),
-            ));
+        // far beyond any planet, and far below what overflows
+        const MAX_G: f64 = 1e6; // m/s^2
+        if !(-MAX_G..=MAX_G).contains(&config.g) {
+            let reason = format!("g is {}: it must lie between -{MAX_G} and {MAX_G}", config.g);
+            return Err(Error::argument(Self::NAME, reason));
         }
         Ok(Self { config })
     }

@@ -16,8 +16,8 @@ impl Snapshot {
     /// The snapshot of some state.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the state holds a number that is not finite, or a map whose keys are
-    /// not strings: JSON cannot tell these apart.
+    /// [`Error::Snapshot`] if the state holds a map whose keys are not strings. A number that is not finite has no
+    /// form in JSON: it is stored as nothing, and such a snapshot is refused when it is restored.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
         serde_json::to_value(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }

@@ -88,16 +88,16 @@ pub(super) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
 /// Copies of a snapshot, each with one part that it should not have.
 pub(super) fn damaged(good: &Json) -> Vec<Json> {
     /// A picture or a track has thousands of parts, all much alike.
-    const MAX: usize = 120;
-    let parts = count(good);
+    const MAX: usize = 150;
     let bad = [json!(null), json!("x"), json!(-1), json!(1e300), json!([]), json!({}), json!(u64::MAX)];
-    let chosen = (0..parts).step_by(parts.div_ceil(MAX).max(1));
-    let copies = chosen.flat_map(|index| {
-        bad.iter().filter_map(move |bad| {
-            let mut copy = good.clone();
-            *part(&mut copy, &mut { index })? = bad.clone();
-            Some(copy)
-        })
+    let all = count(good) * bad.len();
+    // no multiple of the number of bad parts, so that each of them has its turn
+    let stride = all.div_ceil(MAX).max(1);
+    let stride = stride + usize::from(stride > 1 && stride.is_multiple_of(bad.len()));
+    let copies = (0..all).step_by(stride).filter_map(|i| {
+        let mut copy = good.clone();
+        *part(&mut copy, &mut { i / bad.len() })? = bad[i % bad.len()].clone();
+        Some(copy)
     });
     copies.collect()
 }

@@ -1,15 +1,19 @@
 //! What is checked, and how its episodes are played and compared.
 
+use std::cell::OnceCell;
+
 use super::{Trouble, Verdict, broken};
 use crate::{BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Step, Value, registry};
 
 /// Episodes are compared over this many steps, through several resets where they are short.
-pub(super) const STEPS: usize = 250;
+pub(super) const STEPS: usize = 150;
 pub(super) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
 /// The environment under test.
 pub(super) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
+    /// An episode for each seed, played once for all checks that only look.
+    events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// How it was made, and how it is registered, if it is.
     pub(super) spec: Option<EnvSpec>,
     pub(super) registration: Option<Registration>,
@@ -21,13 +25,13 @@ impl<'a> Subject<'a> {
         let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
         let spec = made.ok().flatten();
         let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
-        Self { make, spec, registration }
+        Self { make, events: OnceCell::new(), spec, registration }
     }
 
     /// What `make` makes of a spec, which may fail.
     pub(super) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
-        Self { make, spec: Some(spec), registration }
+        Self { make, events: OnceCell::new(), spec: Some(spec), registration }
     }
 
     /// A fresh environment.
@@ -57,6 +61,17 @@ impl<'a> Subject<'a> {
         let mut env = self.make()?;
         roll_out(&mut env, seed, 5)?;
         Ok(env)
+    }
+
+    /// What happens in an episode of each seed.
+    fn events(&self) -> Result<&[(u64, Vec<Shown>)]> {
+        if let Some(events) = self.events.get() {
+            return Ok(events);
+        }
+        let mut env = self.make()?;
+        let events = SEEDS.into_iter().map(|seed| Ok((seed, roll_out(&mut env, seed, STEPS)?)));
+        let events = events.collect::<Result<_>>()?;
+        Ok(self.events.get_or_init(|| events))
     }
 
     /// Whether the same seed may give different episodes.
@@ -115,9 +130,8 @@ fn info(env: &BoxEnv) -> Info {
 
 /// Calls `visit` with each event of an episode for each seed, and the place to name it by.
 pub(super) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &str) -> Verdict) -> Verdict {
-    let mut env = subject.make()?;
-    for seed in SEEDS {
-        for (i, shown) in roll_out(&mut env, seed, STEPS)?.iter().enumerate() {
+    for (seed, events) in subject.events()? {
+        for (i, shown) in events.iter().enumerate() {
             visit(shown, &format!("seed {seed}, event {i}"))?;
         }
     }

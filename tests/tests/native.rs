@@ -9,7 +9,7 @@ use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
 use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
 use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Value, builder, registry};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 const TABLES: [&str; 8] = [
     "Blackjack-v1",
@@ -25,7 +25,8 @@ const CLASSIC: [&str; 6] =
     ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
 const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
 
-fn spec(id: &str, arguments: serde_json::Value) -> EnvSpec {
+fn spec(id: &str, arguments: impl Into<Json>) -> EnvSpec {
+    let arguments = arguments.into();
     let mut spec = registry::find(id).unwrap().spec().unwrap();
     for (name, value) in arguments.as_object().unwrap() {
         spec.kwargs.insert(name.clone(), value.clone());
@@ -227,6 +228,7 @@ fn arguments_of_tables_work() {
 
 /// How far the numbers of a state may be off after one step, as a part of the larger of their size
 /// and 1; how far observations and rewards may be.
+#[derive(Clone, Copy)]
 struct Bound {
     state: f64,
     observation: f32,
@@ -235,12 +237,12 @@ struct Bound {
 
 /// Compares each of a million steps with one of the exact scalar dynamics from the same state. `options`
 /// let episodes start anywhere; those that autoreset starts begin as usual.
-fn compare_steps<D: Native<Packed = [f64; K]>, const K: usize, const O: usize>(
+fn compare_steps<D, const K: usize, const O: usize>(
     config: D::Config,
     options: [(&str, f64); 2],
     bound: Bound,
 ) where
-    D: Dynamics<Observation = [f32; O]>,
+    D: Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
 {
     const STEPS: usize = 1_000_000;
     const N: usize = 1000;
@@ -537,12 +539,12 @@ fn what_only_scalar_environments_can_do_is_refused() {
 }
 
 /// A step with these actions of a vector of three, after which nothing may have changed.
-fn refused(id: &str, actions: Value) -> String {
+fn refused(id: &str, actions: &Value) -> String {
     let mut envs = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&0.into(), &mut columns).unwrap();
     let before = columns.clone();
-    let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+    let error = envs.step_into(actions, &mut columns).unwrap_err().to_string();
     assert_eq!(columns, before, "{id}: {error}");
     let mut fresh = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
     let mut expected = fresh.columns().unwrap();
@@ -561,7 +563,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
         for actions in
             [Value::Null, Value::Int(0), Value::Array([0i64, 0].into()), Value::Array([0.0f64; 3].into())]
         {
-            assert!(refused(id, actions).contains("array of just this shape and type"), "{id}");
+            assert!(refused(id, &actions).contains("array of just this shape and type"), "{id}");
         }
         let (bad, index) = if ["MountainCarContinuous-v0", "Pendulum-v1"].contains(id) {
             (vec![boxed([0.0, 0.0, f32::NAN]), boxed([0.0, 0.0, f32::INFINITY])], 2)
@@ -569,7 +571,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
             (vec![Value::Array([0i64, -1, 0].into()), Value::Array([0i64, 9, i64::MAX].into())], 1)
         };
         for bad in bad {
-            let error = refused(id, bad);
+            let error = refused(id, &bad);
             assert!(error.starts_with(&format!("sub-environment {index}: invalid action")), "{error}");
         }
     }

@@ -25,7 +25,7 @@ pub trait Stream: Clone + fmt::Debug + Send + 'static {
     /// Draws a [`random`](Self::random) and drops it.
     #[inline(always)]
     fn skip(&mut self) {
-        self.lend(|rng| rng.next_u64());
+        self.lend(Rng::next_u64);
     }
 }
 

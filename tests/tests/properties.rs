@@ -63,7 +63,7 @@ fn space() -> impl Strategy<Value = Space> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn samples_are_elements(space in space(), seed: u64) {
@@ -93,7 +93,11 @@ proptest! {
 
     #[test]
     fn flattening_is_undone(space in space(), seed: u64) {
-        let flat_space = space.flatten_space().unwrap();
+        let Ok(flat_space) = space.flatten_space() else {
+            // a choice among spaces, one of which has elements of many lengths
+            prop_assert!(!space.is_flattenable());
+            return Ok(());
+        };
         let value = space.sampler(seed).sample();
         let flat = space.flatten(&value).unwrap();
         prop_assert!(flat_space.contains(&flat), "{flat} of {flat_space}");
@@ -138,7 +142,7 @@ proptest! {
 
 proptest! {
     // a track or a terrain takes its time
-    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn snapshots_survive_json(index: prop::sample::Index, seed: u64, steps in 0usize..30) {

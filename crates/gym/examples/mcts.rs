@@ -75,7 +75,7 @@ impl Search {
         depth: u32,
         rng: &mut Generator,
     ) -> Result<f64> {
-        let is_new = node.visits == 0.0;
+        let is_new = node.children.is_empty();
         let value = if is_new || depth == 0 {
             node.children.resize_with(actions.len(), Node::default);
             self.roll_out(env, actions, depth, rng)?

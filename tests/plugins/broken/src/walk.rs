@@ -9,7 +9,7 @@ use std::thread::{self, ThreadId};
 use gym_core::canvas::{Canvas, Color, Transform};
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::spaces::TupleSpace;
-use gym_core::{Array, Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use gym_core::{Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::{Config, Fault};

@@ -55,6 +55,9 @@ mod documents {
     #[doc = include_str!("../../docs/plugins.md")]
     struct Plugins;
 
+    #[doc = include_str!("../../docs/vectors.md")]
+    struct Vectors;
+
     #[doc = include_str!("../../docs/wrappers.md")]
     struct Wrappers;
 }

@@ -1,6 +1,7 @@
-//! A step allocates nothing, typed or through `make`.
+//! A step allocates nothing: typed, through `make`, or in a vector.
 
-use gym::{Element, Env, Outcome, Value, registry};
+use gym::vector::{Autoreset, VectorKind};
+use gym::{Element, Env, Outcome, Value, VectorEnv, VectorWrap, make_vec, registry};
 
 /// The number of allocations of `steps` steps into one buffer, with resets where episodes end left
 /// out of the count.
@@ -40,6 +41,49 @@ fn erased_steps_do_not_allocate() {
     for registration in registry::all().iter().filter(|registration| !allocates(registration.id())) {
         let mut env = gym::make(registration.id()).unwrap();
         assert_eq!(allocations(&mut env, 1000), 0, "{}", registration.id());
+    }
+}
+
+/// The allocations of 500 steps, automatic resets included.
+fn vector_allocations<V: VectorEnv>(mut envs: V) -> u64 {
+    let mut sampler = envs.action_sampler(0).unwrap();
+    let actions: Vec<Value> = (0..500).map(|_| sampler.sample()).collect();
+    let mut columns = envs.reset(0).unwrap();
+    // what is allocated once is not counted
+    for action in &actions[..250] {
+        envs.step_into(action, &mut columns).unwrap();
+    }
+    let count = allocation_counter::measure(|| {
+        for action in &actions {
+            envs.step_into(action, &mut columns).unwrap();
+        }
+    });
+    count.count_total
+}
+
+#[test]
+fn steps_of_sync_vectors_do_not_allocate() {
+    for id in
+        ["CartPole-v1", "Pendulum-v1", "MountainCar-v0", "Acrobot-v1", "CliffWalking-v1", "Blackjack-v1"]
+    {
+        assert_eq!(vector_allocations(make_vec(id, 8, VectorKind::Sync).unwrap()), 0, "{id}");
+    }
+    let cartpoles = |autoreset| {
+        let vector = gym::builder("CartPole-v1").vector(8).kind(VectorKind::Sync);
+        vector.autoreset(autoreset).build().unwrap()
+    };
+    assert_eq!(vector_allocations(cartpoles(Autoreset::SameStep)), 0);
+    let envs = cartpoles(Autoreset::NextStep).record_episode_statistics().normalize_observation().unwrap();
+    assert_eq!(vector_allocations(envs.normalize_reward(0.99).unwrap().clip_reward(-1.0, 1.0).unwrap()), 0);
+    // only where an episode ends: a reset builds a new world, which no step does
+    let lander = gym::builder("LunarLander-v3").max_episode_steps(None).vector(1).kind(VectorKind::Sync);
+    let mut lander = lander.build().unwrap();
+    let idle = Value::Array([0i64].into());
+    let mut columns = lander.reset(0).unwrap();
+    lander.step_into(&idle, &mut columns).unwrap();
+    while !columns.done(0) {
+        let count = allocation_counter::measure(|| lander.step_into(&idle, &mut columns).unwrap());
+        assert_eq!(count.count_total, 0);
     }
 }
 

@@ -6,7 +6,8 @@ use gym::spaces::{
     SequenceSpace, TextSpace, TupleSpace,
 };
 use gym::trace::Trace;
-use gym::{BoxEnv, DType, Env, Generator, Seed, Space};
+use gym::vector::VectorKind;
+use gym::{BoxEnv, DType, Env, Generator, Seed, Space, VectorEnv};
 use gym_tests::{Reference, references};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
@@ -34,6 +35,41 @@ fn traces() {
     println!("{count} traces are equal");
 }
 
+/// The same vectors on a pool of threads.
+#[test]
+fn traces_of_vectors_on_threads() {
+    let mut count = 0;
+    for Reference { name, text, .. } in references().iter().filter(|reference| reference.is_trace()) {
+        let mut recorded: Trace =
+            serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let Some(vector) = &mut recorded.vector else { continue };
+        vector.kind = Some(VectorKind::Async);
+        let answered = recorded.replay(state).unwrap_or_else(|error| panic!("{name}: {error}"));
+        if let Some(difference) = recorded.first_difference(&answered) {
+            panic!("{name}: {difference}");
+        }
+        count += 1;
+    }
+    println!("{count} traces of vectors are equal on threads");
+}
+
+/// The actions in traces of vectors are samples of the batched action space, seeded with the trace's seed
+/// plus 17.
+#[test]
+fn actions_of_vectors() {
+    for Reference { name, json, text } in references().iter().filter(|reference| reference.is_trace()) {
+        let trace: Trace = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        if trace.vector.is_none() {
+            continue;
+        }
+        let seed = json["seed"].as_u64().expect("a seed");
+        let mut sampler = trace.make_vector().unwrap().action_sampler(seed + 17).unwrap();
+        for (i, recorded) in trace.events.iter().filter_map(|event| event.step.as_ref()).enumerate() {
+            assert_eq!(&json!(sampler.sample()), recorded, "{name}: action {i}");
+        }
+    }
+}
+
 /// The bodies of a CarRacing, whose traces leave the picture out.
 fn state(env: &BoxEnv) -> Option<Json> {
     env.unwrapped::<CarRacing>().map(|car| json!(car.state()))
@@ -44,13 +80,23 @@ fn state(env: &BoxEnv) -> Option<Json> {
 fn specs_and_spaces_of_traces() {
     for Reference { name, json, text } in references().iter().filter(|reference| reference.is_trace()) {
         let trace: Trace = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let env = trace.make().unwrap_or_else(|error| panic!("{name}: {error}"));
-        let spec = env.spec().expect("made by id");
+        let spaces = match &trace.vector {
+            Some(_) => {
+                let envs = trace.make_vector().unwrap_or_else(|error| panic!("{name}: {error}"));
+                [envs.observation_space(), envs.action_space()]
+                    .map(|space| space.expect("a batch").to_string())
+            }
+            None => {
+                let env = trace.make().unwrap_or_else(|error| panic!("{name}: {error}"));
+                [env.observation_space(), env.action_space()].map(|space| space.to_string())
+            }
+        };
+        let spec = trace.make().unwrap_or_else(|error| panic!("{name}: {error}")).spec().expect("made by id");
         let known = json!({
             "max_episode_steps": spec.max_episode_steps,
             "reward_threshold": spec.reward_threshold,
-            "observation_space": env.observation_space().to_string(),
-            "action_space": env.action_space().to_string(),
+            "observation_space": spaces[0],
+            "action_space": spaces[1],
         });
         for (key, value) in known.as_object().expect("an object") {
             if let Some(recorded) = json.get(key) {

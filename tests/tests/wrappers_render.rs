@@ -3,7 +3,8 @@
 use gym::render::{Frame, RenderMode, Rendered};
 use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView};
 use gym::{
-    Array, DType, Data, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Wrap, spaces::BoxSpace,
+    Array, DType, Data, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, Wrap,
+    spaces::BoxSpace,
 };
 
 /// Observes a picture, and renders another of one colour.
@@ -112,4 +113,42 @@ fn rendered_pictures_are_observed() {
 
     let mut noisy = make().add_white_noise(0.5).unwrap().add_render_observation().unwrap();
     assert_ne!(noisy.reset(0).unwrap().as_slice::<u8>().unwrap(), frame.pixels());
+}
+
+#[test]
+fn a_vector_is_recorded_as_a_grid() {
+    use gym::rendering::RecordVectorVideo;
+    use gym::vector::{Autoreset, VectorReset};
+    let folder = std::env::temp_dir().join(format!("gym-vector-video-{}", std::process::id()));
+    for (autoreset, expected) in [
+        (Autoreset::NextStep, ["episode-0", "episode-2"]),
+        (Autoreset::SameStep, ["episode-0", "episode-2"]),
+        (Autoreset::Disabled, ["episode-0", "episode-2"]),
+    ] {
+        let vector = gym::builder("CartPole-v1").max_episode_steps(4).render_mode(RenderMode::RgbArray);
+        let envs = vector.render_size(60, 40).vector(6).autoreset(autoreset).build().unwrap();
+        let mut envs =
+            RecordVectorVideo::new(envs, &folder).unwrap().episode_trigger(|episode| episode % 2 == 0);
+        let push = Value::Array([1i64, 0, 1, 0, 1, 0].into());
+        let mut columns = envs.reset(0).unwrap();
+        for _ in 0..14 {
+            envs.step_into(&push, &mut columns).unwrap();
+            if autoreset == Autoreset::Disabled && columns.done(0) {
+                envs.reset_into(&VectorReset::default().mask([true; 6]), &mut columns).unwrap();
+            }
+        }
+        envs.close();
+        assert!(envs.take_error().is_none());
+        let mut names: Vec<_> =
+            std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        names.sort();
+        let expected = expected.map(|name| folder.join(format!("rl-video-{name}.gif")));
+        assert_eq!(names, expected, "{autoreset:?}");
+        for name in names {
+            let gif = std::fs::read(name).unwrap();
+            // three columns and two rows, in the header of the GIF
+            assert_eq!(gif[6..10], [180, 0, 80, 0]);
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -38,5 +38,5 @@ pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::VectorEnv;
+pub use vector::{VectorEnv, VectorWrap};
 pub use wrappers::Wrap;

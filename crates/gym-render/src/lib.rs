@@ -9,6 +9,7 @@
 //! |---|---|
 //! | one frame of a drawing | [`frame`] |
 //! | episodes of an environment | [`Recorder`], [`RecordVideo`] |
+//! | episodes of a vector, as a grid | [`RecordVectorVideo`] |
 //! | an animation as GIF | [`GifWriter`], [`write_gif`] |
 //! | an animation as GIF, PNG or MP4 | [`VideoWriter`], [`write_video`] |
 //! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
@@ -42,10 +43,12 @@ mod plot;
 mod png;
 mod raster;
 mod record;
+mod record_vector_video;
 mod record_video;
 mod recorder;
 mod stream;
 mod svg;
+mod tape;
 #[cfg(test)]
 mod testing;
 mod transforms;
@@ -59,9 +62,11 @@ pub use plot::Plot;
 pub use png::{contact_sheet, write_png, write_png_sequence};
 pub use raster::{Raster, frame};
 pub use record::Recording;
-pub use record_video::{RecordVideo, capped_cubic};
+pub use record_vector_video::RecordVectorVideo;
+pub use record_video::RecordVideo;
 pub use recorder::Recorder;
 pub use svg::{Svg, svg, write_svg};
+pub use tape::capped_cubic;
 pub use video::{VideoWriter, write_video};
 #[cfg(feature = "human")]
 pub use window::Window;

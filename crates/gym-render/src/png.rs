@@ -56,17 +56,22 @@ pub fn write_png_sequence<'a>(
 /// All frames in one picture, row by row, `columns` in each row (at least one). Frames smaller
 /// than the largest lie in the middle of their place.
 pub fn contact_sheet(frames: &[Frame], columns: usize) -> Frame {
+    tile(frames, columns, GAP)
+}
+
+/// [`contact_sheet`] with a gap of so many pixels around each frame.
+pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Frame {
     let columns = columns.clamp(1, frames.len().max(1)) as u32;
     let rows = (frames.len() as u32).div_ceil(columns);
     let width = frames.iter().map(Frame::width).max().unwrap_or(0);
     let height = frames.iter().map(Frame::height).max().unwrap_or(0);
-    let (cell_width, cell_height) = (GAP + width, GAP + height);
-    let mut sheet = Frame::new(GAP + columns * cell_width, GAP + rows * cell_height);
+    let (cell_width, cell_height) = (gap + width, gap + height);
+    let mut sheet = Frame::new(gap + columns * cell_width, gap + rows * cell_height);
     sheet.pixels_mut().fill(BACKGROUND);
     let sheet_row = sheet.width() as usize * 3;
     for (index, frame) in (0..).zip(frames) {
-        let left = GAP + index % columns * cell_width + (width - frame.width()) / 2;
-        let top = GAP + index / columns * cell_height + (height - frame.height()) / 2;
+        let left = gap + index % columns * cell_width + (width - frame.width()) / 2;
+        let top = gap + index / columns * cell_height + (height - frame.height()) / 2;
         let row = frame.width() as usize * 3;
         for (y, pixels) in frame.pixels().chunks_exact(row.max(1)).enumerate() {
             sheet.pixels_mut()[(top as usize + y) * sheet_row + left as usize * 3..][..row]

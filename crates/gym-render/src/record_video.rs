@@ -1,17 +1,13 @@
 //! Recording an environment while somebody else steps it.
 
 use std::fmt;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use gym_core::render::{Frame, Rendered};
+use gym_core::render::{Frame, RenderMode, Rendered};
 use gym_core::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
-use crate::VideoWriter;
 use crate::recorder::not_frames;
-
-/// Whether to record, by the number of the episode or of the step.
-type Trigger = Box<dyn FnMut(u64) -> bool + Send>;
+use crate::tape::{Tape, tape_options};
 
 /// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
@@ -41,29 +37,12 @@ type Trigger = Box<dyn FnMut(u64) -> bool + Send>;
 /// # Ok(())
 /// # }
 /// ```
+#[derive(Clone)]
 pub struct RecordVideo<E: Env> {
     env: E,
-    folder: PathBuf,
-    name_prefix: String,
-    extension: String,
-    fps: u32,
-    video_length: u64,
-    is_clone: bool,
-    episode_trigger: Option<Trigger>,
-    step_trigger: Option<Trigger>,
-    /// Resets and steps so far.
-    episodes: u64,
-    steps: u64,
-    recording: Option<Recording>,
+    tape: Tape,
     /// Frames taken out of the environment's list, until `render` hands them over.
     list: Vec<Frame>,
-    error: Option<Error>,
-}
-
-#[derive(Debug)]
-struct Recording {
-    video: VideoWriter,
-    frames: u64,
 }
 
 impl<E: Env> RecordVideo<E> {
@@ -73,138 +52,47 @@ impl<E: Env> RecordVideo<E> {
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
     /// environment has another render mode.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        let mode = env.spec().and_then(|spec| spec.render_mode);
-        if let Some(mode) = mode
-            && mode.single() != gym_core::render::RenderMode::RgbArray
-        {
-            return Err(Error::UnsupportedMode {
-                target: env.describe(),
-                mode: "frames to record".into(),
-                reason: format!(
-                    "its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"
-                ),
-            });
-        }
-        let folder = folder.as_ref();
-        fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-        Ok(Self {
-            fps: env.metadata().render_fps,
-            env,
-            folder: folder.to_owned(),
-            name_prefix: "rl-video".into(),
-            extension: "gif".into(),
-            video_length: 0,
-            is_clone: false,
-            episode_trigger: None,
-            step_trigger: None,
-            episodes: 0,
-            steps: 0,
-            recording: None,
-            list: Vec::new(),
-            error: None,
-        })
+        check_mode(env.describe(), env.spec().and_then(|spec| spec.render_mode))?;
+        let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
+        Ok(Self { env, tape, list: Vec::new() })
     }
 
-    /// Records the episodes that `trigger` accepts, by their number.
-    #[must_use]
-    pub fn episode_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
-        self.episode_trigger = Some(Box::new(trigger));
-        self
-    }
-
-    /// Records from the steps that `trigger` accepts; and no episodes, unless there is a trigger for
-    /// them too.
-    #[must_use]
-    pub fn step_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
-        self.step_trigger = Some(Box::new(trigger));
-        self
-    }
-
-    /// Ends each recording after that many frames; 0, the default, is the end of its episode.
-    #[must_use]
-    pub fn video_length(self, frames: u64) -> Self {
-        Self { video_length: frames, ..self }
-    }
-
-    /// Starts the names of the files with this instead of `rl-video`.
-    #[must_use]
-    pub fn name_prefix(self, prefix: &str) -> Self {
-        Self { name_prefix: prefix.to_owned(), ..self }
-    }
-
-    /// The format: `gif` by default, else one that [`VideoWriter`] knows.
-    #[must_use]
-    pub fn extension(self, extension: &str) -> Self {
-        Self { extension: extension.to_owned(), ..self }
-    }
-
-    /// Plays at another speed than the environment's own.
-    #[must_use]
-    pub fn fps(self, fps: u32) -> Self {
-        Self { fps, ..self }
-    }
-
-    /// Whether a recording is running.
-    pub fn is_recording(&self) -> bool {
-        self.recording.is_some()
-    }
-
-    /// Why the last recording was given up, if one was; asked again, nothing.
-    pub fn take_error(&mut self) -> Option<Error> {
-        self.error.take()
-    }
+    tape_options!();
 
     /// The environment within; a running recording ends.
     pub fn into_inner(mut self) -> E {
-        self.stop();
+        self.tape.stop();
         self.env
-    }
-
-    /// Starts a recording where a trigger says so, in place of one that is running.
-    fn start(&mut self, kind: &str, number: u64) {
-        self.stop();
-        let name = format!("{}-{kind}-{number}.{}", self.name_prefix, self.extension);
-        match VideoWriter::create(self.folder.join(name), self.fps) {
-            Ok(video) => self.recording = Some(Recording { video, frames: 0 }),
-            Err(error) => self.give_up(error),
-        }
     }
 
     /// Records the newest frame.
     fn capture(&mut self) -> Result<()> {
-        let Some(recording) = &mut self.recording else { return Ok(()) };
-        let (single, frame) = match self.env.render()? {
-            Rendered::Frame(frame) => (Some(frame), None),
+        if !self.is_recording() {
+            return Ok(());
+        }
+        match self.env.render()? {
+            Rendered::Frame(frame) => self.tape.write(&frame),
             Rendered::Frames(frames) => {
                 self.list.extend(frames);
-                (None, self.list.last())
+                if let Some(frame) = self.list.last() {
+                    self.tape.write(frame);
+                }
             }
-            other => return Err(not_frames(&self.env, &other)),
-        };
-        let Some(frame) = single.as_ref().or(frame) else { return Ok(()) };
-        let written = recording.video.write(frame);
-        recording.frames += 1;
-        if let Err(error) = written {
-            self.recording = None;
-            self.give_up(error);
-        } else if recording.frames == self.video_length {
-            self.stop();
+            other => return Err(not_frames(&self.env.describe(), &other)),
         }
         Ok(())
     }
+}
 
-    /// Completes the file of a running recording.
-    fn stop(&mut self) {
-        if let Some(Recording { video, frames: 1.. }) = self.recording.take()
-            && let Err(error) = video.finish()
-        {
-            self.give_up(error);
-        }
-    }
-
-    fn give_up(&mut self, error: Error) {
-        log::warn!("RecordVideo: a recording was given up: {error}");
-        self.error = Some(error);
+/// Fails for a known render mode that gives no frames.
+pub(crate) fn check_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
+    match mode {
+        Some(mode) if mode.single() != RenderMode::RgbArray => Err(Error::UnsupportedMode {
+            target,
+            mode: "frames to record".into(),
+            reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -215,32 +103,16 @@ impl<E: Env> Env for RecordVideo<E> {
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
         self.list.clear();
-        if self.video_length == 0 {
-            self.stop();
-        }
-        let episode = self.episodes;
-        self.episodes += 1;
-        let wanted = match (&mut self.episode_trigger, &self.step_trigger) {
-            (Some(trigger), _) => trigger(episode),
-            (None, Some(_)) => false,
-            (None, None) => !self.is_clone && capped_cubic(episode),
-        };
-        if wanted {
-            self.start("episode", episode);
-        }
+        self.tape.episode();
         self.capture()
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
-        let step = self.steps;
-        self.steps += 1;
-        if self.step_trigger.as_mut().is_some_and(|trigger| trigger(step)) {
-            self.start("step", step);
-        }
+        self.tape.step();
         self.capture()?;
-        if outcome.done() && self.video_length == 0 {
-            self.stop();
+        if outcome.done() {
+            self.tape.end_of_episode();
         }
         Ok(outcome)
     }
@@ -267,7 +139,7 @@ impl<E: Env> Env for RecordVideo<E> {
     }
 
     fn close(&mut self) {
-        self.stop();
+        self.tape.stop();
         self.env.close();
     }
 
@@ -276,42 +148,12 @@ impl<E: Env> Env for RecordVideo<E> {
     );
 }
 
-impl<E: Env> Clone for RecordVideo<E> {
-    fn clone(&self) -> Self {
-        Self {
-            env: self.env.clone(),
-            folder: self.folder.clone(),
-            name_prefix: self.name_prefix.clone(),
-            extension: self.extension.clone(),
-            fps: self.fps,
-            video_length: self.video_length,
-            is_clone: true,
-            episode_trigger: None,
-            step_trigger: None,
-            episodes: self.episodes,
-            steps: self.steps,
-            recording: None,
-            list: self.list.clone(),
-            error: None,
-        }
-    }
-}
-
 impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RecordVideo")
             .field("env", &self.env)
-            .field("folder", &self.folder)
-            .field("recording", &self.recording)
+            .field("folder", &self.tape.folder)
+            .field("recording", &self.tape.recording)
             .finish_non_exhaustive()
-    }
-}
-
-/// Gymnasium's choice of episodes to record: 0, 1, 8, 27, and so on by cubes to 729, then each 1000th.
-pub fn capped_cubic(episode: u64) -> bool {
-    if episode < 1000 {
-        (0..10).any(|root: u64| root.pow(3) == episode)
-    } else {
-        episode.is_multiple_of(1000)
     }
 }

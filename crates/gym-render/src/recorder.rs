@@ -83,7 +83,7 @@ impl Recorder {
         let frames = match env.render()? {
             Rendered::Frame(frame) => vec![frame],
             Rendered::Frames(frames) => frames,
-            other => return Err(not_frames(env, &other)),
+            other => return Err(not_frames(&env.describe(), &other)),
         };
         for frame in frames {
             if self.frames < self.max_frames {
@@ -105,7 +105,7 @@ impl Recorder {
 }
 
 /// The error for an environment that renders something else than frames.
-pub(crate) fn not_frames<E: Env>(env: &E, rendered: &Rendered) -> Error {
+pub(crate) fn not_frames(target: &str, rendered: &Rendered) -> Error {
     let mode = match rendered {
         Rendered::Shown => "human",
         Rendered::Text(_) => "ansi",
@@ -113,7 +113,7 @@ pub(crate) fn not_frames<E: Env>(env: &E, rendered: &Rendered) -> Error {
         Rendered::Frame(_) | Rendered::Frames(_) => "rgb_array",
     };
     Error::UnsupportedMode {
-        target: env.describe(),
+        target: target.to_owned(),
         mode: "frames to record".into(),
         reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
     }

@@ -1,0 +1,172 @@
+//! Recording a vector while somebody else steps it.
+
+use std::fmt;
+use std::path::Path;
+
+use gym_core::render::{Frame, Rendered};
+use gym_core::vector::{Autoreset, Columns, VectorReset};
+use gym_core::{Error, Result, Value, VectorEnv};
+
+use crate::png::tile;
+use crate::record_video::check_mode;
+use crate::recorder::not_frames;
+use crate::tape::{Tape, tape_options};
+
+/// Records all sub-environments of a vector side by side, in a grid: Gymnasium's `vector.RecordVideo`.
+///
+/// The sub-environments have the render mode `rgb_array`. Episodes are those of the first of them; all
+/// else is as in [`RecordVideo`](crate::RecordVideo). With
+/// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the last state of an episode is gone
+/// before it can be seen, and is not in the video.
+///
+/// ```no_run
+/// use gym_core::{Result, builder, render::RenderMode};
+/// use gym_render::RecordVectorVideo;
+///
+/// # fn main() -> Result<()> {
+/// let envs = builder("CartPole-v1").render_mode(RenderMode::RgbArray).vector(9).build()?;
+/// let mut envs = RecordVectorVideo::new(envs, "videos")?.aspect_ratio(16.0 / 9.0);
+/// # Ok(())
+/// # }
+/// ```
+pub struct RecordVectorVideo<V> {
+    envs: V,
+    tape: Tape,
+    aspect_ratio: f64,
+    first_only: bool,
+    /// Whether the next step resets the first sub-environment.
+    reset_is_due: bool,
+}
+
+impl<V: VectorEnv> RecordVectorVideo<V> {
+    /// Records `envs` to a folder, which is made if it does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
+    /// sub-environments has another render mode.
+    pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
+        check_mode(envs.describe(), envs.spec().and_then(|spec| spec.env.render_mode))?;
+        let tape = Tape::new(folder.as_ref(), envs.metadata().render_fps)?;
+        Ok(Self { envs, tape, aspect_ratio: 1.0, first_only: false, reset_is_due: false })
+    }
+
+    tape_options!();
+
+    /// Arranges the grid so that its width is as near as can be to so many times its height; 1 by default.
+    #[must_use]
+    pub fn aspect_ratio(self, aspect_ratio: f64) -> Self {
+        Self { aspect_ratio, ..self }
+    }
+
+    /// Records the first sub-environment alone.
+    #[must_use]
+    pub fn first_only(self) -> Self {
+        Self { first_only: true, ..self }
+    }
+
+    /// The vector within; a running recording ends.
+    pub fn into_inner(mut self) -> V {
+        self.tape.stop();
+        self.envs
+    }
+
+    /// Records the newest frame of each.
+    fn capture(&mut self) -> Result<()> {
+        if !self.is_recording() {
+            return Ok(());
+        }
+        let mut rendered = self.envs.render()?;
+        let frame = |rendered| match rendered {
+            Rendered::Frame(frame) => Ok(frame),
+            other => Err(not_frames(&self.envs.describe(), &other)),
+        };
+        rendered.truncate(if self.first_only { 1 } else { usize::MAX });
+        let frames = rendered.into_iter().map(frame).collect::<Result<Vec<Frame>>>()?;
+        self.tape.write(&tile(&frames, columns(&frames, self.aspect_ratio), 0));
+        Ok(())
+    }
+}
+
+/// How many columns give a full grid the aspect ratio nearest to one: Gymnasium's
+/// `_get_concat_frame_shape`, which has no more rows than columns.
+fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
+    let n = frames.len();
+    let Some(first) = frames.first() else { return 1 };
+    let [width, height] = [first.width(), first.height()].map(f64::from);
+    let distance = |columns: usize| {
+        let rows = (n / columns) as f64;
+        (columns as f64 * width / (rows * height) - aspect_ratio).abs()
+    };
+    let grids = (1..=n).filter(|rows| n.is_multiple_of(*rows) && rows * rows <= n).map(|rows| n / rows);
+    grids.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(n)
+}
+
+impl<V: VectorEnv> VectorEnv for RecordVectorVideo<V> {
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        self.envs.reset_into(reset, columns)?;
+        if reset.selects(0) {
+            self.reset_is_due = false;
+            self.tape.episode();
+        }
+        self.capture()
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        self.envs.step_into(actions, columns)?;
+        let done = columns.done(0);
+        let began = match self.autoreset() {
+            Autoreset::NextStep => std::mem::replace(&mut self.reset_is_due, done),
+            Autoreset::SameStep => done,
+            Autoreset::Disabled => false,
+        };
+        if began {
+            self.tape.episode();
+        }
+        self.tape.step();
+        self.capture()?;
+        if done && !began {
+            self.tape.end_of_episode();
+        }
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        self.tape.stop();
+        self.envs.close();
+    }
+
+    gym_core::forward_vector!(
+        envs: num_envs, single_observation_space, single_action_space, autoreset, info, final_info, infos,
+        visit_envs, render, metadata, spec, describe
+    );
+}
+
+impl<V: fmt::Debug> fmt::Debug for RecordVectorVideo<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RecordVectorVideo")
+            .field("envs", &self.envs)
+            .field("folder", &self.tape.folder)
+            .field("recording", &self.tape.recording)
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grids_are_gymnasiums() {
+        // `_get_concat_frame_shape` of Gymnasium 1.4.0
+        let cases = [
+            (1, 600, 400, 1.0, 1),
+            (6, 600, 400, 1.0, 3),
+            (6, 256, 256, 16.0 / 9.0, 3),
+            (8, 600, 400, 1.0, 4),
+        ];
+        for (n, width, height, aspect_ratio, expected) in cases {
+            assert_eq!(columns(&vec![Frame::new(width, height); n], aspect_ratio), expected, "{n}");
+        }
+        assert_eq!(columns(&vec![Frame::new(10, 10); 7], 1.0), 7);
+    }
+}

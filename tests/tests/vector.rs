@@ -366,7 +366,7 @@ fn results_of_envs_received_out_of_order_do_not_depend_on_it() {
     let mut observed = vec![Vec::new(); 6];
     let mut taken = [0; 6];
     let mut ids = vec![0, 1, 2, 3, 4, 5];
-    let action = |id: usize, step: usize| ((id * 7 + step * 3) % 5 / 2) as i64;
+    let action = |id: usize, step: usize| ((id * 7 + step * 3) % 4 / 2) as i64;
     while taken.iter().any(|steps| *steps < 60) {
         let batch: Vec<i64> = ids.iter().map(|id| action(*id, taken[*id])).collect();
         ids.iter().for_each(|id| taken[*id] += 1);

@@ -247,4 +247,63 @@ mod tests {
         assert_eq!(batch(MultiBinary::new([3]).unwrap().into()), "Box(0, 1, (2, 3), int8)");
         assert!(batch_space(&TupleSpace::new([]).into(), 2).is_err());
     }
+
+    /// Printed forms and samples by numpy 2.4.6 and Gymnasium 1.4.0: `batch_space(space, 2)`, seeded with 17.
+    #[test]
+    fn batches_print_and_sample_as_gymnasiums() {
+        use crate::spaces::{Discrete, OneOfSpace, SequenceSpace};
+        use serde_json::json;
+        let bits = Space::from(MultiBinary::new([2]).unwrap());
+        let from_2 = Space::from(Discrete::new(4).unwrap().with_start(2).unwrap());
+        let text = TextSpace::new(1, 3).unwrap().with_charset("ab").unwrap();
+        let cases: [(Space, &str, serde_json::Value); 6] = [
+            (
+                DictSpace::new([("b", from_2), ("a", bits)]).unwrap().into(),
+                "Dict('a': Box(0, 1, (2, 2), int8), 'b': MultiDiscrete([4 4], start=[2 2]))",
+                json!([{"a": [[1, 1], [0, 1]], "b": [4, 2]}, {"a": [[1, 0], [0, 0]], "b": [3, 2]}]),
+            ),
+            (
+                text.into(),
+                "Tuple(Text(1, 3, charset=ab), Text(1, 3, charset=ab))",
+                json!([["b", "aa"], ["abb", "ab"]]),
+            ),
+            (
+                SequenceSpace::new(Space::discrete(3)).into(),
+                "Tuple(Sequence(Discrete(3), stack=False), Sequence(Discrete(3), stack=False))",
+                json!([
+                    [[0, 2, 1, 0, 2, 2], [0, 1, 2]],
+                    [[0, 2, 2, 0, 2, 0, 1, 2, 0, 2, 2, 2, 1, 0, 0, 1, 2], [1]]
+                ]),
+            ),
+            (
+                OneOfSpace::new([Space::discrete(3), Space::discrete(5)]).unwrap().into(),
+                "Tuple(OneOf(Discrete(3), Discrete(5)), OneOf(Discrete(3), Discrete(5)))",
+                json!([[[0, 0], [1, 3]], [[1, 3], [1, 2]]]),
+            ),
+            (
+                MultiDiscrete::new([3, 4]).unwrap().into(),
+                "Box(0, [[2 3]\n [2 3]], (2, 2), int64)",
+                json!([[[2, 0], [1, 1]], [[0, 1], [1, 2]]]),
+            ),
+            (
+                Discrete::new(5).unwrap().with_dtype(DType::I32).unwrap().into(),
+                "MultiDiscrete([5 5])",
+                json!([[4, 0], [2, 1]]),
+            ),
+        ];
+        for (space, printed, samples) in cases {
+            let batch = space.batch(2).unwrap();
+            assert_eq!(batch.to_string(), printed);
+            let mut sampler = batch.sampler(17);
+            for sample in samples.as_array().unwrap() {
+                let drawn = sampler.sample();
+                assert_eq!(&json!(drawn), sample, "{space}");
+                let singles: Vec<Value> = space.iterate(&drawn).unwrap().collect();
+                assert_eq!(space.concatenate(&singles).unwrap(), drawn, "{space}");
+                assert!(singles.iter().all(|single| space.contains(single)), "{space}");
+            }
+        }
+        assert!(Space::discrete(3).concatenate(&[Value::Null]).is_err());
+        assert!(Space::discrete(3).iterate(&Value::Int(1)).is_err());
+    }
 }

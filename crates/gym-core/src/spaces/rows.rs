@@ -251,3 +251,76 @@ fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
 fn has_keys(space: &DictSpace, entries: &[(String, Value)]) -> bool {
     entries.len() == space.spaces().len() && entries.iter().zip(space.spaces()).all(|(a, b)| a.0 == b.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spaces::{
+        BoxSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace, TextSpace,
+        TupleSpace,
+    };
+
+    fn spaces() -> Vec<Space> {
+        let pair = || TupleSpace::new([Space::discrete(3), Space::boxed([0.0; 2], [1.0; 2])]);
+        vec![
+            Space::discrete(7),
+            Discrete::new(3).unwrap().with_dtype(DType::I32).unwrap().into(),
+            BoxSpace::uniform(0.0, 9.0, [2, 3], DType::U8).unwrap().into(),
+            BoxSpace::uniform(0.0, 1.0, Vec::new(), DType::F64).unwrap().into(),
+            MultiBinary::new([2]).unwrap().into(),
+            MultiDiscrete::new([3, 4]).unwrap().into(),
+            TextSpace::new(0, 4).unwrap().into(),
+            DictSpace::new([("a", pair().into()), ("b", Space::discrete(2))]).unwrap().into(),
+            SequenceSpace::new(pair()).into(),
+            GraphSpace::new(Space::discrete(3), None).unwrap().into(),
+            OneOfSpace::new([Space::discrete(3), pair().into()]).unwrap().into(),
+            TupleSpace::new([TextSpace::new(1, 2).unwrap().into(), SequenceSpace::new(pair()).into()]).into(),
+        ]
+    }
+
+    #[test]
+    fn rows_are_the_elements_of_the_batch() {
+        for space in spaces() {
+            let mut sampler = space.sampler(1);
+            let items: Vec<Value> = (0..2).map(|_| sampler.sample()).collect();
+            let mut batch = space.empty_batch(2).unwrap();
+            assert!(space.is_batch(&batch, 2) && !space.is_batch(&batch, 3), "{space}");
+            space.check_batch(&batch, 2).unwrap();
+            for (i, item) in items.iter().enumerate() {
+                space.write_row(&mut batch, i, item).unwrap();
+            }
+            assert_eq!(batch, space.concatenate(&items).unwrap(), "{space}");
+            assert!(space.is_batch(&batch, 2));
+            let mut element = Value::Null;
+            for (i, item) in items.iter().enumerate() {
+                space.read_row(&batch, i, &mut element).unwrap();
+                assert_eq!(&element, item, "{space}");
+            }
+            let before = batch.clone();
+            assert!(space.read_row(&batch, 2, &mut element).is_err(), "{space}");
+            assert!(space.write_row(&mut batch, 2, &items[0]).is_err(), "{space}");
+            assert!(space.check_batch(&batch, 3).is_err() && space.check_batch(&Value::Null, 2).is_err());
+            assert_eq!(batch, before);
+        }
+    }
+
+    #[test]
+    fn numbers_take_the_type_of_the_space() {
+        let space: Space = BoxSpace::uniform(-1.0, 1.0, [2], DType::F64).unwrap().into();
+        let narrow = Value::Array(Array::from([0.5f32, 1.0, 0.25, 0.0]).reshape([2, 2]).unwrap());
+        space.check_batch(&narrow, 2).unwrap();
+        assert!(!space.is_batch(&narrow, 2));
+        let mut element = Value::Null;
+        space.read_row(&narrow, 1, &mut element).unwrap();
+        assert_eq!(element, Value::Array([0.25f64, 0.0].into()));
+        let mut batch = space.empty_batch(2).unwrap();
+        space.write_row(&mut batch, 0, &Value::Array([0.5f32, 1.0].into())).unwrap();
+        assert_eq!(batch.as_slice::<f64>().unwrap(), [0.5, 1.0, 0.0, 0.0]);
+        let error =
+            Space::discrete(3).check_batch(&Value::Array([0.0f32].into()), 1).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "[0.0] is not an element of a batch of Discrete(3): the numbers are float32 and should be int64"
+        );
+    }
+}

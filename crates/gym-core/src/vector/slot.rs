@@ -204,19 +204,16 @@ pub(super) fn slots<E: Env>(envs: impl IntoIterator<Item = E>) -> Result<(Vec<Sl
         return refuse("there are no sub-environments: at least one is needed".into());
     };
     let spaces = Spaces { observation: first.observation_space(), action: first.action_space() };
-    let kinds: [(_, _, fn(&E) -> Space); 2] = [
-        ("observation", &spaces.observation, E::observation_space),
-        ("action", &spaces.action, E::action_space),
-    ];
     for (index, env) in envs.iter().enumerate() {
-        for (kind, first, space) in kinds {
-            let space = space(env);
-            if space != *first {
-                return refuse(format!(
-                    "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: \
-                     they must be equal"
-                ));
-            }
+        let kinds = [
+            ("observation", env.observation_space(), &spaces.observation),
+            ("action", env.action_space(), &spaces.action),
+        ];
+        if let Some((kind, space, first)) = kinds.iter().find(|(_, space, first)| space != *first) {
+            return refuse(format!(
+                "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: they must \
+                 be equal"
+            ));
         }
     }
     let slots = envs.into_iter().map(|env| Slot::new(env, &spaces)).collect::<Result<_>>()?;

@@ -17,7 +17,8 @@ pub(crate) struct Batch<T> {
 impl<T: Real> Batch<T> {
     /// A single sample: variance 0, or NaN where the sample is not finite.
     pub(crate) fn of_one(x: T) -> Self {
-        Self { mean: x, m2: (x - x) * (x - x), n: 1 }
+        let mean = x;
+        Self { mean, m2: (x - mean) * (x - mean), n: 1 }
     }
 }
 
@@ -96,7 +97,7 @@ impl<T: Real> Samples<T> {
     /// Computes mean and variance of each column, and returns the number of rows. The rows are used up.
     pub(crate) fn moments(&mut self) -> usize {
         let Self { row_len, values, mean, var } = self;
-        let n = if *row_len == 0 { 0 } else { values.len() / *row_len };
+        let n = values.len().checked_div(*row_len).unwrap_or(0);
         let count = T::from_count(n);
         mean.resize(*row_len, T::default());
         var.resize(*row_len, T::default());
@@ -160,4 +161,29 @@ pub(crate) fn pairwise_sum<T: Real>(values: &[T]) -> T {
     let [a, b, c, d, e, f, g, h] = lanes;
     let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
     rest.remainder().iter().fold(sum, |sum, x| sum + *x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums by numpy 2.4.6 of `1 / (1 + arange(n))` as `float32`, to the bit.
+    #[test]
+    fn sums_are_numpys() {
+        let cases = [
+            (1, 0x3f800000),
+            (7, 0x4025f160),
+            (8, 0x402df160),
+            (9, 0x40350dd2),
+            (100, 0x40a5ff01),
+            (128, 0x40addc58),
+            (129, 0x40ae1bda),
+            (300, 0x40c90b97),
+            (1000, 0x40ef88fc),
+        ];
+        for (n, bits) in cases {
+            let values: Vec<f32> = (0..n).map(|i| 1.0 / (1.0 + i as f32)).collect();
+            assert_eq!(pairwise_sum(&values).to_bits(), bits, "{n}");
+        }
+    }
 }

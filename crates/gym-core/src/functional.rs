@@ -89,7 +89,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// ```
 ///
 /// Where randomness matters, each call gets a generator of its own: the same generator state gives the same outcome. The
-/// example `mcts` of the crate `gym` plans with clones of whole environments.
+/// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
 pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
     type Config: Default + PartialEq + Serialize + DeserializeOwned;

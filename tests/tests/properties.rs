@@ -148,7 +148,9 @@ proptest! {
     fn snapshots_survive_json(index: prop::sample::Index, seed: u64, steps in 0usize..30) {
         let all = registry::all();
         let id = index.get(&all).id();
-        let mut env = gym::make(id).unwrap();
+        // bounds that are known to be too narrow are no matter here
+        let make = || gym::builder(id).disable_env_checker(true).build();
+        let mut env = make().unwrap();
         let mut actions = env.action_sampler(seed).unwrap();
         env.reset(seed).unwrap();
         for _ in 0..steps {
@@ -158,7 +160,7 @@ proptest! {
         }
         let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
         let snapshot: Snapshot = serde_json::from_str(&text).unwrap();
-        let mut restored = gym::make(id).unwrap();
+        let mut restored = make().unwrap();
         restored.restore(&snapshot).unwrap();
         let action = actions.sample();
         prop_assert_eq!(restored.step(&action).unwrap(), env.step(&action).unwrap());

@@ -103,7 +103,7 @@ proptest! {
         prop_assert!(flat_space.contains(&flat), "{flat} of {flat_space}");
         prop_assert_eq!(space.unflatten(&flat).unwrap(), value);
         if space.is_flattenable() {
-            prop_assert_eq!(flat.as_array().map(|array| array.len()), space.flatdim().ok());
+            prop_assert_eq!(flat.as_array().map(gym::Array::len), space.flatdim().ok());
         }
     }
 

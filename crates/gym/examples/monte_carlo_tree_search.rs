@@ -108,13 +108,7 @@ fn evaluate(
 }
 
 /// Mean returns of random play and of planning with so many futures of so many steps per decision.
-fn compare(
-    id: &str,
-    episodes: u64,
-    futures: usize,
-    horizon: usize,
-    exploration: f64,
-) -> Result<(f64, f64)> {
+fn compare(id: &str, episodes: u64, futures: usize, horizon: usize, exploration: f64) -> Result<(f64, f64)> {
     let mut env = gym::make(id)?;
     let Space::Discrete(space) = env.action_space() else {
         return Err(Error::custom(format!("{id} has no discrete actions")));

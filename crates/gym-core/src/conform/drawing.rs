@@ -138,12 +138,12 @@ impl Calls {
         calls
     }
 
-    fn call(&mut self, call: String, numbers: &[f64]) {
+    fn call(&mut self, call: &str, numbers: &[f64]) {
         self.count += 1;
         if !numbers.iter().all(|x| x.is_finite()) {
             self.fault.get_or_insert_with(|| format!("a number that is not finite is drawn: {call}"));
         }
-        self.text += &call;
+        self.text += call;
         self.text.push('\n');
     }
 }
@@ -168,30 +168,30 @@ fn numbers(shape: &Shape<'_>) -> Vec<f64> {
 
 impl Canvas for Calls {
     fn clear(&mut self, color: Color) {
-        self.call(format!("clear {color:?}"), &[]);
+        self.call(&format!("clear {color:?}"), &[]);
     }
 
     fn fill(&mut self, shape: Shape<'_>, color: Color) {
-        self.call(format!("fill {shape:?} {color:?}"), &numbers(&shape));
+        self.call(&format!("fill {shape:?} {color:?}"), &numbers(&shape));
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
-        self.call(format!("stroke {shape:?} {width} {color:?}"), &[&numbers(&shape)[..], &[width]].concat());
+        self.call(&format!("stroke {shape:?} {width} {color:?}"), &[&numbers(&shape)[..], &[width]].concat());
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         let [x, y] = position;
-        self.call(format!("text {text:?} {position:?} {size} {align:?} {color:?}"), &[x, y, size]);
+        self.call(&format!("text {text:?} {position:?} {size} {align:?} {color:?}"), &[x, y, size]);
     }
 
     fn push(&mut self, transform: Transform) {
         let Transform { x, y, origin } = transform;
-        self.call(format!("push {transform:?}"), [x, y, origin].as_flattened());
+        self.call(&format!("push {transform:?}"), [x, y, origin].as_flattened());
         self.depth += 1;
     }
 
     fn pop(&mut self) {
-        self.call("pop".into(), &[]);
+        self.call("pop", &[]);
         match self.depth.checked_sub(1) {
             Some(depth) => self.depth = depth,
             None => drop(self.fault.get_or_insert_with(|| "a `pop` has no `push`".into())),

@@ -141,14 +141,17 @@ fn write_junit(out: &mut String, reports: &[Report]) -> fmt::Result {
             write!(out, r#"    <testcase classname="{}" name="{}">"#, Xml(id), check.name)?;
             for finding in findings.iter().filter(|finding| finding.check == check.name) {
                 match finding.severity {
-                    Severity::Error => write!(
-                        out,
-                        r#"<failure message="{}">{}</failure>"#,
-                        Xml(&finding.message),
-                        Xml(&finding.to_string())
-                    )?,
+                    Severity::Error => {
+                        let text = finding.to_string();
+                        write!(
+                            out,
+                            r#"<failure message="{}">{}</failure>"#,
+                            Xml(&finding.message),
+                            Xml(&text)
+                        )?;
+                    }
                     Severity::Warning => {
-                        write!(out, "<system-out>{}</system-out>", Xml(&finding.to_string()))?
+                        write!(out, "<system-out>{}</system-out>", Xml(&finding.to_string()))?;
                     }
                 }
             }

@@ -126,8 +126,8 @@ pub trait VectorEnv: Send {
         map
     }
 
-    /// Shows `visit` each sub-environment, in order, with its index, to downcast to its type.
-    /// [`call`](<dyn VectorEnv>::call) does so.
+    /// Shows `visit` each sub-environment, in order, with its index, to downcast to its type: `call` of
+    /// `dyn VectorEnv` does so.
     ///
     /// # Errors
     /// [`Error::Custom`] if there are no environments to show, as in a native vector.

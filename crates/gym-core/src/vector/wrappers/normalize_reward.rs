@@ -28,7 +28,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     /// Normalizes the rewards of `envs` by returns discounted with `gamma` per step.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a `gamma` outside `[0, 1]`.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a `gamma` outside `[0, 1]`.
     pub fn new(envs: V, gamma: f64) -> Result<Self> {
         wrappers::normalize_reward::check_gamma(gamma)?;
         let n = envs.num_envs();
@@ -49,7 +49,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     /// Adds another number to the variance than 1e-8.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] unless it is above 0.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) unless it is above 0.
     pub fn with_epsilon(self, epsilon: f64) -> Result<Self> {
         check_epsilon("NormalizeReward", epsilon)?;
         Ok(Self { epsilon, ..self })

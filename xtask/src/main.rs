@@ -7,6 +7,7 @@ mod keys;
 mod list;
 mod pictures;
 mod play;
+mod plots;
 mod policy;
 mod replay;
 mod run;

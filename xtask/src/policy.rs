@@ -1,9 +1,10 @@
 //! The policies that commands can play.
 
+use clap::ValueEnum;
 use gym::box2d::{BipedalWalker, LunarLander, bipedal_walker, lunar_lander};
 use gym::{BoxEnv, Element, Env, Error, Result, Sampler, Space, Value};
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
@@ -63,6 +64,11 @@ pub(crate) struct Episode {
 }
 
 impl Policy {
+    /// Its name on the command line.
+    pub(crate) fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
     /// Plays an episode from `seed`; `watch` sees the environment after the reset and each step.
     pub(crate) fn play(
         self,

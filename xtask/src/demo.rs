@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use gym::render::RenderMode;
-use gym::rendering::{Plot, Recorder};
+use gym::rendering::Recorder;
 use gym::{EnvSpec, Error, Result, registry};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::plots;
 use crate::policy::{Episode, Policy};
 use crate::run::summary;
 
@@ -39,12 +40,16 @@ pub(crate) fn demo(arguments: &Arguments) -> Result<()> {
         let id = spec.id.clone();
         bar.set_message(id.clone());
         let episodes = play(spec, arguments, &bar)?;
-        plot(&id, &episodes, arguments)?;
         table.push(format!("{id:28} {}", summary(&episodes)));
+        let runs = [("random policy".to_owned(), episodes)];
+        for extension in ["svg", "png"] {
+            let path = arguments.out.join(format!("{}.{extension}", crate::file_stem(&id)));
+            plots::write(&path, &id, &runs)?;
+        }
     }
     bar.finish_and_clear();
     println!("Random policy, {} episodes each: mean [min, max]\n{}", arguments.episodes, table.join("\n"));
-    println!("\nOne GIF and two plots for each: {}", arguments.out.display());
+    println!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display());
     Ok(())
 }
 
@@ -62,17 +67,4 @@ fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<E
         .collect::<Result<_>>()?;
     recorder.finish()?;
     Ok(episodes)
-}
-
-/// Draws the returns of one environment.
-fn plot(id: &str, episodes: &[Episode], arguments: &Arguments) -> Result<()> {
-    let returns: Vec<f64> = episodes.iter().map(|episode| episode.episode_return).collect();
-    let plot = Plot::new(format!("{id}, random policy"))
-        .x_label("episode")
-        .y_label("return")
-        .series("return", &returns)
-        .moving_average(10);
-    let file = |extension| arguments.out.join(format!("{}.returns.{extension}", crate::file_stem(id)));
-    plot.write_svg(file("svg"))?;
-    plot.write_png(file("png"))
 }

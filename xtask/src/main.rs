@@ -10,6 +10,7 @@ mod keys;
 mod list;
 mod new;
 mod play;
+mod plots;
 mod plugin;
 mod policy;
 mod replay;

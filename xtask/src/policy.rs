@@ -1,10 +1,11 @@
 //! The policies that commands can play.
 
+use clap::ValueEnum;
 use gym::{BoxEnv, Env, Error, Result, Value};
 
 use crate::heuristic::{Controller, controller};
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
@@ -37,6 +38,11 @@ impl Policy {
                 Error::argument("--policy", format!("{env} has no heuristic: play it at random"))
             }),
         }
+    }
+
+    /// Its name on the command line.
+    pub(crate) fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// Plays an episode from `seed`; `watch` sees the environment after the reset and each step.

@@ -4,17 +4,18 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use gym::file;
-use gym::{Error, Kwargs, Result};
+use gym::{EnvSpec, Error, Kwargs, Result};
 
+use crate::plots;
 use crate::policy::{Episode, Policy};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The environment.
     id: String,
-    /// Who acts.
-    #[arg(long, value_enum, default_value = "random")]
-    policy: Policy,
+    /// Who acts; several, as in random,heuristic, play one after the other.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "random")]
+    policy: Vec<Policy>,
     /// Seeds, as in 0..10 (10 excluded): each seeds a fresh environment and its action space.
     #[arg(long, value_parser = parse_range, default_value = "0..10")]
     seeds: Range<u64>,
@@ -24,6 +25,9 @@ pub(crate) struct Arguments {
     /// Also writes the episodes to this file, as a JSON list.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Also draws returns and lengths, a line for each policy, to this file: .svg or .png.
+    #[arg(long)]
+    plot: Option<PathBuf>,
 }
 
 fn parse_range(text: &str) -> Result<Range<u64>, String> {
@@ -34,12 +38,33 @@ fn parse_range(text: &str) -> Result<Range<u64>, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
+    let mut runs = Vec::new();
+    for policy in &arguments.policy {
+        if arguments.policy.len() > 1 {
+            println!("{}", policy.name());
+        }
+        let episodes = play(&spec, *policy, arguments.seeds.clone())?;
+        println!("{}", summary(&episodes));
+        runs.push((policy.name(), episodes));
+    }
+    if let Some(path) = &arguments.json {
+        let episodes: Vec<&Episode> = runs.iter().flat_map(|(_, episodes)| episodes).collect();
+        let json = serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
+        file::write(path, &json)?;
+    }
+    match &arguments.plot {
+        Some(path) => plots::write(path, &spec.id, &runs),
+        None => Ok(()),
+    }
+}
+
+fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode>> {
     println!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length");
     let mut episodes = Vec::new();
-    let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
-    for seed in arguments.seeds.clone() {
+    for seed in seeds {
         let mut env = spec.make()?;
-        let episode = arguments.policy.play(&mut env, seed, |_| Ok(()))?;
+        let episode = policy.play(&mut env, seed, |_| Ok(()))?;
         let ended = match (episode.terminated, episode.truncated) {
             (true, true) => "terminated and truncated",
             (true, false) => "terminated",
@@ -48,12 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         println!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length);
         episodes.push(episode);
     }
-    println!("{}", summary(&episodes));
-    if let Some(path) = &arguments.json {
-        let json = serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
-        file::write(path, &json)?;
-    }
-    Ok(())
+    Ok(episodes)
 }
 
 /// Means and ranges, in one line.

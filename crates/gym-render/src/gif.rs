@@ -14,9 +14,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use gif::{Encoder, EncodingError, Repeat};
-use gym_core::Result;
 use gym_core::file::AtomicFile;
 use gym_core::render::Frame;
+use gym_core::{Error, Result};
 
 use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
@@ -86,6 +86,26 @@ pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<(
         return Err(error);
     }
     writer.finish()
+}
+
+/// Writes all frames as a GIF, to something else than a file.
+pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> Result<W> {
+    let invalid = |reason: &str| Error::argument("GifWriter", reason);
+    let [first, rest @ ..] = frames else { return Err(invalid("there is no frame: give at least one")) };
+    let size = |frame: &Frame| (frame.width(), frame.height());
+    let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
+    if fps == 0 || !fits(first.width()) || !fits(first.height()) {
+        return Err(invalid("give at least 1 frame per second, and frames of 1 to 65535 pixels a side"));
+    }
+    if rest.iter().any(|frame| size(frame) != size(first)) {
+        return Err(invalid("all frames must have one size"));
+    }
+    let write = || {
+        let mut animation = Animation::start(writer, fps, first)?;
+        rest.iter().try_for_each(|frame| animation.write(frame))?;
+        animation.finish()
+    };
+    write().map_err(|error| Error::custom(format!("the GIF could not be written: {error}")))
 }
 
 /// An animation being written. The last frame is held back until its duration is known.
@@ -266,7 +286,6 @@ mod tests {
     use gif::{ColorOutput, DecodeOptions, DisposalMethod};
 
     use super::*;
-    use gym_core::Error;
     use tempfile::TempDir;
 
     use crate::testing::names;

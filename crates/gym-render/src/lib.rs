@@ -15,6 +15,7 @@
 //! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
 //! | a vector picture | [`svg`], [`write_svg`] |
 //! | returns and lengths of training runs | [`Plot`] |
+//! | pictures in a notebook | [`Inline`], [`Plot`] |
 //! | a drawing as text, to compare in tests | [`Recording`] |
 //!
 //! Every file is written under a temporary name and renamed when it is complete.
@@ -36,6 +37,7 @@ mod coverage;
 mod flatten;
 mod font;
 mod gif;
+mod inline;
 mod mp4;
 mod number;
 mod outline;
@@ -61,6 +63,7 @@ mod window;
 
 pub use font::text_width;
 pub use gif::{GifWriter, write_gif};
+pub use inline::Inline;
 pub use plot::Plot;
 pub use png::{contact_sheet, write_png, write_png_sequence};
 pub use raster::{Raster, frame};

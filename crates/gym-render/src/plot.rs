@@ -95,6 +95,22 @@ impl Plot {
         }
     }
 
+    /// Returns and, below them, lengths of the episodes of one or more runs (name, returns, lengths), with
+    /// the means of the last `window` of each.
+    pub fn episodes<'a>(
+        title: impl Into<String>,
+        window: usize,
+        runs: impl IntoIterator<Item = (&'a str, &'a [f64], &'a [f64])>,
+    ) -> Self {
+        let plots = [Self::new(title).y_label("return"), Self::new("").y_label("length")];
+        let [returns, lengths] = plots.map(|plot| plot.moving_average(window));
+        let both = runs.into_iter().fold((returns, lengths), |(above, below), (name, returns, lengths)| {
+            // one legend is enough
+            (above.series(name, returns), below.series("", lengths))
+        });
+        both.0.below(both.1)
+    }
+
     /// What is counted from 1 along the horizontal axis; `episode` if not given.
     #[must_use]
     pub fn x_label(self, label: impl Into<String>) -> Self {
@@ -468,6 +484,18 @@ mod tests {
         assert_eq!(plot().below(plot()).below(plot()).size(), (width, 3 * height));
         let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
+    }
+
+    #[test]
+    fn episodes_show_returns_above_lengths() {
+        let runs = [("one", &[1.0, 2.0][..], &[10.0, 20.0][..]), ("two", &[3.0, 4.0], &[30.0, 40.0])];
+        let plot = Plot::episodes("t", 2, runs);
+        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what}: {text}"));
+        assert!(place("\"return\"") < place("\"length\""));
+        assert_eq!((text.matches("\"one\"").count(), text.matches("\"two\"").count()), (1, 1));
+        // legend, faint line and average above; line and average below
+        assert_eq!(text.matches("#0072b2").count(), 5);
     }
 
     #[test]

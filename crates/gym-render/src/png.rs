@@ -1,6 +1,7 @@
 //! Frames as PNG files, and many frames in one picture.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use gym_core::file::AtomicFile;
@@ -21,18 +22,31 @@ const BACKGROUND: u8 = 232;
 pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
     let path = path.as_ref();
     let mut file = AtomicFile::create(path)?;
-    let mut encoder = Encoder::new(&mut file, frame.width(), frame.height());
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
-    let written = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(frame.pixels())?;
-        writer.finish()
-    });
-    written.map_err(|error| match error {
+    encode(&mut file, frame).map_err(|error| match error {
         EncodingError::IoError(error) => Error::io(path, error),
-        other => Error::argument("write_png", format!("{frame:?} cannot be written as PNG: {other}")),
+        other => refused(frame, &other),
     })?;
     file.commit()
+}
+
+/// The bytes of a PNG file of a frame.
+pub(crate) fn bytes(frame: &Frame) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, frame).map_err(|error| refused(frame, &error))?;
+    Ok(bytes)
+}
+
+fn encode(writer: impl Write, frame: &Frame) -> std::result::Result<(), EncodingError> {
+    let mut encoder = Encoder::new(writer, frame.width(), frame.height());
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(frame.pixels())?;
+    writer.finish()
+}
+
+fn refused(frame: &Frame, error: &EncodingError) -> Error {
+    Error::argument("write_png", format!("{frame:?} cannot be written as PNG: {error}"))
 }
 
 /// Writes frames to `frame-0000.png`, `frame-0001.png` and so on in a folder, which is made if it

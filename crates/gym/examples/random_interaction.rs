@@ -1,17 +1,21 @@
 //! The notebook's exercise: let random policies play some environments for some episodes, record the
-//! frames, and plot the returns. Run it with `cargo run --release --example random_interaction`.
+//! frames, and plot returns and lengths. Run it with `cargo run --release --example random_interaction`.
 
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::{GifWriter, Plot};
 use gym::{Env, Result};
 
 /// Plays `episodes` episodes of random actions, hands each rendered frame to `recorder`, and gives
-/// the return of each episode. Takes a typed environment as well as one from `make`.
-fn random_interaction<E: Env>(env: &mut E, episodes: u64, recorder: &mut GifWriter) -> Result<Vec<f64>> {
+/// return and length of each episode. Takes a typed environment as well as one from `make`.
+fn random_interaction<E: Env>(
+    env: &mut E,
+    episodes: u64,
+    recorder: &mut GifWriter,
+) -> Result<(Vec<f64>, Vec<f64>)> {
     let mut actions = env.action_sampler(0)?;
     (0..episodes)
         .map(|seed| {
-            let mut episode_return = 0.0;
+            let (mut episode_return, mut length) = (0.0, 0.0);
             env.reset(seed)?;
             loop {
                 if let Rendered::Frame(frame) = env.render()? {
@@ -19,8 +23,9 @@ fn random_interaction<E: Env>(env: &mut E, episodes: u64, recorder: &mut GifWrit
                 }
                 let step = env.step(&actions.sample())?;
                 episode_return += step.reward;
+                length += 1.0;
                 if step.done() {
-                    return Ok(episode_return);
+                    return Ok((episode_return, length));
                 }
             }
         })
@@ -31,13 +36,9 @@ fn main() -> Result<()> {
     for id in ["CartPole-v1", "MountainCar-v0", "Blackjack-v1", "FrozenLake-v1"] {
         let mut env = gym::builder(id).render_mode(RenderMode::RgbArray).build()?;
         let mut recorder = GifWriter::create(format!("{id}.gif"), env.metadata().render_fps)?;
-        let returns = random_interaction(&mut env, 10, &mut recorder)?;
+        let (returns, lengths) = random_interaction(&mut env, 10, &mut recorder)?;
         recorder.finish()?;
-        Plot::new(id)
-            .x_label("episode")
-            .y_label("return")
-            .series("random", &returns)
-            .write_png(format!("{id}.png"))?;
+        Plot::episodes(id, 3, [("random", &returns[..], &lengths[..])]).write_png(format!("{id}.png"))?;
         println!("{id:16} mean return {:.2}", returns.iter().sum::<f64>() / returns.len() as f64);
     }
     Ok(())

@@ -1,0 +1,90 @@
+//! Pictures in notebooks: Jupyter with the kernel `evcxr`.
+//!
+//! The kernel calls `evcxr_display` on the value of a cell, where it has that method, and shows what it
+//! prints between two marks (evcxr's documentation, "Custom display of user types").
+
+use std::io::Cursor;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use gym_core::Result;
+use gym_core::render::Frame;
+
+use crate::{Plot, gif, png};
+
+/// A picture that a notebook shows where it is the value of a cell.
+///
+/// ```
+/// use gym_render::{Inline, frame};
+/// use gym_core::canvas::Color;
+///
+/// let picture = frame((4, 4), |canvas| canvas.clear(Color::WHITE));
+/// Inline::frame(&picture)?
+/// # ; Ok::<(), gym_core::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Inline {
+    mime: &'static str,
+    /// Text as it is, anything else in base 64.
+    content: String,
+}
+
+impl Inline {
+    /// One frame, as PNG.
+    ///
+    /// # Errors
+    /// As [`write_png`](crate::write_png).
+    pub fn frame(frame: &Frame) -> Result<Self> {
+        Ok(Self { mime: "image/png", content: STANDARD.encode(png::bytes(frame)?) })
+    }
+
+    /// An animation, as GIF.
+    ///
+    /// # Errors
+    /// As [`write_gif`](crate::write_gif).
+    pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
+        let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
+        Ok(Self { mime: "image/gif", content: STANDARD.encode(bytes) })
+    }
+
+    /// A plot, as SVG.
+    pub fn plot(plot: &Plot) -> Self {
+        Self { mime: "image/svg+xml", content: crate::svg(plot.size(), |canvas| plot.draw(canvas)) }
+    }
+
+    /// Shows it; the notebook's kernel calls this.
+    pub fn evcxr_display(&self) {
+        println!("{}", self.marked());
+    }
+
+    fn marked(&self) -> String {
+        format!("EVCXR_BEGIN_CONTENT {}\n{}\nEVCXR_END_CONTENT", self.mime, self.content)
+    }
+}
+
+impl Plot {
+    /// Shows the plot; a notebook's kernel calls this.
+    pub fn evcxr_display(&self) {
+        Inline::plot(self).evcxr_display();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_stand_between_marks() {
+        let frames = [Frame::new(2, 1), Frame::new(2, 1)];
+        let content = |inline: &Inline, mime: &str| {
+            let marked = inline.marked();
+            let content = marked.strip_prefix(&format!("EVCXR_BEGIN_CONTENT {mime}\n")).unwrap();
+            content.strip_suffix("\nEVCXR_END_CONTENT").unwrap().to_owned()
+        };
+        let decoded = |inline: &Inline, mime| STANDARD.decode(content(inline, mime)).unwrap();
+        assert!(decoded(&Inline::frame(&frames[0]).unwrap(), "image/png").starts_with(b"\x89PNG"));
+        assert!(decoded(&Inline::gif(10, &frames).unwrap(), "image/gif").starts_with(b"GIF89a"));
+        assert!(content(&Inline::plot(&Plot::new("t")), "image/svg+xml").starts_with("<svg"));
+        assert!(Inline::frame(&Frame::new(0, 1)).is_err() && Inline::gif(10, &[]).is_err());
+    }
+}

@@ -47,7 +47,7 @@ fn demo() {
     let table = prints(&["demo", "--episodes", "2", "--max-frames", "4", "--out", out.to_str().unwrap()]);
     for id in ["CartPole-v1", "Taxi-v4", "CliffWalking-v0", "Blackjack-v1"] {
         assert!(table.contains(id), "{table}");
-        for extension in ["gif", "returns.svg", "returns.png"] {
+        for extension in ["gif", "svg", "png"] {
             let file = out.join(format!("{id}.{extension}"));
             assert!(std::fs::metadata(&file).is_ok_and(|file| file.len() > 500), "{}", file.display());
         }

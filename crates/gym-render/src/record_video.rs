@@ -23,7 +23,7 @@ inventory::submit! {
 ///
 /// The environment within has the render mode `rgb_array` or `rgb_array_list`. A recording starts at
 /// the reset of each episode that the episode trigger accepts, and at each step that the step trigger
-/// accepts; without a trigger, [`capped_cubic`] chooses the episodes. Episodes are counted from the
+/// accepts; without a trigger, [`capped_cubic`](crate::capped_cubic) chooses the episodes. Episodes are counted from the
 /// first reset, steps over all episodes, both from 0. A recording ends with its episode, or after
 /// [`video_length`](Self::video_length) frames where that is set, over as many episodes as they take.
 ///

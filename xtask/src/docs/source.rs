@@ -33,7 +33,7 @@ pub(super) fn members(source: &str, item: &str) -> Vec<Member> {
     members
 }
 
-/// Rustdoc's links to items as plain code: [`Config`] becomes `Config`.
+/// Rustdoc's links to items as plain code, without the brackets around it.
 pub(super) fn without_item_links(text: &str) -> String {
     // where more code follows at once, both become one: [`f`]`(x)` is `f(x)`
     text.replace("`]`", "").replace("[`", "`").replace("`]", "`")

@@ -1,11 +1,12 @@
-//! Steps of typed and erased environments: `cargo bench --package gym`.
+//! Steps of typed environments, made ones and vectors: `cargo bench --package gym`.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use gym::classic::cartpole::{CartPole, Config};
+use gym::vector::VectorKind;
 use gym::wrappers::TimeLimit;
-use gym::{Element, Env, registry};
+use gym::{Element, Env, VectorEnv, registry};
 
 /// Plays `steps` random steps, with the resets that come between.
 fn play<E: Env>(env: &mut E, actions: &[E::Action], observation: &mut E::Observation) {
@@ -40,5 +41,29 @@ fn steps(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, steps);
+/// Steps of a whole vector, counted for each of its environments.
+fn vectors(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("vector");
+    for registration in registry::all() {
+        for kind in VectorKind::ALL {
+            if kind == VectorKind::Native && registration.native_vector().is_none() {
+                continue;
+            }
+            for num_envs in [64, 1024] {
+                let id = registration.id();
+                let mut envs = gym::make_vec(id, num_envs, kind).expect("a registered id");
+                let actions = envs.action_space().expect("a batched space").sampler(0).sample();
+                let mut columns = envs.columns().expect("a batched space");
+                envs.reset_into(&0.into(), &mut columns).expect("no options");
+                group.throughput(Throughput::Elements(num_envs as u64));
+                group.bench_function(format!("{kind} {id} {num_envs}"), |bencher| {
+                    bencher.iter(|| envs.step_into(&actions, &mut columns).expect("valid actions"));
+                });
+            }
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, steps, vectors);
 criterion_main!(benches);

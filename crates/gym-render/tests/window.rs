@@ -129,6 +129,9 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
         return;
     }
 
+    // a server without any program that is connected starts anew, and refuses whoever comes meanwhile
+    let display = Display::open();
+
     // frames last as long as they should
     let mut screen = open("gym-render test", (60, 40), 20).unwrap();
     let start = Instant::now();
@@ -144,7 +147,6 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     drop(screen);
 
     // an environment is seen, before and after a change of size
-    let display = Display::open();
     let mut env = Render::new(Colored, RenderMode::Human).unwrap();
     env.reset(0).unwrap();
     let window = eventually("a window", || display.window("a colour"));

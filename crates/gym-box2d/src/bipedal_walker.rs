@@ -473,11 +473,7 @@ impl Env for BipedalWalker {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.for_config("BipedalWalker", &self.config)?;
-        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
-            return Err(Error::Snapshot("it is not a state of BipedalWalker".into()));
-        }
-        self.episode = episode;
+        self.episode = common::restore(snapshot, "BipedalWalker", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

@@ -502,11 +502,7 @@ impl Env for LunarLander {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.for_config("LunarLander", &self.config)?;
-        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
-            return Err(Error::Snapshot("it is not a state of LunarLander".into()));
-        }
-        self.episode = episode;
+        self.episode = common::restore(snapshot, "LunarLander", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

@@ -443,11 +443,7 @@ impl Env for CarRacing {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode> = snapshot.for_config("CarRacing", &self.config)?;
-        if episode.as_ref().is_some_and(|episode| !episode.is_valid()) {
-            return Err(Error::Snapshot("it is not a state of CarRacing".into()));
-        }
-        self.episode = episode;
+        self.episode = common::restore(snapshot, "CarRacing", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

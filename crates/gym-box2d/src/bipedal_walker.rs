@@ -461,7 +461,7 @@ impl Env for BipedalWalker {
     fn step_into(&mut self, action: &[f32; 4], observation: &mut [f32; 24]) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if !action.iter().all(|a| a.is_finite()) {
-            return Err(common::invalid_action(action, &self.action_space()));
+            return Err(Error::action(action, &self.action_space()));
         }
         let (observed, outcome) = episode.step(action);
         *observation = observed;

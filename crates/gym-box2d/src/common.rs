@@ -1,7 +1,7 @@
 //! What the three environments share.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape};
-use gym_core::{Element, Error, Result, Snapshot, Space};
+use gym_core::{Error, Result, Snapshot};
 use serde::de::DeserializeOwned;
 
 use crate::physics::{FixtureId, Vec2, World};
@@ -47,11 +47,6 @@ where
         Some(episode) if !is_valid(&episode) => Err(Error::Snapshot(format!("it is not a state of {env}"))),
         episode => Ok(episode),
     }
-}
-
-/// The error of an action that is not in the action space, or not finite.
-pub(crate) fn invalid_action<A: Element>(action: &A, space: &Space) -> Error {
-    Error::InvalidAction { action: format!("{action:?}"), space: space.to_string(), hint: String::new() }
 }
 
 /// The corners of a polygon where its body is now.

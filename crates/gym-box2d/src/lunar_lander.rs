@@ -490,7 +490,7 @@ impl Env for LunarLander {
             Action::Throttle(throttles) => self.config.continuous && throttles.iter().all(|x| x.is_finite()),
         };
         if !possible {
-            return Err(common::invalid_action(action, &self.action_space()));
+            return Err(Error::action(action, &self.action_space()));
         }
         let (observed, outcome) = episode.step(&self.config, action);
         *observation = observed;

@@ -2,6 +2,8 @@
 
 use thiserror::Error as ThisError;
 
+use crate::Space;
+
 /// A `Result` whose error is [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -174,6 +176,11 @@ impl Error {
     /// [`Error::InvalidArgument`] from its two parts.
     pub fn argument(target: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::InvalidArgument { target: target.into(), reason: reason.into() }
+    }
+
+    /// [`Error::InvalidAction`] of an action that does not lie in the space, or is not finite.
+    pub fn action(action: &impl std::fmt::Debug, space: &Space) -> Self {
+        Self::InvalidAction { action: format!("{action:?}"), space: space.to_string(), hint: String::new() }
     }
 
     /// [`Error::SubEnvironment`] of an environment's own error.

@@ -1,7 +1,8 @@
 //! Pictures in notebooks: Jupyter with the kernel `evcxr`.
 //!
 //! The kernel calls `evcxr_display` on the value of a cell, where it has that method, and shows what it
-//! prints between two marks (evcxr's documentation, "Custom display of user types").
+//! prints between two marks (evcxr's documentation, "Custom display of user types"). In the first cell
+//! with a `?` it shows a value with `{:?}` instead: let that one define something, as in `docs/notebook.ipynb`.
 
 use std::io::Cursor;
 
@@ -25,7 +26,7 @@ use crate::{Plot, gif, png};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inline {
     mime: &'static str,
-    /// Text as it is, anything else in base 64.
+    /// Text as it is, a PNG in base 64.
     content: String,
 }
 
@@ -44,7 +45,9 @@ impl Inline {
     /// As [`write_gif`](crate::write_gif).
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
         let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
-        Ok(Self { mime: "image/gif", content: STANDARD.encode(bytes) })
+        // within HTML, since nbconvert shows no content of type image/gif
+        let content = format!(r#"<img src="data:image/gif;base64,{}">"#, STANDARD.encode(bytes));
+        Ok(Self { mime: "text/html", content })
     }
 
     /// A plot, as SVG.
@@ -81,9 +84,12 @@ mod tests {
             let content = marked.strip_prefix(&format!("EVCXR_BEGIN_CONTENT {mime}\n")).unwrap();
             content.strip_suffix("\nEVCXR_END_CONTENT").unwrap().to_owned()
         };
-        let decoded = |inline: &Inline, mime| STANDARD.decode(content(inline, mime)).unwrap();
-        assert!(decoded(&Inline::frame(&frames[0]).unwrap(), "image/png").starts_with(b"\x89PNG"));
-        assert!(decoded(&Inline::gif(10, &frames).unwrap(), "image/gif").starts_with(b"GIF89a"));
+        let frame = content(&Inline::frame(&frames[0]).unwrap(), "image/png");
+        assert!(STANDARD.decode(frame).unwrap().starts_with(b"\x89PNG"));
+        let image = content(&Inline::gif(10, &frames).unwrap(), "text/html");
+        let data =
+            image.strip_prefix(r#"<img src="data:image/gif;base64,"#).unwrap().strip_suffix("\">").unwrap();
+        assert!(STANDARD.decode(data).unwrap().starts_with(b"GIF89a"));
         assert!(content(&Inline::plot(&Plot::new("t")), "image/svg+xml").starts_with("<svg"));
         assert!(Inline::frame(&Frame::new(0, 1)).is_err() && Inline::gif(10, &[]).is_err());
     }

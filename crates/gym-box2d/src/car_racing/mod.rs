@@ -270,7 +270,7 @@ impl CarRacing {
             Action::Drive(_) => !self.config.continuous,
         };
         if !possible {
-            return Err(common::invalid_action(action, &self.action_space()));
+            return Err(Error::action(action, &self.action_space()));
         }
         Ok(episode.advance(&self.config, Some(action)))
     }

@@ -1,7 +1,10 @@
 //! Vectors against their sub-environments stepped by hand, and what goes wrong in them.
 
 use gym::registry::VectorBuilder;
-use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset};
+use gym::vector::wrappers::ClipReward;
+use gym::vector::{
+    AsyncVectorEnv, Autoreset, Columns, ObservationMode, SyncVectorEnv, VectorKind, VectorReset,
+};
 use gym::wrappers::TimeLimit;
 use gym::{
     BoxEnv, Env, Error, Info, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec,
@@ -231,7 +234,7 @@ fn fragile(n: usize) -> Vec<Fragile> {
 fn both(n: usize) -> [Box<dyn VectorEnv>; 2] {
     [
         Box::new(SyncVectorEnv::new(fragile(n)).unwrap()),
-        Box::new(AsyncVectorEnv::with_threads(fragile(n), 2).unwrap()),
+        Box::new(AsyncVectorEnv::new(fragile(n)).and_then(|pool| pool.with_threads(2)).unwrap()),
     ]
 }
 
@@ -287,9 +290,42 @@ fn a_panic_names_the_sub_environment_which_must_then_be_reset() {
     }
 }
 
+/// Gymnasium's `observation_mode="different"`.
+#[test]
+fn observations_may_have_other_bounds() {
+    let lakes = || ["4x4", "8x8"].map(|map| builder("FrozenLake-v1").arg("map_name", map).build().unwrap());
+    let error = SyncVectorEnv::new(lakes()).map(drop).unwrap_err().to_string();
+    assert!(error.contains("Discrete(64)") && error.contains("ObservationMode::Different"), "{error}");
+    let mode = ObservationMode::Different;
+    let vectors: [Box<dyn VectorEnv>; 2] = [
+        Box::new(SyncVectorEnv::with_observation_mode(lakes(), mode).unwrap()),
+        Box::new(AsyncVectorEnv::with_observation_mode(lakes(), mode).unwrap()),
+    ];
+    for vector in vectors {
+        let mut envs = ClipReward::new(vector, None, 0.5).unwrap();
+        let space = envs.observation_space().unwrap();
+        assert_eq!(space.to_string(), "MultiDiscrete([16 64])");
+        assert_eq!(envs.single_observation_space(), Space::discrete(16));
+        let mut columns = envs.reset(3).unwrap();
+        let mut seen = 0;
+        for _ in 0..200 {
+            envs.step_into(&actions([1, 2]), &mut columns).unwrap();
+            assert!(space.contains(&columns.observations), "{:?}", columns.observations);
+            seen = seen.max(ints(&columns.observations)[1]);
+        }
+        assert!(seen > 16, "the larger lake's own bounds were never needed");
+    }
+    // other forms never go together
+    let mixed = ["Taxi-v3", "CartPole-v1"].map(|id| gym::make(id).unwrap());
+    assert!(SyncVectorEnv::with_observation_mode(mixed, mode).is_err());
+    let other_actions = ["FrozenLake-v1", "Taxi-v3"].map(|id| gym::make(id).unwrap());
+    let error = SyncVectorEnv::with_observation_mode(other_actions, mode).map(drop).unwrap_err().to_string();
+    assert!(error.contains("action space"), "{error}");
+}
+
 #[test]
 fn the_first_ready_are_received_and_the_slow_come_later() {
-    let mut envs = AsyncVectorEnv::with_threads(fragile(4), 2).unwrap();
+    let mut envs = AsyncVectorEnv::new(fragile(4)).and_then(|pool| pool.with_threads(2)).unwrap();
     let mut columns = envs.reset(()).unwrap();
     let mut ids = Vec::new();
     envs.send(&actions([3, 0, 0, 0]), &[2, 0, 1, 3]).unwrap();
@@ -323,7 +359,7 @@ fn the_first_ready_are_received_and_the_slow_come_later() {
 
 #[test]
 fn a_failed_step_is_received_alone() {
-    let mut envs = AsyncVectorEnv::with_threads(fragile(3), 3).unwrap();
+    let mut envs = AsyncVectorEnv::new(fragile(3)).and_then(|pool| pool.with_threads(3)).unwrap();
     let mut columns = envs.reset(()).unwrap();
     let mut ids = Vec::new();
     envs.send(&actions([0, 1, 0]), &[0, 1, 2]).unwrap();
@@ -339,7 +375,7 @@ fn a_failed_step_is_received_alone() {
 #[test]
 fn drop_and_close_in_mid_flight_do_not_hang() {
     for close in [false, true] {
-        let mut envs = AsyncVectorEnv::with_threads(fragile(64), 2).unwrap();
+        let mut envs = AsyncVectorEnv::new(fragile(64)).and_then(|pool| pool.with_threads(2)).unwrap();
         envs.reset(()).unwrap();
         envs.send(&Value::Array(vec![3i64; 64].into()), &(0..64).collect::<Vec<_>>()).unwrap();
         let started = std::time::Instant::now();
@@ -361,7 +397,7 @@ fn drop_and_close_in_mid_flight_do_not_hang() {
 fn results_of_envs_received_out_of_order_do_not_depend_on_it() {
     let env = || (0..6).map(|_| builder("CartPole-v1").build().unwrap());
     let mut sync = SyncVectorEnv::new(env()).unwrap();
-    let mut pool = AsyncVectorEnv::with_threads(env(), 3).unwrap();
+    let mut pool = AsyncVectorEnv::new(env()).and_then(|pool| pool.with_threads(3)).unwrap();
     let (mut a, mut b) = (sync.reset(1).unwrap(), pool.reset(1).unwrap());
     let mut observed = vec![Vec::new(); 6];
     let mut taken = [0; 6];

@@ -136,7 +136,7 @@ impl<V: VectorEnv> VectorEnv for RecordVectorVideo<V> {
     }
 
     gym_core::forward_vector!(
-        envs: num_envs, single_observation_space, single_action_space, autoreset, info, final_info, infos,
+        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, info, final_info, infos,
         visit_envs, render, metadata, spec, describe
     );
 }

@@ -105,10 +105,10 @@ impl VectorSpec {
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(self.clone())))
             }
             VectorKind::Async => {
-                let envs = envs(&env, num_envs)?;
+                let vector = AsyncVectorEnv::new(envs(&env, num_envs)?)?;
                 let vector = match threads {
-                    Some(threads) => AsyncVectorEnv::with_threads(envs, threads)?,
-                    None => AsyncVectorEnv::new(envs)?,
+                    Some(threads) => vector.with_threads(threads)?,
+                    None => vector,
                 };
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(self.clone())))
             }

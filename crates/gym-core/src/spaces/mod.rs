@@ -7,6 +7,7 @@
 mod batch;
 mod box_space;
 mod dict;
+mod differing;
 mod discrete;
 mod fault;
 mod flat_space;

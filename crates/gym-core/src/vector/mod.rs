@@ -39,6 +39,18 @@ pub enum Autoreset {
     Disabled,
 }
 
+/// How far the observation spaces of a vector's sub-environments may differ: Gymnasium's `observation_mode`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ObservationMode {
+    /// They are equal.
+    #[default]
+    Same,
+    /// They may have other bounds, but are of [one form](Space::has_form_of).
+    /// [`VectorEnv::single_observation_space`] is that of the first, and
+    /// [`VectorEnv::observation_space`] [has a row](Space::batch_differing) for each.
+    Different,
+}
+
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
 ///
 /// Results go to the caller's [`Columns`], which have a row for each sub-environment, so that a
@@ -324,5 +336,9 @@ impl<V: VectorEnv + ?Sized> VectorEnv for Box<V> {
 
     fn close(&mut self) {
         (**self).close();
+    }
+
+    fn observation_space(&self) -> Result<Space> {
+        (**self).observation_space()
     }
 }

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use super::slot::{Slot, Spaces, describe, slots};
-use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
+use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, Error, Reset, Result, Space, Value};
 
@@ -61,25 +61,37 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// [`Error::InvalidArgument`] if there are none, or if their spaces differ; [`Error::Custom`] if the
     /// operating system gives no threads.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
+        Self::with_observation_mode(envs, ObservationMode::Same)
+    }
+
+    /// A vector of environments whose observation spaces may differ.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), where they differ by more than `mode` allows.
+    pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
+        let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        Self::with_threads(envs, cores)
+        let pool = Pool::new(cores.min(slots.len()))?;
+        let home = slots.into_iter().enumerate();
+        let home =
+            home.map(|(index, slot)| Some(Box::new(Traveller { index, slot, reset: None, result: Ok(()) })));
+        let autoreset = Autoreset::default();
+        Ok(Self { home: home.collect(), ready: VecDeque::new(), pool, spaces, autoreset, spec: None })
     }
 
     /// With so many threads; they make no difference to the results.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for 0 threads.
-    pub fn with_threads(envs: impl IntoIterator<Item = E>, threads: usize) -> Result<Self> {
+    /// [`Error::InvalidArgument`] for 0 threads, [`Error::Custom`] while sub-environments are pending or if
+    /// the operating system gives no threads.
+    pub fn with_threads(self, threads: usize) -> Result<Self> {
         if threads == 0 {
             return Err(Error::argument("an async vector", "threads is 0: it must be at least 1"));
         }
-        let (slots, spaces) = slots(envs)?;
-        let autoreset = Autoreset::default();
-        let pool = Pool::new(threads.min(slots.len()))?;
-        let home = slots.into_iter().enumerate();
-        let home =
-            home.map(|(index, slot)| Some(Box::new(Traveller { index, slot, reset: None, result: Ok(()) })));
-        Ok(Self { home: home.collect(), ready: VecDeque::new(), pool, spaces, autoreset, spec: None })
+        if self.num_pending() > 0 {
+            return Err(Error::custom("sub-environments are still pending: receive them first"));
+        }
+        Ok(Self { pool: Pool::new(threads.min(self.home.len()))?, ..self })
     }
 
     /// Resets sub-environments at another time.
@@ -254,6 +266,10 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
 
     fn single_action_space(&self) -> Space {
         self.spaces.action.clone()
+    }
+
+    fn observation_space(&self) -> Result<Space> {
+        Ok(self.spaces.observations.clone())
     }
 
     fn autoreset(&self) -> Autoreset {

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::{Autoreset, Columns};
+use super::{Autoreset, Columns, ObservationMode};
 use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value};
 
 /// A sub-environment with what it answered last. Sync and async vectors are made of these.
@@ -187,35 +187,55 @@ fn message(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }
 
-/// The spaces that all sub-environments share.
+/// The spaces of the sub-environments.
 #[derive(Clone, Debug)]
 pub(super) struct Spaces {
+    /// The first one's; those of the others have its form.
     pub(super) observation: Space,
+    /// All observations together.
+    pub(super) observations: Space,
     pub(super) action: Space,
 }
 
 /// The sub-environments of a vector.
 ///
-/// Fails if there are none, or if their spaces differ.
-pub(super) fn slots<E: Env>(envs: impl IntoIterator<Item = E>) -> Result<(Vec<Slot<E>>, Spaces)> {
+/// Fails if there are none, or if their spaces differ by more than the mode allows.
+pub(super) fn slots<E: Env>(
+    envs: impl IntoIterator<Item = E>,
+    mode: ObservationMode,
+) -> Result<(Vec<Slot<E>>, Spaces)> {
     let refuse = |reason: String| Err(Error::argument("a vector", reason));
     let envs: Vec<E> = envs.into_iter().collect();
     let Some(first) = envs.first() else {
         return refuse("there are no sub-environments: at least one is needed".into());
     };
-    let spaces = Spaces { observation: first.observation_space(), action: first.action_space() };
+    let (observation, action) = (first.observation_space(), first.action_space());
     for (index, env) in envs.iter().enumerate() {
-        let kinds = [
-            ("observation", env.observation_space(), &spaces.observation),
-            ("action", env.action_space(), &spaces.action),
-        ];
-        if let Some((kind, space, first)) = kinds.iter().find(|(_, space, first)| space != *first) {
-            return refuse(format!(
-                "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: they must \
-                 be equal"
-            ));
+        let (seen, taken) = (env.observation_space(), env.action_space());
+        let (fits, rule) = match mode {
+            ObservationMode::Same => {
+                (seen == observation, "be equal, or differ in bounds with ObservationMode::Different")
+            }
+            ObservationMode::Different => (seen.has_form_of(&observation), "differ in their bounds alone"),
+        };
+        for (kind, fits, space, first, rule) in [
+            ("observation", fits, &seen, &observation, rule),
+            ("action", taken == action, &taken, &action, "be equal"),
+        ] {
+            if !fits {
+                return refuse(format!(
+                    "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: they must {rule}"
+                ));
+            }
         }
     }
+    let observations = match mode {
+        ObservationMode::Same => observation.batch(envs.len())?,
+        ObservationMode::Different => {
+            Space::batch_differing(&envs.iter().map(Env::observation_space).collect::<Vec<_>>())?
+        }
+    };
+    let spaces = Spaces { observation, observations, action };
     let slots = envs.into_iter().map(|env| Slot::new(env, &spaces)).collect::<Result<_>>()?;
     Ok((slots, spaces))
 }

@@ -2,7 +2,7 @@ use std::any::Any;
 use std::fmt;
 
 use super::slot::{Slot, Spaces, describe, slots};
-use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
+use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, Error, Result, Space, Value};
 
@@ -29,7 +29,15 @@ impl<E: Env> SyncVectorEnv<E> {
     /// # Errors
     /// [`Error::InvalidArgument`] if there are none, or if their spaces differ.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
-        let (slots, spaces) = slots(envs)?;
+        Self::with_observation_mode(envs, ObservationMode::Same)
+    }
+
+    /// A vector of environments whose observation spaces may differ.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), where they differ by more than `mode` allows.
+    pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
+        let (slots, spaces) = slots(envs, mode)?;
         Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None })
     }
 
@@ -80,6 +88,10 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
 
     fn single_action_space(&self) -> Space {
         self.spaces.action.clone()
+    }
+
+    fn observation_space(&self) -> Result<Space> {
+        Ok(self.spaces.observations.clone())
     }
 
     fn autoreset(&self) -> Autoreset {

@@ -44,7 +44,7 @@ impl<V: VectorEnv> VectorEnv for ClipAction<V> {
     }
 
     crate::forward_vector!(
-        envs: num_envs, single_observation_space, autoreset, reset_into, info, final_info, infos, visit_envs,
+        envs: num_envs, single_observation_space, observation_space, autoreset, reset_into, info, final_info, infos, visit_envs,
         render, metadata, spec, describe, close
     );
 }

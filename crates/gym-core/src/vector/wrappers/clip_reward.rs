@@ -36,7 +36,7 @@ impl<V: VectorEnv> VectorEnv for ClipReward<V> {
     }
 
     crate::forward_vector!(
-        envs: num_envs, single_observation_space, single_action_space, autoreset, reset_into, info, final_info,
+        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, reset_into, info, final_info,
         infos, visit_envs, render, metadata, spec, describe, close
     );
 }

@@ -49,6 +49,9 @@ macro_rules! forward_vector {
     (@ $field:tt single_action_space) => {
         fn single_action_space(&self) -> $crate::Space { self.$field.single_action_space() }
     };
+    (@ $field:tt observation_space) => {
+        fn observation_space(&self) -> $crate::Result<$crate::Space> { self.$field.observation_space() }
+    };
     (@ $field:tt autoreset) => {
         fn autoreset(&self) -> $crate::vector::Autoreset { self.$field.autoreset() }
     };

@@ -118,7 +118,7 @@ impl<V: VectorEnv> VectorEnv for NormalizeReward<V> {
     }
 
     crate::forward_vector!(
-        envs: num_envs, single_observation_space, single_action_space, autoreset, info, final_info, infos,
+        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, info, final_info, infos,
         visit_envs, render, metadata, spec, describe, close
     );
 }

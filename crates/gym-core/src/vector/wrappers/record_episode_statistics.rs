@@ -152,7 +152,7 @@ impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
     }
 
     crate::forward_vector!(
-        envs: num_envs, single_observation_space, single_action_space, autoreset, final_info, visit_envs, render,
+        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, final_info, visit_envs, render,
         metadata, spec, describe, close
     );
 }

@@ -30,7 +30,7 @@ impl<V: VectorEnv, F: Fn(f64) -> f64 + Send> VectorEnv for TransformReward<V, F>
     }
 
     crate::forward_vector!(
-        envs: num_envs, single_observation_space, single_action_space, autoreset, reset_into, info, final_info,
+        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, reset_into, info, final_info,
         infos, visit_envs, render, metadata, spec, describe, close
     );
 }

@@ -195,5 +195,8 @@ fn sizes_beyond_any_memory() {
         wrap("Taxi-v4", "RecordEpisodeStatistics", json!({"buffer_length": most})),
         &["do not fit in memory"],
     );
+    let envs = gym::make_vec("Taxi-v4", 2, None).unwrap();
+    let statistics = gym::vector::wrappers::RecordEpisodeStatistics::new(envs);
+    says(statistics.with_buffer_length(usize::MAX), &["do not fit in memory"]);
     says(wrap("Acrobot-v1", "DiscretizeObservation", json!({"bins": u32::MAX})), &["at most"]);
 }

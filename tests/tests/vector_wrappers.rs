@@ -141,6 +141,21 @@ fn wrappers_chain_on_typed_and_on_boxed_vectors() {
 }
 
 #[test]
+fn statistics_of_a_vector_are_named_by_their_key() {
+    let vector =
+        builder("CartPole-v1").max_episode_steps(3).vector(2).kind(VectorKind::Sync).build().unwrap();
+    let mut envs = RecordEpisodeStatistics::new(vector).with_stats_key("stats");
+    let mut actions = envs.action_sampler(0).unwrap();
+    let mut columns = envs.reset(0).unwrap();
+    for _ in 0..3 {
+        envs.step_into(&actions.sample(), &mut columns).unwrap();
+    }
+    let infos = envs.infos(&columns);
+    assert_eq!(infos["stats"].get("l"), Some(&Value::Array([3i64, 3].into())));
+    assert!(infos.contains_key("_stats") && !infos.contains_key("episode"));
+}
+
+#[test]
 fn the_estimate_can_be_held() {
     let mut envs = pendulums(2, Autoreset::Disabled).normalize_observation().unwrap();
     let masked = || VectorReset::seeds([9u64, 9]).mask([true, false]);

@@ -90,6 +90,18 @@ fn statistics_keep_the_last_episodes() {
 }
 
 #[test]
+fn statistics_in_one_stack_have_a_key_each() {
+    let within = RecordEpisodeStatistics::new(cartpole()).with_stats_key("whole");
+    let mut env = RecordEpisodeStatistics::new(TimeLimit::new(within, 2).unwrap());
+    play(&mut env);
+    let info = env.info_map();
+    assert!(
+        info.contains_key("episode") && !info.contains_key("whole"),
+        "the limit ends the outer one alone"
+    );
+}
+
+#[test]
 fn a_stack_continues_from_a_snapshot() {
     let stack = || RecordEpisodeStatistics::new(OrderEnforcing::new(cartpole_with_limit(500)));
     let mut env = stack();

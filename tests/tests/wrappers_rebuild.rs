@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 fn stacks() -> Vec<(&'static str, Json)> {
     vec![
         ("CartPole-v1", json!([["TimeLimit", {"max_episode_steps": 9}], ["Autoreset", {}]])),
-        ("CartPole-v1", json!([["RecordEpisodeStatistics", {"buffer_length": 3}]])),
+        ("CartPole-v1", json!([["RecordEpisodeStatistics", {"buffer_length": 3, "stats_key": "stats"}]])),
         (
             "CartPole-v1",
             json!([["FrameStackObservation", {"stack_size": 3, "padding_type": [1.0, 0.0, 0.25, 2.0]}]]),

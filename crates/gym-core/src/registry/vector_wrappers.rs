@@ -24,6 +24,13 @@ impl WrapperSpec {
 
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
+        struct Statistics {
+            buffer_length: Option<usize>,
+            stats_key: Option<String>,
+        }
+
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
         struct Bounds {
             #[serde(alias = "min_obs", alias = "min_action", alias = "min_reward")]
             min: Option<Json>,
@@ -34,8 +41,10 @@ impl WrapperSpec {
         let name = self.name.as_str();
         Ok(match name {
             "RecordEpisodeStatistics" => {
-                arguments::<NoArguments>(name, &self.kwargs)?;
-                Box::new(RecordEpisodeStatistics::new(envs))
+                let Statistics { buffer_length, stats_key } = arguments(name, &self.kwargs)?;
+                let envs =
+                    RecordEpisodeStatistics::new(envs).with_buffer_length(buffer_length.unwrap_or(100))?;
+                Box::new(envs.with_stats_key(stats_key.unwrap_or_else(|| "episode".into())))
             }
             "ClipAction" => {
                 arguments::<NoArguments>(name, &self.kwargs)?;

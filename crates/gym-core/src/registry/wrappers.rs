@@ -92,8 +92,10 @@ const BUILT_IN: &[WrapperRegistration] = &[
     wrapper!("Autoreset", |env| Autoreset::new(env)),
     wrapper!("PassiveEnvChecker", |env| PassiveEnvChecker::new(env)),
     wrapper!("OrderEnforcing", |env| OrderEnforcing::new(env)),
-    wrapper!("RecordEpisodeStatistics", |env, buffer_length: Option<usize>| {
-        RecordEpisodeStatistics::new(env).with_buffer_length(buffer_length.unwrap_or(100))?
+    wrapper!("RecordEpisodeStatistics", |env, buffer_length: Option<usize>, stats_key: Option<String>| {
+        RecordEpisodeStatistics::new(env)
+            .with_buffer_length(buffer_length.unwrap_or(100))?
+            .with_stats_key(stats_key.unwrap_or_else(|| "episode".into()))
     }),
     wrapper!("FilterObservation", |env, filter_keys: FilterKeys| FilterObservation::new(env, filter_keys)?),
     wrapper!("FlattenObservation", |env| FlattenObservation::new(env)?),

@@ -64,6 +64,7 @@ pub use normalize_reward::NormalizeReward;
 pub use obstruct_view::ObstructView;
 pub use order_enforcing::OrderEnforcing;
 pub use passive_env_checker::PassiveEnvChecker;
+pub(crate) use record_episode_statistics::episode_buffer;
 pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use render::Render;
 pub use render_collection::RenderCollection;

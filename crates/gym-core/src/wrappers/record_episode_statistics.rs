@@ -7,13 +7,15 @@ use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Value, Wrappe
 
 /// Keeps the return, length and duration of each episode.
 ///
-/// On the step that ends an episode, [`info`](Env::info) has an entry `episode` with `r` (return),
+/// On the step that ends an episode, [`info`](Env::info) has an entry `episode` (or another
+/// [key](Self::with_stats_key)) with `r` (return),
 /// `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
 /// are kept in [`episodes`](Self::episodes).
 #[derive(Clone, Debug)]
 pub struct RecordEpisodeStatistics<E> {
     env: E,
     buffer_length: usize,
+    stats_key: String,
     record: Record,
     /// When the running episode began; wall-clock time is no part of a snapshot.
     started: Option<Instant>,
@@ -57,7 +59,13 @@ struct Record {
 impl<E: Env> RecordEpisodeStatistics<E> {
     /// Records the last 100 episodes of `env`.
     pub fn new(env: E) -> Self {
-        Self { env, buffer_length: 100, record: Record::default(), started: None }
+        Self {
+            env,
+            buffer_length: 100,
+            stats_key: "episode".into(),
+            record: Record::default(),
+            started: None,
+        }
     }
 
     /// Records the last `buffer_length` episodes instead.
@@ -65,14 +73,14 @@ impl<E: Env> RecordEpisodeStatistics<E> {
     /// # Errors
     /// [`Error::InvalidArgument`] for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        if buffer_length == 0 {
-            return Err(Error::argument(
-                "RecordEpisodeStatistics",
-                "buffer_length is 0: it must be at least 1",
-            ));
-        }
-        reserve(&mut VecDeque::new(), buffer_length)?;
+        episode_buffer(buffer_length)?;
         Ok(Self { buffer_length, ..self })
+    }
+
+    /// Names the entry of `info`: Gymnasium's `stats_key`, for a stack with two of these wrappers.
+    #[must_use]
+    pub fn with_stats_key(self, stats_key: impl Into<String>) -> Self {
+        Self { stats_key: stats_key.into(), ..self }
     }
 
     /// The last finished episodes, oldest first.
@@ -100,7 +108,10 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         let record = &mut self.record;
         (record.episode_return, record.length, record.just_ended) = (0.0, 0, false);
         // so that the step that ends an episode does not have to grow the buffer
-        reserve(&mut record.episodes, self.buffer_length)?;
+        if record.episodes.capacity() < self.buffer_length {
+            let kept = std::mem::replace(&mut record.episodes, episode_buffer(self.buffer_length)?);
+            record.episodes.extend(kept);
+        }
         self.started = Some(Instant::now());
         Ok(())
     }
@@ -131,7 +142,7 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         if self.record.just_ended
             && let Some(episode) = self.record.episodes.back()
         {
-            visit("episode", episode.to_value());
+            visit(&self.stats_key, episode.to_value());
         }
     }
 
@@ -149,7 +160,9 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("RecordEpisodeStatistics").arg("buffer_length", self.buffer_length);
+        let wrapper = WrapperSpec::new("RecordEpisodeStatistics")
+            .arg("buffer_length", self.buffer_length)
+            .arg("stats_key", self.stats_key.as_str());
         self.env.spec().map(|spec| spec.wrapped(wrapper))
     }
 
@@ -158,10 +171,15 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
     );
 }
 
-/// Makes room for as many episodes in all.
-fn reserve(episodes: &mut VecDeque<EpisodeStatistics>, buffer_length: usize) -> Result<()> {
-    episodes.try_reserve(buffer_length.saturating_sub(episodes.len())).map_err(|_| {
-        let reason = format!("buffer_length is {buffer_length}: so many episodes do not fit in memory");
-        Error::argument("RecordEpisodeStatistics", reason)
-    })
+/// An empty buffer for so many episodes.
+pub(crate) fn episode_buffer(buffer_length: usize) -> Result<VecDeque<EpisodeStatistics>> {
+    let refuse = |reason: String| Err(Error::argument("RecordEpisodeStatistics", reason));
+    if buffer_length == 0 {
+        return refuse("buffer_length is 0: it must be at least 1".into());
+    }
+    let mut episodes = VecDeque::new();
+    match episodes.try_reserve(buffer_length) {
+        Ok(()) => Ok(episodes),
+        Err(_) => refuse(format!("buffer_length is {buffer_length}: so many episodes do not fit in memory")),
+    }
 }

@@ -2,8 +2,8 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset, infos};
-use crate::wrappers::EpisodeStatistics;
-use crate::{Error, Info, Result, Value};
+use crate::wrappers::{EpisodeStatistics, episode_buffer};
+use crate::{Info, Result, Value};
 
 /// Keeps the return, length and duration of each sub-environment's episodes.
 ///
@@ -18,6 +18,7 @@ use crate::{Error, Info, Result, Value};
 pub struct RecordEpisodeStatistics<V> {
     envs: V,
     buffer_length: usize,
+    stats_key: String,
     running: Vec<Running>,
     episode_count: u64,
     episodes: VecDeque<EpisodeStatistics>,
@@ -45,19 +46,21 @@ impl<V: VectorEnv> RecordEpisodeStatistics<V> {
         let running = vec![Running::new(); envs.num_envs()];
         let buffer_length = 100;
         let episodes = VecDeque::with_capacity(buffer_length);
-        Self { envs, buffer_length, running, episode_count: 0, episodes }
+        Self { envs, buffer_length, stats_key: "episode".into(), running, episode_count: 0, episodes }
     }
 
     /// Records the last `buffer_length` episodes instead.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a length of 0.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        if buffer_length == 0 {
-            let reason = "buffer_length is 0: it must be at least 1";
-            return Err(Error::argument("RecordEpisodeStatistics", reason));
-        }
-        Ok(Self { buffer_length, episodes: VecDeque::with_capacity(buffer_length), ..self })
+        Ok(Self { buffer_length, episodes: episode_buffer(buffer_length)?, ..self })
+    }
+
+    /// Names the entry of the infos: Gymnasium's `stats_key`.
+    #[must_use]
+    pub fn with_stats_key(self, stats_key: impl Into<String>) -> Self {
+        Self { stats_key: stats_key.into(), ..self }
     }
 
     /// The last finished episodes of all sub-environments, oldest first.
@@ -125,7 +128,7 @@ impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         self.envs.info(index, visit);
         if let Some(episode) = self.ended(index) {
-            visit("episode", episode.to_value());
+            visit(&self.stats_key, episode.to_value());
         }
     }
 
@@ -145,8 +148,8 @@ impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
             ];
             let mask: Vec<bool> = ended().map(|episode| episode.is_some()).collect();
             let columns = columns.map(|(key, column)| (key.to_owned(), column));
-            infos.insert("episode".into(), Value::Dict(columns.into()));
-            infos.insert("_episode".into(), infos::flags(&mask));
+            infos.insert(self.stats_key.clone(), Value::Dict(columns.into()));
+            infos.insert(format!("_{}", self.stats_key), infos::flags(&mask));
         }
         infos
     }

@@ -175,6 +175,14 @@ pub struct Transition<S> {
     pub terminated: bool,
 }
 
+impl<S> Transition<S> {
+    /// Nothing happens: the state stays, without a reward.
+    #[inline(always)]
+    pub fn stay(state: S) -> Self {
+        Self { state, reward: 0.0, terminated: false }
+    }
+}
+
 /// An [`Env`] that holds the state of its [`Dynamics`] and the generator.
 #[derive(Clone)]
 pub struct Stateful<D: Dynamics> {

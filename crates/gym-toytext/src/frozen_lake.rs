@@ -467,11 +467,7 @@ impl Native for FrozenLakeDynamics {
 
     #[inline(always)]
     fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
-        self.advance(state, action, rng).unwrap_or(Transition {
-            state: *state,
-            reward: 0.0,
-            terminated: false,
-        })
+        self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
     }
 }
 

@@ -1,5 +1,5 @@
 use crate::render::Rendered;
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, WrapperSpec};
+use crate::{Env, EnvSpec, Error, Result, WrapperSpec};
 
 use super::noise;
 
@@ -39,14 +39,6 @@ impl<E: Env> Env for AddWhiteNoise<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        self.env.step_into(action, observation)
-    }
-
     fn render(&mut self) -> Result<Rendered> {
         let mut frame = noise::expect_frame("AddWhiteNoise", self.env.render()?)?;
         let rng = super::lend(&mut self.env, "AddWhiteNoise")?;
@@ -63,7 +55,7 @@ impl<E: Env> Env for AddWhiteNoise<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator,
+        env: reset_into, step_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator,
         close, describe
     );
 }

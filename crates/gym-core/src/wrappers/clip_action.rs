@@ -1,6 +1,6 @@
 use crate::spaces::BoxSpace;
 use crate::spaces::number::with_type;
-use crate::{Array, Env, EnvSpec, Outcome, Reset, Result, Space, Value, WrapperSpec};
+use crate::{Array, Env, EnvSpec, Outcome, Result, Space, Value, WrapperSpec};
 
 /// Clips actions to the bounds of the environment's `Box`, and so takes any numbers: its own action
 /// space is unbounded.
@@ -40,10 +40,6 @@ impl<E: Env> Env for ClipAction<E> {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, space, bounds, inner } = self;
         super::expect_action(space, action, inner)?;
@@ -58,7 +54,7 @@ impl<E: Env> Env for ClipAction<E> {
     }
 
     crate::forward!(
-        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
 }

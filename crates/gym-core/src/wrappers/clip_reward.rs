@@ -1,4 +1,4 @@
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, WrapperSpec};
+use crate::{Env, EnvSpec, Error, Outcome, Result, WrapperSpec};
 
 /// Clips rewards between bounds, either of which may be left out.
 #[derive(Clone, Debug)]
@@ -69,10 +69,6 @@ impl<E: Env> Env for ClipReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         Ok(Outcome { reward: self.bounds.clip(outcome.reward), ..outcome })
@@ -86,7 +82,7 @@ impl<E: Env> Env for ClipReward<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
+        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
         generator, close, describe
     );
 }

@@ -1,4 +1,4 @@
-use crate::{Array, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
+use crate::{Array, Element, Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
 
 use super::bins::{Bins, Grid};
 
@@ -63,10 +63,6 @@ impl<E: Env> Env for DiscretizeAction<E> {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, space, grid, inner, .. } = self;
         if !space.contains(action) {
@@ -86,7 +82,7 @@ impl<E: Env> Env for DiscretizeAction<E> {
     }
 
     crate::forward!(
-        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
 }

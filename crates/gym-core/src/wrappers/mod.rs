@@ -226,6 +226,24 @@ macro_rules! forward {
     (@ $field:tt action_space) => {
         fn action_space(&self) -> $crate::Space { self.$field.action_space() }
     };
+    (@ $field:tt reset_into) => {
+        fn reset_into(
+            &mut self,
+            reset: &$crate::Reset,
+            observation: &mut Self::Observation,
+        ) -> $crate::Result<()> {
+            self.$field.reset_into(reset, observation)
+        }
+    };
+    (@ $field:tt step_into) => {
+        fn step_into(
+            &mut self,
+            action: &Self::Action,
+            observation: &mut Self::Observation,
+        ) -> $crate::Result<$crate::Outcome> {
+            self.$field.step_into(action, observation)
+        }
+    };
     (@ $field:tt snapshot) => {
         fn snapshot(&self) -> $crate::Result<$crate::Snapshot> { self.$field.snapshot() }
     };

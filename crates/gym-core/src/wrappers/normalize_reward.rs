@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::moments::Batch;
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{Env, EnvSpec, Error, Outcome, Result, Snapshot, WrapperSpec};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes.
 ///
@@ -72,10 +72,6 @@ impl<E: Env> Env for NormalizeReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         let Estimate { discounted_reward, mean, var, count } = &mut self.estimate;
@@ -107,7 +103,7 @@ impl<E: Env> Env for NormalizeReward<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
+        env: reset_into, observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
     );
 }
 

@@ -1,4 +1,4 @@
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, WrapperSpec};
+use crate::{Env, EnvSpec, Error, Outcome, Result, WrapperSpec};
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the
 /// repetition.
@@ -35,10 +35,6 @@ impl<E: Env> Env for RepeatAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let mut total = Outcome::default();
         for _ in 0..self.num_repeats {
@@ -57,7 +53,7 @@ impl<E: Env> Env for RepeatAction<E> {
     }
 
     crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
+        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
         generator, close, describe
     );
 }

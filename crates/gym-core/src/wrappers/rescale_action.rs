@@ -1,5 +1,5 @@
 use crate::spaces::BoxSpace;
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
+use crate::{Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
 
 use super::affine::{Affine, Bound};
 
@@ -40,10 +40,6 @@ impl<E: Env> Env for RescaleAction<E> {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, space, map, inner, .. } = self;
         super::expect_action(space, action, inner)?;
@@ -61,7 +57,7 @@ impl<E: Env> Env for RescaleAction<E> {
     }
 
     crate::forward!(
-        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
 }

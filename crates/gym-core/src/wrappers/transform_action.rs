@@ -1,7 +1,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::{Element, Env, Outcome, Reset, Result, Space};
+use crate::{Element, Env, Outcome, Result, Space};
 
 /// Applies a function to each action, which may change its type, before the environment gets it.
 ///
@@ -45,16 +45,12 @@ where
         self.space.clone().unwrap_or_else(|| self.env.action_space())
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &A, observation: &mut E::Observation) -> Result<Outcome> {
         self.env.step_into(&(self.func)(action), observation)
     }
 
     crate::forward!(
-        env: observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
+        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
 }

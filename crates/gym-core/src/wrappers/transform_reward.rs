@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Env, Outcome, Reset, Result};
+use crate::{Env, Outcome, Result};
 
 /// Applies a function to each reward.
 ///
@@ -28,17 +28,13 @@ impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> Env for TransformReward
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         Ok(Outcome { reward: (self.func)(outcome.reward), ..outcome })
     }
 
     crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
+        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
         generator, close, describe
     );
 }

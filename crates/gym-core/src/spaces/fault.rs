@@ -87,19 +87,22 @@ impl fmt::Display for Fault {
 }
 
 /// The array of a value, if it has that shape and its numbers can become numbers of `dtype`.
+#[inline]
 pub(super) fn expect_array<'a>(value: &'a Value, shape: &[usize], dtype: DType) -> Result<&'a Array, Fault> {
-    let Value::Array(array) = value else { return Err(Fault::kind("an array", value)) };
+    match value {
+        Value::Array(array) if array.shape() == shape && can_cast(array.dtype(), dtype) => Ok(array),
+        _ => Err(no_such_array(value, shape, dtype)),
+    }
+}
+
+#[cold]
+fn no_such_array(value: &Value, shape: &[usize], dtype: DType) -> Fault {
+    let Value::Array(array) = value else { return Fault::kind("an array", value) };
     if array.shape() != shape {
         let [actual, expected] = [array.shape(), shape].map(numpy_fmt::shape);
-        return Err(Fault::new(format!("the shape is {actual} and should be {expected}")));
+        return Fault::new(format!("the shape is {actual} and should be {expected}"));
     }
-    if !can_cast(array.dtype(), dtype) {
-        let actual = array.dtype();
-        return Err(Fault::new(format!(
-            "the numbers are {actual} and should be {dtype}: convert them first"
-        )));
-    }
-    Ok(array)
+    Fault::new(format!("the numbers are {} and should be {dtype}: convert them first", array.dtype()))
 }
 
 /// Whether [`expect_array`] succeeds; allocates nothing.

@@ -187,8 +187,9 @@ fn bits(dtype: DType) -> u32 {
 
 /// numpy's `can_cast(from, to)`: whether every number of one type is a number of the other. As
 /// there, 64-bit integers count as `float64`.
+#[inline]
 pub(crate) fn can_cast(from: DType, to: DType) -> bool {
-    promote(from, to) == to
+    from == to || promote(from, to) == to
 }
 
 /// numpy's `promote_types`: the smallest type that holds the numbers of both.

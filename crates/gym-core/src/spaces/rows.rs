@@ -223,29 +223,42 @@ impl Space {
 }
 
 /// How many rows of a shape an array has.
+#[inline]
 fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
     array.shape().split_first().and_then(|(&n, inner)| (inner == shape).then_some(n))
 }
 
+// what every row goes through is inlined, and what only a fault needs is not
+
+#[inline]
 fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
-    rows(array, shape).ok_or_else(|| {
-        let [actual, expected] = [array.shape(), shape].map(super::numpy_fmt::shape);
-        Fault::new(format!("the shape is {actual} and should be rows of {expected}"))
-    })
+    rows(array, shape).ok_or_else(|| other_shape(array, shape))
 }
 
+#[cold]
+fn other_shape(array: &Array, shape: &[usize]) -> Fault {
+    let [actual, expected] = [array.shape(), shape].map(super::numpy_fmt::shape);
+    Fault::new(format!("the shape is {actual} and should be rows of {expected}"))
+}
+
+#[inline]
 fn expect_row(n: usize, index: usize) -> Result<(), Fault> {
-    match index < n {
-        true => Ok(()),
-        false => Err(Fault::new(format!("there is no row {index}: there are {n}"))),
-    }
+    if index < n { Ok(()) } else { Err(no_row(n, index)) }
 }
 
+#[cold]
+fn no_row(n: usize, index: usize) -> Fault {
+    Fault::new(format!("there is no row {index}: there are {n}"))
+}
+
+#[inline]
 fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
-    match can_cast(array.dtype(), dtype) {
-        true => Ok(()),
-        false => Err(Fault::new(format!("the numbers are {} and should be {dtype}", array.dtype()))),
-    }
+    if can_cast(array.dtype(), dtype) { Ok(()) } else { Err(other_type(array, dtype)) }
+}
+
+#[cold]
+fn other_type(array: &Array, dtype: DType) -> Fault {
+    Fault::new(format!("the numbers are {} and should be {dtype}", array.dtype()))
 }
 
 fn has_keys(space: &DictSpace, entries: &[(String, Value)]) -> bool {

@@ -473,7 +473,7 @@ impl Env for BipedalWalker {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = common::restore(snapshot, "BipedalWalker", &self.config, Episode::is_valid)?;
+        self.episode = snapshot.for_config("BipedalWalker", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

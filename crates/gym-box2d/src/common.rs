@@ -1,8 +1,6 @@
 //! What the three environments share.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape};
-use gym_core::{Error, Result, Snapshot};
-use serde::de::DeserializeOwned;
 
 use crate::physics::{FixtureId, Vec2, World};
 
@@ -28,25 +26,6 @@ pub(crate) fn points(points: &[[f64; 2]], f: impl Fn(f64) -> f64) -> Vec<Vec2> {
 /// numpy's `sign`: 0 for 0.
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
-}
-
-/// The episode of a snapshot, if it was taken from an environment `env` with these arguments and can be
-/// worked with.
-pub(crate) fn restore<C, E>(
-    snapshot: &Snapshot,
-    env: &str,
-    config: &C,
-    is_valid: impl Fn(&E) -> bool,
-) -> Result<Option<E>>
-where
-    C: DeserializeOwned + PartialEq,
-    E: DeserializeOwned,
-{
-    let episode: Option<E> = snapshot.for_config(env, config)?;
-    match episode {
-        Some(episode) if !is_valid(&episode) => Err(Error::Snapshot(format!("it is not a state of {env}"))),
-        episode => Ok(episode),
-    }
 }
 
 /// The corners of a polygon where its body is now.

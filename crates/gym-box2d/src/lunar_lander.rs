@@ -502,7 +502,7 @@ impl Env for LunarLander {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = common::restore(snapshot, "LunarLander", &self.config, Episode::is_valid)?;
+        self.episode = snapshot.for_config("LunarLander", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

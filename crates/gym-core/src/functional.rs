@@ -256,13 +256,9 @@ impl<D: Dynamics> Env for Stateful<D> {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let episode: Option<Episode<D::State>> = snapshot.for_config(D::NAME, self.dynamics.config())?;
-        if let Some(Episode { state, .. }) = &episode
-            && !self.dynamics.is_valid(state)
-        {
-            return Err(Error::Snapshot(format!("{state:?} is not a state of this {}", D::NAME)));
-        }
-        self.episode = episode;
+        let Self { dynamics, .. } = self;
+        let is_valid = |episode: &Episode<D::State>| dynamics.is_valid(&episode.state);
+        self.episode = snapshot.for_config(D::NAME, dynamics.config(), is_valid)?;
         Ok(())
     }
 

@@ -30,22 +30,32 @@ impl Snapshot {
         Self::of(&(config, state))
     }
 
-    /// The state of a snapshot made by [`with_config`](Self::with_config), for the environment
-    /// `env` built with `config`.
+    /// The episode of a snapshot made by [`with_config`](Self::with_config), for the environment `env`
+    /// built with `config`; none if it was taken before the first reset.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if this is the snapshot of something else, or of an environment with other
-    /// arguments.
-    pub fn for_config<C, T>(&self, env: &str, config: &C) -> Result<T>
+    /// [`Error::Snapshot`] if this is the snapshot of something else, of an environment with other
+    /// arguments, or of an episode that is not valid.
+    pub fn for_config<C, E>(
+        &self,
+        env: &str,
+        config: &C,
+        is_valid: impl FnOnce(&E) -> bool,
+    ) -> Result<Option<E>>
     where
         C: DeserializeOwned + PartialEq,
-        T: DeserializeOwned,
+        E: DeserializeOwned,
     {
-        let (taken_with, state): (C, T) = self.get()?;
+        let (taken_with, episode): (C, Option<E>) = self.get()?;
         if taken_with != *config {
             return Err(Error::Snapshot(format!("it was taken from a {env} with other arguments")));
         }
-        Ok(state)
+        match episode {
+            Some(episode) if !is_valid(&episode) => {
+                Err(Error::Snapshot(format!("what it holds is not a state of this {env}")))
+            }
+            episode => Ok(episode),
+        }
     }
 
     /// The state.

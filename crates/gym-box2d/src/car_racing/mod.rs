@@ -31,7 +31,7 @@ use gym_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
+use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
 use picture::{Camera, WINDOW_H, WINDOW_W};
@@ -443,7 +443,7 @@ impl Env for CarRacing {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = common::restore(snapshot, "CarRacing", &self.config, Episode::is_valid)?;
+        self.episode = snapshot.for_config("CarRacing", &self.config, Episode::is_valid)?;
         Ok(())
     }
 

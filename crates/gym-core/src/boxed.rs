@@ -103,20 +103,12 @@ impl Env for BoxEnv {
     type Observation = Value;
     type Action = Value;
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        self.0.reset_into(reset, observation)
-    }
-
-    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
-        self.0.step_into(action, observation)
-    }
-
     fn describe(&self) -> String {
         self.0.describe()
     }
 
     crate::forward!(
-        0: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, spec,
+        0: observation_space, action_space, reset_into, step_into, snapshot, restore, info, metadata, draw, ansi, render, spec,
         base, generator, close
     );
 }

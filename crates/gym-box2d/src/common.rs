@@ -1,7 +1,7 @@
 //! What the three environments share.
 
-use gym_core::canvas::{Canvas, Color, Point, Shape};
-use gym_core::{Element, Error, Result, Snapshot, Space};
+use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::{Element, Error, Result, Snapshot, Space, pixels};
 use serde::de::DeserializeOwned;
 
 use crate::physics::{FixtureId, Vec2, World};
@@ -66,17 +66,24 @@ pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; 8], usize) 
     (corners, vertices.len())
 }
 
-/// Fills a fixture's polygon, with an outline of one pixel at so many pixels per m.
-pub(crate) fn draw_fixture(
+/// Fills a fixture's polygon.
+pub(crate) fn draw_fixture(canvas: &mut dyn Canvas, world: &World, fixture: FixtureId, fill: Color) {
+    let (corners, count) = corners(world, fixture);
+    canvas.polygon(&corners[..count], fill);
+}
+
+/// Fills a fixture's polygon on a canvas in pixels, so many of them per m, and gives its corners there.
+pub(crate) fn fill_pixels(
     canvas: &mut dyn Canvas,
     world: &World,
     fixture: FixtureId,
+    scale: f64,
     fill: Color,
-    outline: Option<(Color, f64)>,
-) {
-    let (corners, count) = corners(world, fixture);
-    canvas.polygon(&corners[..count], fill);
-    if let Some((color, scale)) = outline {
-        canvas.stroke(Shape::Polygon(&corners[..count]), 1.0 / scale, color);
-    }
+) -> ([Point; 8], usize) {
+    let (mut corners, count) = corners(world, fixture);
+    // Gymnasium scales in `f32`: what is whole there is whole here, before fractions are cut off
+    corners.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32 * scale as f32));
+    let mut filled = corners;
+    pixels::polygon(canvas, Transform::IDENTITY, &mut filled[..count], fill);
+    (corners, count)
 }

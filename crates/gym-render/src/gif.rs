@@ -307,7 +307,7 @@ mod tests {
     use super::*;
     use tempfile::TempDir;
 
-    use crate::testing::names;
+    use crate::testing::{Full, names};
 
     /// A picture of a file: what it brings, and the whole screen after it.
     struct Picture {
@@ -535,32 +535,12 @@ mod tests {
         assert_eq!(decode(&fs::read(&path).unwrap()).len(), 1);
     }
 
-    /// Room for some bytes, then a full disk.
-    struct Full(Cursor<Vec<u8>>, usize);
-
-    impl Write for Full {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            let end = self.0.position() as usize + bytes.len();
-            if end > self.1 { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    impl Seek for Full {
-        fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
-            self.0.seek(position)
-        }
-    }
-
     #[test]
     fn a_full_disk_is_an_error_wherever_it_strikes() {
         let frames = moving(20);
         let size = encode(50, &frames).len();
         let write = |room: usize| {
-            let writer = Full(Cursor::new(Vec::new()), room);
+            let writer = Full::new(room);
             let mut animation = Animation::start(writer, 50, &frames[0])?;
             frames[1..].iter().try_for_each(|frame| animation.write(frame))?;
             animation.finish().map(|_| ())

@@ -423,24 +423,17 @@ impl Episode {
             canvas.line(p1, p2, 1.0, Color::rgb(76, green, 76));
         }
         for fixture in &self.obstacles {
-            self.draw_outlined(canvas, *fixture, Color::WHITE, Color::rgb(153, 153, 153));
+            let colors = [Color::WHITE, Color::rgb(153, 153, 153)];
+            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
         }
-    }
-
-    fn draw_outlined(&self, canvas: &mut dyn Canvas, fixture: FixtureId, fill: Color, outline: Color) {
-        let (mut corners, count) = common::fill_pixels(canvas, &self.world, fixture, SCALE, fill);
-        for corner in &mut corners {
-            *corner = pixels::whole(canvas, *corner);
-        }
-        canvas.stroke(canvas::Shape::Polygon(&corners[..count]), 1.0, outline);
     }
 
     fn draw_walker(&self, canvas: &mut dyn Canvas) {
         let colors = [(178, 101, 152), (178, 101, 152), (128, 51, 102), (128, 51, 102), (127, 51, 229)];
         let outlines = [(127, 76, 101), (127, 76, 101), (77, 26, 51), (77, 26, 51), (76, 76, 127)];
         for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
-            let [fill, outline] = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
-            self.draw_outlined(canvas, *fixture, fill, outline);
+            let colors = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
+            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the three environments share.
 
-use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::canvas::{Canvas, Color, Point, Shape};
 use gym_core::{Element, Error, Result, Snapshot, Space, pixels};
 use serde::de::DeserializeOwned;
 
@@ -72,18 +72,25 @@ pub(crate) fn draw_fixture(canvas: &mut dyn Canvas, world: &World, fixture: Fixt
     canvas.polygon(&corners[..count], fill);
 }
 
-/// Fills a fixture's polygon on a canvas in pixels, so many of them per m, and gives its corners there.
-pub(crate) fn fill_pixels(
+/// Fills a fixture's polygon on a canvas in pixels, so many of them per m, and outlines it. pygame does
+/// the same with whole pixels, or with an outline that is not cut to them.
+pub(crate) fn draw_outlined(
     canvas: &mut dyn Canvas,
     world: &World,
     fixture: FixtureId,
     scale: f64,
-    fill: Color,
-) -> ([Point; 8], usize) {
+    [fill, outline]: [Color; 2],
+    whole: bool,
+) {
     let (mut corners, count) = corners(world, fixture);
-    // Gymnasium scales in `f32`: what is whole there is whole here, before fractions are cut off
-    corners.iter_mut().flatten().for_each(|x| *x = f64::from(*x as f32 * scale as f32));
-    let mut filled = corners;
-    pixels::polygon(canvas, Transform::IDENTITY, &mut filled[..count], fill);
-    (corners, count)
+    for corner in &mut corners {
+        // Gymnasium scales in `f32`: what is whole there is whole here, before fractions are cut off
+        *corner = corner.map(|x| f64::from(x as f32 * scale as f32));
+        if whole {
+            *corner = pixels::whole(canvas, *corner);
+        }
+    }
+    // the outline covers what pygame fills around the corners
+    canvas.polygon(&corners[..count], fill);
+    canvas.stroke(Shape::Polygon(&corners[..count]), 1.0, outline);
 }

@@ -29,7 +29,7 @@
 
 use std::f64::consts::PI;
 
-use gym_core::canvas::{self, Canvas, Color, Point, Transform};
+use gym_core::canvas::{Canvas, Color, Point, Transform};
 use gym_core::render::Metadata;
 use gym_core::{
     Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
@@ -537,9 +537,8 @@ impl Env for LunarLander {
             }
         }
         for fixture in episode.fixtures {
-            let purple = Color::rgb(128, 102, 230);
-            let (corners, count) = common::fill_pixels(canvas, &episode.world, fixture, SCALE, purple);
-            canvas.stroke(canvas::Shape::Polygon(&corners[..count]), 1.0, Color::rgb(77, 77, 128));
+            let colors = [Color::rgb(128, 102, 230), Color::rgb(77, 77, 128)];
+            common::draw_outlined(canvas, &episode.world, fixture, SCALE, colors, false);
         }
         for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
             let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];

@@ -27,6 +27,7 @@ gymnasium.logger.min_level = gymnasium.logger.ERROR
 N = 1024
 SMALL = 16  # sub-environments where a step takes long
 SLICES = 5
+FRAMES = 500  # of a GIF
 
 CLASSIC = ["CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1", "Acrobot-v1"]
 TOY_TEXT = ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "Taxi-v4"]
@@ -81,6 +82,38 @@ def gymnasium_vector(env_id, num_envs, seconds):
     return best(lambda: envs.step(actions), num_envs, seconds)
 
 
+def our_gif():
+    """Seconds and bytes of a GIF."""
+    with tempfile.NamedTemporaryFile(suffix=".json") as out:
+        command = ["cargo", "run", "--quiet", "--release", "--package", "xtask", "--", "bench", "CartPole-v1"]
+        command += ["--kind", "frames", "--gif", "--seconds", "0.1", "--json", out.name]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        gif = json.load(open(out.name))["gif"]
+    return gif["seconds"], gif["bytes"]
+
+
+def moviepy_gif():
+    """The same frames: episodes of random actions, each from its own seed."""
+    from moviepy import ImageSequenceClip
+
+    with tempfile.NamedTemporaryFile(suffix=".gif") as out:
+        start = time.perf_counter()
+        env = gymnasium.make("CartPole-v1", render_mode="rgb_array")
+        frames, seed = [], 0
+        while len(frames) < FRAMES:
+            env.reset(seed=seed)
+            env.action_space.seed(seed)
+            frames.append(env.render())
+            done = False
+            while not done:
+                _, _, terminated, truncated, _ = env.step(env.action_space.sample())
+                frames.append(env.render())
+                done = terminated or truncated
+            seed += 1
+        ImageSequenceClip(frames[:FRAMES], fps=env.metadata["render_fps"]).write_gif(out.name, logger=None)
+        return time.perf_counter() - start, os.path.getsize(out.name)
+
+
 def envpool_vector(env_id, num_envs, seconds):
     envs = envpool.make_gymnasium(ENVPOOL_NAMES.get(env_id, env_id), num_envs=num_envs, num_threads=1)
     envs.reset()
@@ -132,6 +165,9 @@ def rows(seconds):
         yield f"{env_id}, vector of {n}", mine, theirs
     for env_id in ["CartPole-v1", "LunarLander-v3"]:
         yield f"{env_id}, frames", ours(env_id, "frames", 1, seconds), {"Gymnasium": attempt(gymnasium_steps, env_id, seconds, "rgb_array")}
+    (seconds, size), (their_seconds, their_size) = our_gif(), moviepy_gif()
+    work = f"CartPole-v1, frames to a GIF ({FRAMES} frames: {size / 1000:.0f} kB, moviepy {their_size / 1000:.0f} kB)"
+    yield work, FRAMES / seconds, {"Gymnasium and moviepy": FRAMES / their_seconds}
 
 
 def main():

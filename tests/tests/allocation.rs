@@ -112,6 +112,27 @@ fn frames_do_not_allocate() {
 }
 
 #[test]
+fn rendering_into_a_picture_does_not_allocate() {
+    for id in ["CartPole-v1", "LunarLander-v3", "Taxi-v4"] {
+        let mut env = gym::builder(id).render_mode(gym::render::RenderMode::RgbArray).build().unwrap();
+        env.reset(0).unwrap();
+        let mut rendered = env.render().unwrap();
+        let mut total = 0;
+        for pass in 0..2 {
+            let mut actions = env.action_sampler(0).unwrap();
+            env.reset(0).unwrap();
+            for _ in 0..10 {
+                env.step(&actions.sample()).unwrap();
+                let count = allocation_counter::measure(|| env.render_into(&mut rendered).unwrap());
+                total += if pass == 0 { 0 } else { count.count_total };
+                assert_eq!(rendered, env.render().unwrap(), "{id}");
+            }
+        }
+        assert_eq!(total, 0, "{id}");
+    }
+}
+
+#[test]
 fn typed_steps_do_not_allocate() {
     use gym::wrappers::{RecordEpisodeStatistics, TimeLimit};
     let env = gym::classic::CartPole::new(gym::classic::cartpole::Config::default()).unwrap();

@@ -152,3 +152,50 @@ fn a_vector_is_recorded_as_a_grid() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
+
+#[test]
+fn a_picture_drawn_over_another_is_a_new_one() {
+    use gym::wrappers::{Render, RenderCollection};
+    /// Draws a square, and no ground.
+    #[derive(Clone)]
+    struct Square(Picture);
+
+    impl Env for Square {
+        type Observation = Array;
+        type Action = i64;
+
+        fn metadata(&self) -> gym::render::Metadata {
+            gym::render::Metadata::drawn(10, (4, 4))
+        }
+
+        fn draw(&self, canvas: &mut dyn gym::canvas::Canvas) {
+            canvas.rect([1.0, 1.0], [2.0, 2.0], gym::canvas::Color::WHITE);
+        }
+
+        gym::forward!(0: observation_space, action_space, snapshot, restore, generator);
+
+        fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+            self.0.reset_into(reset, observation)
+        }
+
+        fn step_into(&mut self, action: &i64, observation: &mut Array) -> Result<Outcome> {
+            self.0.step_into(action, observation)
+        }
+    }
+
+    let mut env = Render::new(Square(Picture(None)), RenderMode::RgbArray).unwrap();
+    let fresh = env.render().unwrap();
+    let mut used = Frame::new(4, 4);
+    used.pixels_mut().fill(99);
+    for other in [used, Frame::new(3, 2)] {
+        let mut rendered = Rendered::Frame(other);
+        env.render_into(&mut rendered).unwrap();
+        assert_eq!(rendered, fresh);
+    }
+
+    let mut list = gym::BoxEnv::new(RenderCollection::new(env));
+    list.reset(0).unwrap();
+    let mut rendered = fresh.clone();
+    list.render_into(&mut rendered).unwrap();
+    assert_eq!(rendered, Rendered::Frames(vec![fresh.into_frame().unwrap()]));
+}

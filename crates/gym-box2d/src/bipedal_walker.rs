@@ -29,9 +29,11 @@
 
 use std::f32::consts::PI;
 
-use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::canvas::{self, Canvas, Color, Point, Transform};
 use gym_core::render::Metadata;
-use gym_core::{Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space};
+use gym_core::{
+    Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pixels,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, sign, vec2};
@@ -403,23 +405,26 @@ impl Episode {
             ground[i + 1] = point(i);
         }
         (ground[first], ground[last + 2]) = ([point(first)[0], 0.0], [point(last)[0], 0.0]);
-        canvas.polygon(&ground[first..=last + 2], Color::rgb(102, 153, 76));
+        let green = Color::rgb(102, 153, 76);
+        pixels::polygon(canvas, Transform::scale(SCALE, SCALE), &mut ground[first..=last + 2], green);
         // the beam of the lidar sweeps down and up
         let i = self.steps as usize % 100;
         if i < 2 * LIDAR_RAYS {
             let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
             let (p1, end) = (self.world.position(self.hull), self.ray_end(i));
             let p2 = p1 + (end - p1) * self.lidar[i];
-            let [p1, p2] = [p1, p2].map(|p| [f64::from(p.x), f64::from(p.y)]);
-            canvas.line(p1, p2, 1.0 / SCALE, Color::rgb(255, 0, 0));
+            let pixel = |p: Vec2| pixels::whole(canvas, [p.x, p.y].map(|x| f64::from(x) * SCALE));
+            let (p1, p2) = (pixel(p1), pixel(p2));
+            canvas.line(p1, p2, 1.0, Color::rgb(255, 0, 0));
         }
         for i in first..last {
             let green = if i % 2 == 0 { 255 } else { 204 };
-            canvas.line(point(i), point(i + 1), 1.0 / SCALE, Color::rgb(76, green, 76));
+            let [p1, p2] = [point(i), point(i + 1)].map(|p| p.map(|x| x * SCALE));
+            canvas.line(p1, p2, 1.0, Color::rgb(76, green, 76));
         }
         for fixture in &self.obstacles {
-            let grey = Color::rgb(153, 153, 153);
-            common::draw_fixture(canvas, &self.world, *fixture, Color::WHITE, Some((grey, SCALE)));
+            let colors = [Color::WHITE, Color::rgb(153, 153, 153)];
+            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
         }
     }
 
@@ -427,8 +432,8 @@ impl Episode {
         let colors = [(178, 101, 152), (178, 101, 152), (128, 51, 102), (128, 51, 102), (127, 51, 229)];
         let outlines = [(127, 76, 101), (127, 76, 101), (77, 26, 51), (77, 26, 51), (76, 76, 127)];
         for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
-            let [fill, outline] = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
-            common::draw_fixture(canvas, &self.world, *fixture, fill, Some((outline, SCALE)));
+            let colors = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
+            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
         }
     }
 }
@@ -490,20 +495,23 @@ impl Env for BipedalWalker {
         let x = f64::from(episode.world.position(episode.hull).x);
         let scroll = (x - VIEWPORT_W / SCALE / 5.0).max(0.0);
         canvas.clear(Color::rgb(215, 215, 255));
-        canvas.push(Transform::y_up(VIEWPORT_H).then(Transform::scale(SCALE, SCALE)));
-        canvas.push(Transform::translate(-scroll / 2.0, 0.0)); // clouds are far away
+        // the picture is cut from a wider one, between two pixels
+        let [left, _] = pixels::whole(canvas, [scroll * SCALE, 0.0]);
+        canvas.push(pixels::flipped(VIEWPORT_H));
+        canvas.push(Transform::translate(-left, 0.0));
+        // clouds are far away
+        let far = Transform::translate(scroll * SCALE / 2.0, 0.0).then(Transform::scale(SCALE, SCALE));
         for cloud in &episode.clouds {
-            canvas.polygon(cloud, Color::WHITE);
+            pixels::polygon(canvas, far, *cloud, Color::WHITE);
         }
-        canvas.pop();
-        canvas.push(Transform::translate(-scroll, 0.0));
         episode.draw_ground(canvas, scroll);
         episode.draw_walker(canvas);
-        let (x, top) = (TERRAIN_STEP * 3.0, TERRAIN_HEIGHT + 50.0 / SCALE);
-        canvas.line([x, TERRAIN_HEIGHT], [x, top], 1.0 / SCALE, Color::BLACK);
-        let flag = [[x, top], [x, top - 10.0 / SCALE], [x + 25.0 / SCALE, top - 5.0 / SCALE]];
-        canvas.polygon(&flag, Color::rgb(230, 51, 0));
-        canvas.stroke(gym_core::canvas::Shape::Polygon(&flag), 1.0 / SCALE, Color::BLACK);
+        let (x, top) = (TERRAIN_STEP * 3.0 * SCALE, TERRAIN_HEIGHT * SCALE + 50.0);
+        canvas.line([x, top - 50.0], [x, top], 1.0, Color::BLACK);
+        let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
+        pixels::polygon(canvas, Transform::IDENTITY, flag, Color::rgb(230, 51, 0));
+        let flag = flag.map(|corner| pixels::whole(canvas, corner));
+        canvas.stroke(canvas::Shape::Polygon(&flag), 1.0, Color::BLACK);
         canvas.pop();
         canvas.pop();
     }

@@ -1,6 +1,7 @@
 //! What the three environments share.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape};
+use gym_core::pixels;
 
 use crate::physics::{FixtureId, Vec2, World};
 
@@ -40,17 +41,31 @@ pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; 8], usize) 
     (corners, vertices.len())
 }
 
-/// Fills a fixture's polygon, with an outline of one pixel at so many pixels per m.
-pub(crate) fn draw_fixture(
+/// Fills a fixture's polygon.
+pub(crate) fn draw_fixture(canvas: &mut dyn Canvas, world: &World, fixture: FixtureId, fill: Color) {
+    let (corners, count) = corners(world, fixture);
+    canvas.polygon(&corners[..count], fill);
+}
+
+/// Fills a fixture's polygon on a canvas in pixels, so many of them per m, and outlines it. pygame does
+/// the same with whole pixels, or with an outline that is not cut to them.
+pub(crate) fn draw_outlined(
     canvas: &mut dyn Canvas,
     world: &World,
     fixture: FixtureId,
-    fill: Color,
-    outline: Option<(Color, f64)>,
+    scale: f64,
+    [fill, outline]: [Color; 2],
+    whole: bool,
 ) {
-    let (corners, count) = corners(world, fixture);
-    canvas.polygon(&corners[..count], fill);
-    if let Some((color, scale)) = outline {
-        canvas.stroke(Shape::Polygon(&corners[..count]), 1.0 / scale, color);
+    let (mut corners, count) = corners(world, fixture);
+    for corner in &mut corners {
+        // Gymnasium scales in `f32`: what is whole there is whole here, before fractions are cut off
+        *corner = corner.map(|x| f64::from(x as f32 * scale as f32));
+        if whole {
+            *corner = pixels::whole(canvas, *corner);
+        }
     }
+    // the outline covers what pygame fills around the corners
+    canvas.polygon(&corners[..count], fill);
+    canvas.stroke(Shape::Polygon(&corners[..count]), 1.0, outline);
 }

@@ -33,6 +33,7 @@ use gym_core::canvas::{Canvas, Color, Point, Transform};
 use gym_core::render::Metadata;
 use gym_core::{
     Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
+    pixels,
 };
 use serde::{Deserialize, Serialize};
 
@@ -517,33 +518,34 @@ impl Env for LunarLander {
     fn draw(&self, canvas: &mut dyn Canvas) {
         let Some(episode) = &self.episode else { return };
         canvas.clear(Color::WHITE);
-        canvas.push(Transform::y_up(VIEWPORT_H).then(Transform::scale(SCALE, SCALE)));
+        canvas.push(pixels::flipped(VIEWPORT_H));
+        let fill = |canvas: &mut dyn Canvas, corners: &mut [Point], color| {
+            pixels::polygon(canvas, Transform::scale(SCALE, SCALE), corners, color);
+        };
         for i in 0..CHUNKS - 1 {
             let (x1, x2) = (chunk_x(i), chunk_x(i + 1));
-            let sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
-            canvas.polygon(&sky, Color::BLACK);
+            let mut sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
+            fill(canvas, &mut sky, Color::BLACK);
         }
         for puff in &episode.puffs {
             if let Some((position, ttl)) = episode.flight(puff, self.config.gravity) {
                 let shade = |x: f64| (x.clamp(0.2, 1.0) * 255.0) as u8;
                 let color = Color::rgb(shade(0.15 + ttl), shade(0.5 * ttl), shade(0.5 * ttl));
-                canvas.circle(position, 2.0 / SCALE, color);
+                // pygame's circle lies around a corner of pixels
+                let [x, y] = pixels::whole(canvas, position.map(|x| x * SCALE));
+                canvas.circle([x - 0.5, y - 0.5], 2.0, color);
             }
         }
         for fixture in episode.fixtures {
-            common::draw_fixture(
-                canvas,
-                &episode.world,
-                fixture,
-                Color::rgb(128, 102, 230),
-                Some((Color::rgb(77, 77, 128), SCALE)),
-            );
+            let colors = [Color::rgb(128, 102, 230), Color::rgb(77, 77, 128)];
+            common::draw_outlined(canvas, &episode.world, fixture, SCALE, colors, false);
         }
         for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
-            let top = HELIPAD_Y + 50.0 / SCALE;
-            canvas.line([x, HELIPAD_Y], [x, top], 1.0 / SCALE, Color::WHITE);
-            let flag = [[x, top], [x, top - 10.0 / SCALE], [x + 25.0 / SCALE, top - 5.0 / SCALE]];
-            canvas.polygon(&flag, Color::rgb(204, 204, 0));
+            let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];
+            let mut flag = [[x, y + 50.0], [x, y + 40.0], [x + 25.0, y + 45.0]];
+            let [x, y] = pixels::whole(canvas, [x, y]);
+            canvas.line([x, y - 0.5], [x, y + 50.5], 1.0, Color::WHITE);
+            pixels::polygon(canvas, Transform::IDENTITY, &mut flag[..], Color::rgb(204, 204, 0));
         }
         canvas.pop();
     }

@@ -24,11 +24,13 @@ use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Native};
-use gym_core::{Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::{
+    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::numpy::sin_cos_f32;
-use crate::{pixels, reset};
+use crate::reset;
 
 /// The environment.
 pub type Acrobot = Stateful<AcrobotDynamics>;

@@ -27,7 +27,6 @@ pub mod mountain_car;
 pub mod mountain_car_continuous;
 mod numpy;
 pub mod pendulum;
-mod pixels;
 mod reset;
 
 pub use acrobot::Acrobot;

@@ -17,10 +17,12 @@ use gym_core::math::{Libm, Math, Polynomial};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Native};
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::{
+    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+};
 use serde::{Deserialize, Serialize};
 
-use crate::{pixels, reset};
+use crate::reset;
 
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;

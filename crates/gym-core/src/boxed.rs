@@ -55,6 +55,7 @@ trait Erased: Send {
     fn draw(&self, canvas: &mut dyn Canvas);
     fn ansi(&self) -> Option<String>;
     fn render(&mut self) -> Result<Rendered>;
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()>;
     fn spec(&self) -> Option<EnvSpec>;
     fn describe(&self) -> String;
     fn base(&self) -> &dyn Any;

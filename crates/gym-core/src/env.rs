@@ -199,6 +199,16 @@ pub trait Env: Clone + Send + 'static {
         })
     }
 
+    /// As [`render`](Self::render), into what was rendered before: a picture of the same size is drawn
+    /// over, so that a loop over frames allocates none.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render); what `rendered` holds then is not told.
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        *rendered = self.render()?;
+        Ok(())
+    }
+
     /// How [`make`](crate::make) would build this environment and its wrappers again, if it can.
     fn spec(&self) -> Option<EnvSpec> {
         None

@@ -1,5 +1,7 @@
 //! The one error type: each message says what is wrong and what to do about it.
 
+use std::io::ErrorKind;
+
 use thiserror::Error as ThisError;
 
 use crate::Space;
@@ -154,7 +156,7 @@ pub enum Error {
     },
 
     /// Reading or writing a file failed.
-    #[error("{path}: {source}")]
+    #[error("{path}: {source}{}", advice(source))]
     Io {
         /// The file.
         path: String,
@@ -191,5 +193,27 @@ impl Error {
     /// [`Error::Io`] of a file.
     pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
         Self::Io { path: path.display().to_string(), source }
+    }
+}
+
+/// What to do about a failure, where that is known.
+fn advice(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ": free some space, or choose another place",
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_full_disk_says_what_to_do() {
+        let message = |kind: ErrorKind| Error::io(Path::new("a.gif"), kind.into()).to_string();
+        assert!(message(ErrorKind::StorageFull).ends_with(": free some space, or choose another place"));
+        assert!(!message(ErrorKind::NotFound).contains("space"));
     }
 }

@@ -186,6 +186,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
+    use crate::testing::Full;
 
     fn plain(shade: u8) -> Frame {
         let mut frame = Frame::new(5, 4);
@@ -235,6 +236,21 @@ mod tests {
     #[test]
     fn a_single_frame_is_an_animation_too() {
         assert_eq!(decode(&encode(1, &[plain(7)])), [((1, 1), [0, 0, 5, 4], vec![7; 60])]);
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error_wherever_it_strikes() {
+        let frames = [plain(1), plain(2), plain(3)];
+        let size = encode(50, &frames).len();
+        let write = |room: usize| {
+            let mut apng = Apng::start(Full::new(room), 50, &frames[0])?;
+            frames[1..].iter().try_for_each(|frame| apng.write(frame))?;
+            apng.finish().map(|_| ())
+        };
+        for room in 0..size {
+            assert_eq!(write(room).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+        }
+        write(size).unwrap();
     }
 
     #[test]

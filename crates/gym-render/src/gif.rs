@@ -1,8 +1,9 @@
 //! Animations as GIF files, frame by frame, in bounded memory.
 //!
 //! The file stays small and its colours exact as far as the format allows:
-//! - Each picture holds only the rectangle that changed, and in it only the pixels that changed;
-//!   the rest is transparent. A frame that changes nothing prolongs the one before.
+//! - Each picture holds only the rectangle that changed. In it the pixels that did not change are
+//!   transparent or have their colours again, whichever takes fewer bytes. A frame that changes
+//!   nothing prolongs the one before.
 //! - All pictures share one table of 255 colours, which grows with the colours that appear. It
 //!   stands at the start of the file and is written last.
 //! - A picture whose new colours no longer fit brings a table of its own, and only one that has
@@ -123,6 +124,7 @@ struct Animation<W: Write + Seek> {
     /// Buffers for the rectangle being written.
     pixels: Vec<Option<Rgb>>,
     entries: Vec<u8>,
+    opaque: Vec<u8>,
 }
 
 impl Format for Animation<AtomicFile> {
@@ -158,6 +160,7 @@ impl<W: Write + Seek> Animation<W> {
             shown: None,
             pixels: Vec::new(),
             entries: Vec::new(),
+            opaque: Vec::new(),
         })
     }
 
@@ -200,29 +203,34 @@ impl<W: Write + Seek> Animation<W> {
         let (columns, rows) = changed(self.shown.as_ref(), &self.pending);
         self.pixels.clear();
         gather(self.shown.as_ref(), &self.pending, columns.clone(), rows.clone(), &mut self.pixels);
-        let palette = self.table().map(|palette| palette.bytes().to_vec());
-        let mut picture = gif::Frame {
-            transparent: Some(TRANSPARENT),
-            left: columns.start as u16,
-            top: rows.start as u16,
-            width: columns.len() as u16,
-            height: rows.len() as u16,
-            palette,
-            buffer: Cow::Borrowed(&self.entries),
-            ..gif::Frame::default()
-        };
+        let mut own = self.table();
+        let mut picture = compressed(&self.entries);
+        let mut filled = own.clone();
+        let palette = filled.as_mut().unwrap_or(&mut self.palette);
+        let colors = colors(&self.pending, columns.clone(), rows.clone());
+        if palette.fill(&self.entries, colors, &mut self.opaque) {
+            let opaque = compressed(&self.opaque);
+            let size = |picture: &gif::Frame<'_>, own: &Option<Palette>| {
+                picture.buffer.len() + own.as_ref().map_or(0, Palette::size)
+            };
+            if size(&opaque, &filled) < size(&picture, &own) {
+                (picture, own) = (opaque, filled);
+            }
+        }
+        (picture.left, picture.top) = (columns.start as u16, rows.start as u16);
+        (picture.width, picture.height) = (columns.len() as u16, rows.len() as u16);
+        picture.palette = own.map(|palette| palette.bytes().to_vec());
         let mut ticks = until - self.since;
         loop {
             picture.delay = u16::try_from(ticks).unwrap_or(u16::MAX);
-            self.encoder.write_frame(&picture).map_err(io_error)?;
+            self.encoder.write_lzw_pre_encoded_frame(&picture).map_err(io_error)?;
             ticks -= u64::from(picture.delay);
             if ticks == 0 {
                 return Ok(());
             }
             // Longer than a delay can be: a transparent pixel follows.
-            let dot =
-                gif::Frame { transparent: Some(TRANSPARENT), width: 1, height: 1, ..gif::Frame::default() };
-            picture = gif::Frame { buffer: Cow::Borrowed(&[TRANSPARENT]), ..dot };
+            picture = compressed(&[TRANSPARENT]);
+            (picture.width, picture.height) = (1, 1);
         }
     }
 
@@ -248,6 +256,21 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
     }
 }
 
+/// A picture of these entries, not yet placed.
+fn compressed(entries: &[u8]) -> gif::Frame<'_> {
+    let buffer = Cow::Borrowed(entries);
+    let mut picture = gif::Frame { transparent: Some(TRANSPARENT), buffer, ..gif::Frame::default() };
+    picture.make_lzw_pre_encoded();
+    picture
+}
+
+/// The colours in a rectangle, row by row.
+fn colors(frame: &Frame, columns: Range<usize>, rows: Range<usize>) -> impl Iterator<Item = &Rgb> {
+    let pixels = frame.pixels().as_chunks().0;
+    let width = frame.width() as usize;
+    rows.flat_map(move |y| &pixels[y * width..][columns.clone()])
+}
+
 /// Appends the pixels of a rectangle, `None` for those that did not change.
 fn gather(
     old: Option<&Frame>,
@@ -256,16 +279,12 @@ fn gather(
     rows: Range<usize>,
     pixels: &mut Vec<Option<Rgb>>,
 ) {
-    let width = new.width() as usize;
-    for y in rows {
-        let range = (y * width + columns.start) * 3..(y * width + columns.end) * 3;
-        let new = new.pixels()[range.clone()].as_chunks().0;
-        match old {
-            None => pixels.extend(new.iter().copied().map(Some)),
-            Some(old) => {
-                let old: &[Rgb] = old.pixels()[range].as_chunks().0;
-                pixels.extend(new.iter().zip(old).map(|(new, old)| (new != old).then_some(*new)));
-            }
+    let news = colors(new, columns.clone(), rows.clone());
+    match old {
+        None => pixels.extend(news.copied().map(Some)),
+        Some(old) => {
+            let pairs = news.zip(colors(old, columns, rows));
+            pixels.extend(pairs.map(|(new, old)| (new != old).then_some(*new)));
         }
     }
 }
@@ -288,7 +307,7 @@ mod tests {
     use super::*;
     use tempfile::TempDir;
 
-    use crate::testing::names;
+    use crate::testing::{Full, names};
 
     /// A picture of a file: what it brings, and the whole screen after it.
     struct Picture {
@@ -296,6 +315,8 @@ mod tests {
         /// Left, top, width, height.
         area: [u16; 4],
         own_table: bool,
+        /// Whether some pixels stay as they were.
+        transparent: bool,
         screen: Vec<u8>,
     }
 
@@ -322,6 +343,7 @@ mod tests {
                 delay: picture.delay,
                 area: [picture.left, picture.top, picture.width, picture.height],
                 own_table: picture.palette.is_some(),
+                transparent: picture.buffer.iter().any(|&entry| Some(entry) == picture.transparent),
                 screen: screen.clone(),
             });
         }
@@ -391,6 +413,30 @@ mod tests {
         let own: Vec<bool> = pictures.iter().map(|picture| picture.own_table).collect();
         assert_eq!(own, [false, true, false]);
         pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
+    }
+
+    #[test]
+    fn unchanged_pixels_are_whatever_takes_fewer_bytes() {
+        let noise = |x: u32, y: u32| (x * x + 3 * y * y + x * y).is_multiple_of(3);
+        let plain = |shade| frame(40, 40, move |_, _| [shade; 3]);
+        // the last pictures bring tables of their own, as each has 251 colours
+        let ramp =
+            |x: u32, y: u32, other: u8| if y < 7 { [(y * 40 + x).min(251) as u8, other, 0] } else { [9; 3] };
+        let noisy = frame(40, 40, |x, y| [if noise(x, y) { 9 } else { 8 }; 3]);
+        let frames = [
+            noisy.clone(),
+            plain(9), // as a whole it is one run
+            frame(40, 40, |x, y| if x == y { [8; 3] } else { [9; 3] }),
+            frame(40, 40, |x, y| ramp(x, y, 1)),
+            frame(40, 40, |x, y| if noise(x, y) { [9; 3] } else { ramp(x, y, 2) }),
+            frame(40, 40, |x, y| ramp(x, y, 2)),
+        ];
+        let pictures = decode(&encode(10, &frames));
+        pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
+        let seen: Vec<_> = pictures.iter().map(|picture| (picture.own_table, picture.transparent)).collect();
+        let expected =
+            [(false, false), (false, false), (false, true), (false, false), (true, false), (true, true)];
+        assert_eq!(seen, expected);
     }
 
     #[test]
@@ -489,32 +535,12 @@ mod tests {
         assert_eq!(decode(&fs::read(&path).unwrap()).len(), 1);
     }
 
-    /// Room for some bytes, then a full disk.
-    struct Full(Cursor<Vec<u8>>, usize);
-
-    impl Write for Full {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            let end = self.0.position() as usize + bytes.len();
-            if end > self.1 { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    impl Seek for Full {
-        fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
-            self.0.seek(position)
-        }
-    }
-
     #[test]
     fn a_full_disk_is_an_error_wherever_it_strikes() {
         let frames = moving(20);
         let size = encode(50, &frames).len();
         let write = |room: usize| {
-            let writer = Full(Cursor::new(Vec::new()), room);
+            let writer = Full::new(room);
             let mut animation = Animation::start(writer, 50, &frames[0])?;
             frames[1..].iter().try_for_each(|frame| animation.write(frame))?;
             animation.finish().map(|_| ())

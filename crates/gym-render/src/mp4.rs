@@ -90,6 +90,8 @@ impl Mp4 {
         if self.ffmpeg.0.wait()?.success() {
             return Ok(());
         }
-        Err(io::Error::other(format!("`ffmpeg` failed: {}", message.trim())))
+        let is_full = message.contains("No space left on device");
+        let kind = if is_full { io::ErrorKind::StorageFull } else { io::ErrorKind::Other };
+        Err(io::Error::new(kind, format!("`ffmpeg` failed: {}", message.trim())))
     }
 }

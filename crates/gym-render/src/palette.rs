@@ -15,7 +15,7 @@ pub(crate) const TRANSPARENT: u8 = 0;
 const SAMPLE: usize = 24_000;
 
 /// Up to 255 colours in the order of their first use, numbered from 1.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Palette {
     table: Vec<Rgb>,
     index: HashMap<Rgb, u8>,
@@ -31,6 +31,11 @@ impl Palette {
         self.table.as_flattened()
     }
 
+    /// The bytes that the colour table takes in a file, where its entries are a power of two.
+    pub(crate) fn size(&self) -> usize {
+        self.table.len().max(2).next_power_of_two() * 3
+    }
+
     /// Translates pixels into entries, `None` into [`TRANSPARENT`], and adds new colours. Returns
     /// false, and adds none, if there is no room for all of them.
     pub(crate) fn translate(&mut self, pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> bool {
@@ -41,9 +46,7 @@ impl Palette {
         for &pixel in pixels {
             if pixel != last.0 {
                 let Some(entry) = pixel.map_or(Some(TRANSPARENT), |color| self.entry(color)) else {
-                    self.table.drain(known..).for_each(|color| {
-                        self.index.remove(&color);
-                    });
+                    self.forget(known);
                     return false;
                 };
                 last = (pixel, entry);
@@ -51,6 +54,39 @@ impl Palette {
             entries.push(last.1);
         }
         true
+    }
+
+    /// Replaces [`TRANSPARENT`] by the entries of the pixels' true colours, and adds missing ones.
+    /// Returns false, and adds none, if there is no room for all of them, a reduced palette has only
+    /// one that is near, or nothing is transparent.
+    pub(crate) fn fill<'a>(
+        &mut self,
+        entries: &[u8],
+        colors: impl Iterator<Item = &'a Rgb>,
+        filled: &mut Vec<u8>,
+    ) -> bool {
+        let known = self.table.len();
+        filled.clear();
+        let mut last = (None, TRANSPARENT);
+        for (&entry, color) in entries.iter().zip(colors) {
+            if entry == TRANSPARENT && last.0 != Some(color) {
+                let found = self.entry(*color).filter(|entry| self.table[usize::from(*entry)] == *color);
+                let Some(entry) = found else {
+                    self.forget(known);
+                    return false;
+                };
+                last = (Some(color), entry);
+            }
+            filled.push(if entry == TRANSPARENT { last.1 } else { entry });
+        }
+        last.0.is_some()
+    }
+
+    /// Removes the colours added last, so that this many entries stay.
+    fn forget(&mut self, known: usize) {
+        for color in self.table.drain(known..) {
+            self.index.remove(&color);
+        }
     }
 
     fn entry(&mut self, color: Rgb) -> Option<u8> {
@@ -112,6 +148,34 @@ mod tests {
         assert!(palette.translate(&shades(150..255), &mut entries));
         assert_eq!(entries, (151..=255).collect::<Vec<u8>>());
         assert!(!palette.translate(&shades(255..256), &mut entries));
+    }
+
+    #[test]
+    fn transparent_pixels_take_their_true_colours() {
+        let mut palette = Palette::new();
+        let mut entries = Vec::new();
+        let colors = [[9, 9, 9], [0, 0, 0], [9, 9, 9], [9, 9, 9]];
+        assert!(palette.translate(&[Some(colors[0]), Some(colors[1]), None, None], &mut entries));
+        let mut filled = Vec::new();
+        assert!(palette.fill(&entries, colors.iter(), &mut filled));
+        assert_eq!(filled, [1, 2, 1, 1]);
+        assert!(palette.fill(&[1, TRANSPARENT], [[9, 9, 9], [7, 7, 7]].iter(), &mut filled));
+        assert_eq!((&filled[..], palette.bytes().len()), (&[1, 3][..], 4 * 3));
+        assert!(!palette.fill(&[1, 2], colors.iter(), &mut filled), "nothing is transparent");
+    }
+
+    #[test]
+    fn transparent_pixels_stay_where_a_palette_lacks_their_colours() {
+        let (mut entries, mut filled) = (Vec::new(), Vec::new());
+        let mut full = Palette::new();
+        assert!(full.translate(&shades(0..254), &mut entries));
+        assert!(!full.fill(&[TRANSPARENT; 2], [[7, 7, 7], [8, 8, 8]].iter(), &mut filled));
+        assert_eq!(full.bytes().len(), 255 * 3);
+
+        let shades: Vec<_> = (0..64).flat_map(|r| (0..64).map(move |g| Some([r * 4, g * 4, 0]))).collect();
+        let mut reduced = Palette::reduce(&shades, &mut entries);
+        let near = shades.iter().flatten().find(|color| !reduced.table.contains(color)).unwrap();
+        assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
     #[test]

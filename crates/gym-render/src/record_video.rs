@@ -53,6 +53,8 @@ pub struct RecordVideo<E: Env> {
     tape: Tape,
     /// Frames taken out of the environment's list, until `render` hands them over.
     list: Vec<Frame>,
+    /// The last picture, drawn over by the next one.
+    rendered: Rendered,
 }
 
 impl<E: Env> RecordVideo<E> {
@@ -64,7 +66,7 @@ impl<E: Env> RecordVideo<E> {
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
         check_mode(env.describe(), env.spec().and_then(|spec| spec.render_mode))?;
         let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
-        Ok(Self { env, tape, list: Vec::new() })
+        Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
     }
 
     tape_options!();
@@ -110,15 +112,16 @@ impl<E: Env> RecordVideo<E> {
         if !self.is_recording() {
             return Ok(());
         }
-        match self.env.render()? {
-            Rendered::Frame(frame) => self.tape.write(&frame),
+        self.env.render_into(&mut self.rendered)?;
+        match &mut self.rendered {
+            Rendered::Frame(frame) => self.tape.write(frame),
             Rendered::Frames(frames) => {
-                self.list.extend(frames);
+                self.list.append(frames);
                 if let Some(frame) = self.list.last() {
                     self.tape.write(frame);
                 }
             }
-            other => return Err(not_frames(&self.env.describe(), &other)),
+            other => return Err(not_frames(&self.env.describe(), other)),
         }
         Ok(())
     }
@@ -158,14 +161,18 @@ impl<E: Env> Env for RecordVideo<E> {
     }
 
     fn render(&mut self) -> Result<Rendered> {
-        Ok(match self.env.render()? {
-            Rendered::Frames(frames) => {
-                let mut list = std::mem::take(&mut self.list);
-                list.extend(frames);
-                Rendered::Frames(list)
-            }
-            other => other,
-        })
+        let mut rendered = Rendered::Shown;
+        self.render_into(&mut rendered)?;
+        Ok(rendered)
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.env.render_into(rendered)?;
+        if let Rendered::Frames(frames) = rendered {
+            self.list.append(frames);
+            *frames = std::mem::take(&mut self.list);
+        }
+        Ok(())
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

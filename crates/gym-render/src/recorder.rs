@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gym_core::render::Rendered;
+use gym_core::render::{Frame, Rendered};
 use gym_core::{Env, Error, Result};
 
 use crate::VideoWriter;
@@ -38,6 +38,8 @@ use crate::VideoWriter;
 #[derive(Debug)]
 pub struct Recorder {
     video: VideoWriter,
+    /// The last picture, drawn over by the next one.
+    rendered: Rendered,
     frames: u64,
     max_frames: u64,
 }
@@ -56,7 +58,8 @@ impl Recorder {
     /// # Errors
     /// As [`VideoWriter::create`].
     pub fn with_fps(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
-        Ok(Self { video: VideoWriter::create(path, fps)?, frames: 0, max_frames: u64::MAX })
+        let video = VideoWriter::create(path, fps)?;
+        Ok(Self { video, rendered: Rendered::Shown, frames: 0, max_frames: u64::MAX })
     }
 
     /// Records that many frames and ignores the rest.
@@ -80,18 +83,19 @@ impl Recorder {
         if self.frames >= self.max_frames {
             return Ok(());
         }
-        let frames = match env.render()? {
-            Rendered::Frame(frame) => vec![frame],
-            Rendered::Frames(frames) => frames,
-            other => return Err(not_frames(&env.describe(), &other)),
-        };
-        for frame in frames {
+        env.render_into(&mut self.rendered)?;
+        let mut write = |frame: &Frame| {
             if self.frames < self.max_frames {
-                self.video.write(&frame)?;
+                self.video.write(frame)?;
                 self.frames += 1;
             }
+            Ok(())
+        };
+        match &mut self.rendered {
+            Rendered::Frame(frame) => write(frame),
+            Rendered::Frames(frames) => std::mem::take(frames).iter().try_for_each(write),
+            other => Err(not_frames(&env.describe(), other)),
         }
-        Ok(())
     }
 
     /// Completes the file; gives the number of frames in it.

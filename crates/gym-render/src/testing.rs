@@ -1,5 +1,7 @@
 //! What several tests need.
 
+use std::io::{self, Cursor, Seek, SeekFrom, Write};
+
 use tempfile::TempDir;
 
 /// The names of the files in a folder, hidden ones too.
@@ -9,4 +11,30 @@ pub(crate) fn names(folder: &TempDir) -> Vec<String> {
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
+}
+
+/// Room for some bytes, then a full disk.
+pub(crate) struct Full(Cursor<Vec<u8>>, usize);
+
+impl Full {
+    pub(crate) fn new(room: usize) -> Self {
+        Self(Cursor::new(Vec::new()), room)
+    }
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let end = self.0.position() as usize + bytes.len();
+        if end > self.1 { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        self.0.seek(position)
+    }
 }

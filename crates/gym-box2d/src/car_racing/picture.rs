@@ -221,7 +221,7 @@ impl Episode {
 
     fn draw_car(&self, canvas: &mut dyn Canvas) {
         for wheel in &self.car.wheels {
-            common::draw_fixture(canvas, &self.world, wheel.fixture, Color::BLACK, None);
+            common::draw_fixture(canvas, &self.world, wheel.fixture, Color::BLACK);
             if let Some(stripe) = Car::stripe(wheel) {
                 let pose = self.world.pose(wheel.body);
                 let stripe = stripe.map(|[x, y]| {
@@ -232,7 +232,7 @@ impl Episode {
             }
         }
         for fixture in self.car.hull_fixtures {
-            common::draw_fixture(canvas, &self.world, fixture, Color::rgb(204, 0, 0), None);
+            common::draw_fixture(canvas, &self.world, fixture, Color::rgb(204, 0, 0));
         }
     }
 

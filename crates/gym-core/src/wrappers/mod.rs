@@ -266,6 +266,9 @@ macro_rules! forward {
     };
     (@ $field:tt render) => {
         fn render(&mut self) -> $crate::Result<$crate::render::Rendered> { self.$field.render() }
+        fn render_into(&mut self, rendered: &mut $crate::render::Rendered) -> $crate::Result<()> {
+            self.$field.render_into(rendered)
+        }
     };
     (@ $field:tt spec) => {
         fn spec(&self) -> Option<$crate::EnvSpec> { self.$field.spec() }

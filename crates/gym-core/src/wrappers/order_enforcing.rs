@@ -59,6 +59,11 @@ impl<E: Env> Env for OrderEnforcing<E> {
         self.env.render()
     }
 
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.check("render")?;
+        self.env.render_into(rendered)
+    }
+
     fn snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.env.snapshot()?, self.stage))
     }

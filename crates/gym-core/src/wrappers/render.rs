@@ -125,16 +125,32 @@ impl<E: Env> Env for Render<E> {
     }
 
     fn render(&mut self) -> Result<Rendered> {
+        let mut rendered = Rendered::Shown;
+        self.render_into(&mut rendered)?;
+        Ok(rendered)
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        let used = std::mem::replace(rendered, Rendered::Shown);
         if self.mode == RenderMode::Human {
-            return Ok(Rendered::Shown);
+            return Ok(());
         }
         let Some(painter) = &mut self.painter else {
-            return self.env.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"));
+            *rendered = self.env.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"))?;
+            return Ok(());
         };
-        let mut frame = Frame::new(self.size.0, self.size.1);
+        let mut frame = match used {
+            Rendered::Frame(mut frame) if (frame.width(), frame.height()) == self.size => {
+                // a drawing need not cover everything
+                frame.pixels_mut().fill(0);
+                frame
+            }
+            _ => Frame::new(self.size.0, self.size.1),
+        };
         let size = self.env.metadata().render_size;
         painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), &mut frame);
-        Ok(Rendered::Frame(frame))
+        *rendered = Rendered::Frame(frame);
+        Ok(())
     }
 
     fn spec(&self) -> Option<EnvSpec> {

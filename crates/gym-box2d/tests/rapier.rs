@@ -15,7 +15,7 @@ struct Episode {
 }
 
 /// Plays an episode.
-fn play<E: Env, const N: usize>(
+fn play<E, const N: usize>(
     mut env: E,
     seed: u64,
     limit: u32,

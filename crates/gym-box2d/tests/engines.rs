@@ -190,3 +190,107 @@ fn what_is_destroyed_is_gone() {
         assert!(world.position(shin).y < 0.6, "{physics:?}: it falls");
     }
 }
+
+/// A motor lets go, turns round and pushes on within one step. rapier bounds what it adds to a motor on
+/// both sides alike: started from its last impulse it would hold on to it.
+#[test]
+fn a_motor_lets_go_at_once() {
+    let run = |physics| {
+        let (mut world, bodies, joint) = knee(physics);
+        world.destroy_body(bodies[1]);
+        let _ = joint;
+        let wheel = world.create_body(&BodyDef::dynamic(v(0.0, 2.5), 0.0));
+        world.create_fixture(
+            wheel,
+            &FixtureDef { filter: Filter { category: 2, mask: 1 }, ..block(0.3, 0.3) },
+        );
+        let axle = world.create_revolute_joint(&RevoluteJointDef {
+            body_a: bodies[0],
+            body_b: wheel,
+            local_anchor_a: v(0.0, 0.5),
+            local_anchor_b: v(0.0, 0.0),
+            limits: None,
+            motor: true,
+            motor_speed: 0.0,
+            max_motor_torque: 0.0,
+            collide_connected: false,
+        });
+        let mut speeds = Vec::new();
+        for i in 0..20 {
+            // at full torque for two steps, then near the wanted speed
+            let (speed, torque) = [(8.0, 0.5), (8.0, 0.5), (3.0, 1.5), (-2.0, 3.0)][i % 4];
+            world.set_motor_speed(axle, speed);
+            world.set_max_motor_torque(axle, torque);
+            step(&mut world);
+            speeds.push(world.joint_speed(axle));
+        }
+        speeds
+    };
+    let exact = run(Physics::Box2d);
+    assert!(exact.iter().any(|speed| (speed + 2.0).abs() < 1e-3), "the motor reaches its speed: {exact:?}");
+    for &physics in ENGINES {
+        for (i, (a, b)) in run(physics).iter().zip(&exact).enumerate() {
+            assert!((a - b).abs() < 1e-3, "{physics:?}: {a} for {b} in step {i}");
+        }
+    }
+}
+
+/// A contact lies halfway between the skins: a leg that tips over stands on that point.
+#[test]
+fn a_post_tips_over_its_corner() {
+    let run = |physics| {
+        let mut world = over_ground(physics);
+        let tilt: f32 = -0.2;
+        let post =
+            world.create_body(&BodyDef::dynamic(v(0.0, 0.1 * tilt.abs().sin() + tilt.cos() + 0.018), tilt));
+        world.create_fixture(post, &FixtureDef { friction: 25.0, ..block(0.1, 1.0) });
+        for _ in 0..30 {
+            step(&mut world);
+        }
+        (world.angle(post), world.position(post))
+    };
+    let (angle, position) = run(Physics::Box2d);
+    assert!((-1.5..-0.3).contains(&angle), "it tips: {angle}");
+    for &physics in ENGINES {
+        let (a, p) = run(physics);
+        assert!(
+            (a - angle).abs() < 2e-3 && (p - position).norm() < 2e-3,
+            "{physics:?}: {a} for {angle}, {p} for {position}"
+        );
+    }
+}
+
+#[test]
+fn a_block_keeps_its_place_on_a_slope() {
+    for &physics in ENGINES {
+        let mut world = World::with(physics, v(0.0, -10.0));
+        let hill = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.4));
+        let slope = FixtureDef { friction: 2.5, ..FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0))) };
+        world.create_fixture(hill, &slope);
+        let up = v(-(0.4f32).sin(), (0.4f32).cos());
+        let body = world.create_body(&BodyDef::dynamic(0.515 * up, 0.4));
+        world.create_fixture(body, &FixtureDef { friction: 2.5, ..block(0.5, 0.5) });
+        for _ in 0..10 {
+            step(&mut world);
+        }
+        let start = world.position(body);
+        for i in 0..100 {
+            // awake, so that it must be held
+            world.apply_torque(body, if i % 2 == 0 { 0.3 } else { -0.3 });
+            step(&mut world);
+        }
+        let moved = (world.position(body) - start).norm();
+        assert!(moved < 2e-3, "{physics:?}: it slid by {moved} m");
+    }
+}
+
+#[test]
+fn steps_without_sweeps_are_steps() {
+    for &physics in ENGINES {
+        let (mut world, [thigh, _], _) = knee(physics);
+        for _ in 0..50 {
+            world.step(0.02, 0, 0);
+        }
+        assert!(world.position(thigh).y.is_finite(), "{physics:?}");
+    }
+}

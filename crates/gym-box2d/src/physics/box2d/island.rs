@@ -33,9 +33,9 @@ pub(super) struct Island {
     pub(super) joints: Vec<u32>,
     pub(super) stack: Vec<u32>,
     positions: Vec<Position>,
-    velocities: Vec<Velocity>,
+    pub(super) velocities: Vec<Velocity>,
     contact_constraints: Vec<ContactConstraint>,
-    joint_constraints: Vec<JointConstraint>,
+    pub(super) joint_constraints: Vec<JointConstraint>,
     sweeps: Sweeps,
     /// Makes every sweep in full: what the shortcut is tested against.
     pub(super) plain: bool,
@@ -80,7 +80,7 @@ impl Island {
         }
     }
 
-    fn build_contacts(&mut self, world: &Box2d, ratio: Option<f32>) {
+    pub(super) fn build_contacts(&mut self, world: &Box2d, ratio: Option<f32>) {
         self.contact_constraints.clear();
         for &index in &self.contacts {
             let contact = &world.contacts[index];
@@ -92,6 +92,22 @@ impl Island {
 
     /// One time step: forces, velocities, positions, sleep.
     pub(super) fn solve(&mut self, world: &mut Box2d, step: &TimeStep) {
+        self.enter(world, step);
+        self.build_contacts(world, Some(step.ratio));
+        for constraint in &mut self.contact_constraints {
+            constraint.initialize(&self.positions, &self.velocities);
+        }
+        for constraint in &self.contact_constraints {
+            constraint.warm_start(&mut self.velocities);
+        }
+        self.build_joints(world, step);
+        self.sweep_velocities(step.velocity_iterations);
+        self.store_impulses(world);
+        self.move_on(world, step);
+    }
+
+    /// Where the bodies are, and their velocities after what pushes them from outside.
+    pub(super) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
         let h = step.dt;
         self.positions.clear();
         self.velocities.clear();
@@ -107,19 +123,15 @@ impl Island {
             self.positions.push(Position { c: body.sweep.c, a: body.sweep.a });
             self.velocities.push(Velocity { v, w });
         }
+    }
 
-        self.build_contacts(world, Some(step.ratio));
-        for constraint in &mut self.contact_constraints {
-            constraint.initialize(&self.positions, &self.velocities);
-        }
-        for constraint in &self.contact_constraints {
-            constraint.warm_start(&mut self.velocities);
-        }
+    /// Takes the joints in and applies the impulses that they start with.
+    pub(super) fn build_joints(&mut self, world: &Box2d, step: &TimeStep) {
         self.joint_constraints.clear();
         for &id in &self.joints {
             let joint = &world.joints[id];
             let sides = (Self::side(world, joint.body_a, 0.0), Self::side(world, joint.body_b, 0.0));
-            let times = (h, step.ratio);
+            let times = (step.dt, step.ratio);
             self.joint_constraints.push(JointConstraint::new(
                 id,
                 joint,
@@ -129,16 +141,16 @@ impl Island {
                 times,
             ));
         }
+    }
 
-        self.sweep_velocities(step.velocity_iterations);
-        self.store_impulses(world);
-        self.integrate(h);
+    /// Moves along the velocities, corrects positions, and falls asleep.
+    pub(super) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
+        self.integrate(step.dt);
         let solved = (0..step.position_iterations).any(|_| self.sweep_positions());
-
         for (i, &id) in self.bodies.iter().enumerate() {
             self.write_back(world, i, id);
         }
-        self.update_sleep(world, h, solved);
+        self.update_sleep(world, step.dt, solved);
     }
 
     fn sweep_velocities(&mut self, sweeps: u32) {

@@ -92,6 +92,16 @@ impl Box2d {
 
     /// Finds the islands, from the newest body on, and solves each.
     fn solve(&mut self, island: &mut Island, step: &TimeStep) {
+        self.forget_islands();
+        for i in (0..self.dynamic.len()).rev() {
+            if self.gather(island, self.dynamic[i]) {
+                island.solve(self, step);
+            }
+        }
+        self.synchronize_islands();
+    }
+
+    pub(super) fn forget_islands(&mut self) {
         for &id in &self.dynamic {
             self.bodies[id].island = false;
         }
@@ -101,19 +111,10 @@ impl Box2d {
         for &id in &self.joint_order {
             self.joints[id].island = false;
         }
-        for i in (0..self.dynamic.len()).rev() {
-            let seed = self.dynamic[i];
-            if self.bodies[seed].island || !self.bodies[seed].awake {
-                continue;
-            }
-            self.gather(island, seed);
-            island.solve(self, step);
-            // static bodies may take part in several islands
-            for &id in &island.bodies {
-                let body = &mut self.bodies[id];
-                body.island &= body.dynamic;
-            }
-        }
+    }
+
+    /// Tells the broad phase where the bodies of the islands went, and finds what they met there.
+    pub(super) fn synchronize_islands(&mut self) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
             if self.bodies[id].island {
@@ -123,8 +124,12 @@ impl Box2d {
         self.find_new_contacts();
     }
 
-    /// All that `seed` touches or is joined to, depth first; static bodies are not passed through.
-    fn gather(&mut self, island: &mut Island, seed: u32) {
+    /// All that `seed` touches or is joined to, depth first; static bodies are not passed through. Tells
+    /// whether there is such an island: not if the body sleeps or is part of another.
+    pub(super) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
+        if self.bodies[seed].island || !self.bodies[seed].awake {
+            return false;
+        }
         island.clear();
         let mut stack = std::mem::take(&mut island.stack);
         stack.push(seed);
@@ -159,6 +164,12 @@ impl Box2d {
             }
         }
         island.stack = stack;
+        // static bodies may take part in several islands
+        for &id in &island.bodies {
+            let body = &mut self.bodies[id];
+            body.island &= body.dynamic;
+        }
+        true
     }
 
     /// Tells the broad phase where a body's fixtures went.

@@ -15,9 +15,6 @@ pub(crate) struct Arguments {
     /// The folder to make; by default one of that name, here.
     #[arg(long, value_name = "DIR")]
     path: Option<PathBuf>,
-    /// Depends on gym-core in this version of crates.io, instead of in this folder.
-    #[arg(long, value_name = "VERSION")]
-    gym_version: Option<String>,
 }
 
 /// What is in a new crate: the file, and its text, in which `plugin_name` stands for the name.
@@ -32,16 +29,13 @@ const FILES: [(&str, &str); 7] = [
 ];
 
 pub(crate) fn new(arguments: &Arguments) -> Result<()> {
-    let Arguments { name, path, gym_version } = arguments;
+    let Arguments { name, path } = arguments;
     check_name(name)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
     if folder.symlink_metadata().is_ok() {
         return Err(Error::custom(format!("{}: it exists already, choose another --path", folder.display())));
     }
-    let gym_core = match gym_version {
-        Some(version) => Source::Registry(version.clone()),
-        None => Source::Path(root().join("crates").join("gym-core")),
-    };
+    let gym_core = Source::Path(root().join("crates").join("gym-core"));
     // under a temporary name until it is complete
     let file_name = folder.file_name().unwrap_or(name.as_ref()).to_string_lossy();
     let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
@@ -89,10 +83,8 @@ fn write_all(folder: &Path, name: &str, gym_core: &Source) -> Result<()> {
             .replace("PROFILE\n", plugin::PROFILE);
         gym::file::write(&path, text.as_bytes())?;
     }
-    if let Source::Path(_) = gym_core {
-        // the versions that are there already
-        let lock = root().join("Cargo.lock");
-        fs::copy(&lock, folder.join("Cargo.lock")).map_err(|error| Error::io(&lock, error))?;
-    }
+    // the versions that are there already
+    let lock = root().join("Cargo.lock");
+    fs::copy(&lock, folder.join("Cargo.lock")).map_err(|error| Error::io(&lock, error))?;
     Ok(())
 }

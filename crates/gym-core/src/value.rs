@@ -202,8 +202,23 @@ impl Serialize for Value {
 
 /// The observation or action type of a typed environment, and its form as a [`Value`].
 ///
-/// Implemented for numbers, arrays of numbers `[T; N]`, tuples, [`Array`], [`String`] and
-/// [`Value`] itself; [`discrete!`](crate::discrete) implements it for an enum of actions.
+/// | type | is an element of |
+/// |---|---|
+/// | `i64`, `usize`, `u8`, `u32` | a `Discrete` |
+/// | an enum of [`discrete!`](crate::discrete) | a `Discrete`, from 0 on |
+/// | `[T; N]` of numbers | a `Box`, `MultiDiscrete` or `MultiBinary` of one axis |
+/// | [`Array`] | these of any shape |
+/// | [`String`] | a `Text` |
+/// | tuples of two to four of these | a `Tuple` |
+/// | [`Value`] | any space; the only one for a `Dict`, `Sequence`, `Graph` or `OneOf` |
+///
+/// A type of your own needs three functions: [`empty`](Self::empty), [`from_value`](Self::from_value)
+/// and [`write`](Self::write).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no observation or action type",
+    note = "the types are `i64`, `usize`, `u8`, `u32`, enums of `discrete!`, arrays `[T; N]` of numbers, `String`, and \
+            tuples of two to four of these; `Array` takes any length and shape, and `Value` anything, such as dicts"
+)]
 pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
     /// A buffer for [`reset_into`](crate::Env::reset_into) and [`step_into`](crate::Env::step_into)
     /// to fill; what it holds until then means nothing.

@@ -9,9 +9,8 @@ use std::process::Command;
 use gym::{Error, Result};
 use serde_json::Value as Json;
 
-/// The profile of this workspace, so that dependencies are built once.
-pub(crate) const PROFILE: &str =
-    "[profile.dev]\nopt-level = 1\n\n[profile.dev.package.\"*\"]\nopt-level = 2\n";
+/// A profile that builds fast: a first build of gym-core takes a fifth of the time that an optimised one takes.
+pub(crate) const PROFILE: &str = "[profile.dev.package.\"*\"]\ndebug = false\n";
 
 /// The folder of this workspace.
 pub(crate) fn root() -> PathBuf {

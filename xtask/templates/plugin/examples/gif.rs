@@ -10,9 +10,9 @@ fn main() -> Result<()> {
     let id = arguments.next().unwrap_or_else(|| "plugin_name/Corridor-v0".into());
     let file = arguments.next().unwrap_or_else(|| "episode.gif".into());
     let mut env = gym_core::builder(&id).render_mode(RenderMode::RgbArray).build()?;
-    let mut actions = env.action_sampler(7)?;
+    let mut actions = env.action_sampler(4)?;
     let mut recorder = Recorder::new(&file, &env)?;
-    env.reset(7)?;
+    env.reset(4)?;
     recorder.capture(&mut env)?;
     loop {
         let step = env.step(&actions.sample())?;

@@ -26,6 +26,7 @@ mod copies;
 mod drawing;
 mod episodes;
 mod info;
+mod long;
 mod matching;
 mod observations;
 mod panics;

@@ -10,8 +10,14 @@ pub enum Fault {
     #[default]
     None,
     ActionAccepted,
+    #[serde(rename = "action-accepted.held")]
+    ActionAcceptedHeld,
     ActionNormalised,
     ActionValidated,
+    #[serde(rename = "action-validated.one-element")]
+    ActionValidatedOneElement,
+    #[serde(rename = "action-validated.one-number")]
+    ActionValidatedOneNumber,
     AnyThread,
     CloneApart,
     CloneContinues,
@@ -19,15 +25,25 @@ pub enum Fault {
     Described,
     DrawingPure,
     DrawingSound,
+    #[serde(rename = "drawing-sound.at-the-end")]
+    DrawingSoundAtTheEnd,
     ExceptionsKnown,
     GeneratorLent,
     InfoConsistent,
+    #[serde(rename = "info-consistent.at-the-end")]
+    InfoConsistentAtTheEnd,
     MetadataComplete,
     NoAllocation,
     NoPanic,
+    #[serde(rename = "no-panic.at-the-end")]
+    NoPanicAtTheEnd,
     ObservationDtype,
     ObservationFinite,
     ObservationInSpace,
+    #[serde(rename = "observation-in-space.held")]
+    ObservationInSpaceHeld,
+    #[serde(rename = "observation-in-space.huge-action")]
+    ObservationInSpaceHugeAction,
     ObservationWhole,
     OptionsIgnored,
     OtherSeedOtherEpisode,
@@ -38,6 +54,8 @@ pub enum Fault {
     ResetNeeded,
     Resets,
     RewardFinite,
+    #[serde(rename = "reward-finite.late")]
+    RewardFiniteLate,
     SameSeedSameEpisode,
     SnapshotContinues,
     SnapshotRefused,

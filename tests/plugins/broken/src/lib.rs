@@ -1,5 +1,6 @@
 //! One deliberately faulty environment for each check of `gym_core::conform`, named after it:
-//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other.
+//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
+//! the same rule in another way.
 //!
 //! They are all the same [`Walk`], in which one [`Fault`] is planted. `broken/none-v0` has none.
 
@@ -38,13 +39,20 @@ register! {
     "resets";
     "space-constant";
     "action-accepted";
+    "action-accepted.held";
     "action-validated";
+    "action-validated.one-element";
+    "action-validated.one-number";
     "observation-in-space";
+    "observation-in-space.held";
+    "observation-in-space.huge-action";
     "observation-dtype";
     // a space that contains infinity has no finite bound
     "observation-finite", exceptions(&[("space-bounded", "infinity must lie in the space for this")]);
     "reward-finite";
+    "reward-finite.late";
     "info-consistent";
+    "info-consistent.at-the-end";
     "reset-needed";
     "time-limit";
     "same-seed-same-episode";
@@ -62,10 +70,12 @@ register! {
     "any-thread";
     "metadata-complete";
     "drawing-sound";
+    "drawing-sound.at-the-end";
     "drawing-pure";
     "render-modes";
     "no-allocation";
     "no-panic";
+    "no-panic.at-the-end";
 }
 
 gym_core::register!(

@@ -9,9 +9,10 @@ fn reports() -> Vec<Report> {
     conform::reports(&conform::ids_of("broken-envs")).expect("the ids are registered")
 }
 
-/// The check that an id is named after.
+/// The check that an id is named after, before the point where it has several faults.
 fn expected(id: &str) -> &str {
-    id.strip_prefix("broken/").and_then(|id| id.strip_suffix("-v0")).expect("an id of this crate")
+    let name = id.strip_prefix("broken/").and_then(|id| id.strip_suffix("-v0")).expect("an id of this crate");
+    name.split_once('.').map_or(name, |(check, _)| check)
 }
 
 #[test]

@@ -42,6 +42,15 @@ pub(super) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
+pub(super) fn frame_rate(subject: &Subject<'_>) -> Verdict {
+    /// As fast as screens are.
+    const MAX: u32 = 240;
+    match subject.make()?.metadata().render_fps {
+        fps if fps > MAX => broken(format!("`render_fps` is {fps}")),
+        _ => Ok(()),
+    }
+}
+
 pub(super) fn sound(subject: &Subject<'_>) -> Verdict {
     let is_drawn = is_drawn(&subject.make()?);
     for seed in SEEDS {

@@ -32,6 +32,7 @@ pub enum Fault {
     InfoConsistent,
     #[serde(rename = "info-consistent.at-the-end")]
     InfoConsistentAtTheEnd,
+    FrameRate,
     MetadataComplete,
     NoAllocation,
     NoPanic,
@@ -47,9 +48,13 @@ pub enum Fault {
     ObservationWhole,
     OptionsIgnored,
     OtherSeedOtherEpisode,
+    #[serde(rename = "other-seed-other-episode.cut")]
+    OtherSeedOtherEpisodeCut,
     RefusalChangesNothing,
     RenderModes,
     ResetCarriesOn,
+    #[serde(rename = "reset-carries-on.to-the-next-seed")]
+    ResetCarriesOnToTheNextSeed,
     ResetForgets,
     ResetNeeded,
     Resets,
@@ -57,7 +62,13 @@ pub enum Fault {
     #[serde(rename = "reward-finite.late")]
     RewardFiniteLate,
     SameSeedSameEpisode,
+    #[serde(rename = "same-seed-same-episode.interrupted")]
+    SameSeedSameEpisodeInterrupted,
     SnapshotContinues,
+    #[serde(rename = "snapshot-continues.used")]
+    SnapshotContinuesUsed,
+    #[serde(rename = "snapshot-continues.unused")]
+    SnapshotContinuesUnused,
     SnapshotRefused,
     SpaceBounded,
     SpaceConstant,

@@ -56,19 +56,25 @@ register! {
     "reset-needed";
     "time-limit";
     "same-seed-same-episode";
+    "same-seed-same-episode.interrupted";
     "options-ignored";
     "reset-forgets";
     "other-seed-other-episode";
+    "other-seed-other-episode.cut";
     "reset-carries-on";
+    "reset-carries-on.to-the-next-seed";
     "generator-lent";
     "observation-whole";
     "refusal-changes-nothing";
     "clone-apart";
     "clone-continues";
     "snapshot-continues";
+    "snapshot-continues.unused";
+    "snapshot-continues.used";
     "snapshot-refused";
     "any-thread";
     "metadata-complete";
+    "frame-rate";
     "drawing-sound";
     "drawing-sound.at-the-end";
     "drawing-pure";
@@ -86,5 +92,18 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<Walk<Careless>>("broken/arguments-refused-v0")
         .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/versioned")
+        .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/described.unfinished-v0").description("TODO").max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/described.again-v0")
+        .description("described.again")
         .max_episode_steps(12)
 );

@@ -49,6 +49,8 @@ struct State {
 /// How far a step goes, and how strong the wind is.
 const STEP: f64 = 0.2;
 const WIND: f64 = 0.1;
+/// The time limit.
+const LIMIT: u32 = 12;
 /// Chance does not hold an action for so many steps.
 const LONG: u32 = 30;
 
@@ -235,7 +237,20 @@ impl<C: 'static> Env for Walk<C> {
             (_, _) if self.fault == Fault::OtherSeedOtherEpisode && reset.seed.is_some() => {
                 Some(Seed::from(0))
             }
+            (Some(seed), _) if self.fault == Fault::OtherSeedOtherEpisodeCut => {
+                Some(Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 32))))
+            }
             (Some(seed), _) => Some(seed.clone()),
+            (None, Some(last)) if self.fault == Fault::ResetCarriesOnToTheNextSeed => {
+                last.seed.parse().ok().map(|seed: u64| Seed::from(seed.wrapping_add(1)))
+            }
+            (None, Some(last))
+                if self.fault == Fault::SameSeedSameEpisodeInterrupted
+                    && last.steps < LIMIT
+                    && !last.is_at_end() =>
+            {
+                Some(Seed::from(self.number))
+            }
             (None, Some(last)) if self.fault == Fault::ResetCarriesOn => last.seed.parse().ok(),
             (None, _) => None,
         };
@@ -311,6 +326,13 @@ impl<C: 'static> Env for Walk<C> {
         if state.as_ref().is_some_and(|state| !(on_the_line(state.position) && on_the_line(state.wind))) {
             return Err(Error::Snapshot("it is off the line".into()));
         }
+        let state = match (self.fault, &self.state, state) {
+            (Fault::SnapshotContinuesUnused, Some(_), None) => return Ok(()),
+            (Fault::SnapshotContinuesUsed, Some(old), Some(new)) => {
+                Some(State { rng: old.rng.clone(), ..new })
+            }
+            (_, _, state) => state,
+        };
         // the number is part of the state: an environment restored is the one that was stored
         self.number = state.as_ref().map_or(self.number, |state| state.number);
         self.state = state;
@@ -331,6 +353,7 @@ impl<C: 'static> Env for Walk<C> {
 
     fn metadata(&self) -> Metadata {
         match self.fault {
+            Fault::FrameRate => Metadata::drawn(1000, (200, 40)),
             Fault::MetadataComplete => Metadata::drawn(0, (200, 40)),
             Fault::RenderModes => Metadata {
                 render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],

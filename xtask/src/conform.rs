@@ -29,7 +29,11 @@ pub(crate) fn conform(arguments: &Arguments) -> Result<()> {
     if ids.is_empty() {
         ids = registry::all().iter().map(Registration::id).map(str::to_owned).collect();
     }
-    let reports = conform::reports(&ids)?;
+    let reports = conform::reports_with(&ids, |id| {
+        if arguments.format == Format::Text {
+            eprintln!("checking {id}");
+        }
+    })?;
     print!("{}", arguments.format.write(&reports));
     match reports.iter().filter(|report| !report.passes()).count() {
         0 => Ok(()),
@@ -101,7 +105,8 @@ fn write_runner(runner: &Path, plugin: &Plugin) -> Result<()> {
              if ids.is_empty() {{\n        \
                  return Err(\"the crate registers no environment: put `gym_core::register!(...)` at its top level\".into());\n    \
              }}\n    \
-             let reports = conform::reports(&ids)?;\n    \
+             let begin = |id: &str| if format == Format::Text {{ eprintln!(\"checking {{id}}\") }};\n    \
+             let reports = conform::reports_with(&ids, begin)?;\n    \
              print!(\"{{}}\", format.write(&reports));\n    \
              std::process::exit(i32::from(!reports.iter().all(Report::passes)));\n\
          }}\n",

@@ -25,13 +25,47 @@ pub(super) fn clone_continues(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(super) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
-    continues(subject, "an environment restored from a snapshot", |env| {
-        let stored = |error: serde_json::Error| Error::Snapshot(error.to_string());
-        let text = serde_json::to_string(&env.snapshot()?).map_err(stored)?;
-        let mut restored = subject.make()?;
-        restored.restore(&serde_json::from_str(&text).map_err(stored)?)?;
-        Ok(restored)
-    })
+    continues(subject, "an environment restored from a snapshot", |env| restored(env, subject.make()?))?;
+    let what = "an environment restored from a snapshot in the middle of another episode";
+    continues(subject, what, |env| restored(env, subject.midway(7)?))?;
+    let what = "an environment restored from a snapshot after the end of another episode";
+    continues(subject, what, |env| restored(env, ended(subject)?))?;
+    unused(subject)
+}
+
+/// `into` with the state of `env`, by way of a text.
+fn restored(env: &BoxEnv, mut into: BoxEnv) -> Result<BoxEnv> {
+    let stored = |error: serde_json::Error| Error::Snapshot(error.to_string());
+    let text = serde_json::to_string(&env.snapshot()?).map_err(stored)?;
+    into.restore(&serde_json::from_str(&text).map_err(stored)?)?;
+    Ok(into)
+}
+
+/// An environment at the end of an episode, if that is not too far.
+fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
+    let mut env = subject.reset(7)?;
+    let mut actions = env.action_sampler(7)?;
+    for _ in 0..300 {
+        if env.step(&actions.sample())?.done() {
+            break;
+        }
+    }
+    Ok(env)
+}
+
+/// A snapshot from before the first reset makes a used environment as good as new.
+fn unused(subject: &Subject<'_>) -> Verdict {
+    let (mut new, mut used) = (subject.make()?, subject.midway(0)?);
+    let Ok(snapshot) = new.snapshot() else { return Ok(()) };
+    if used.restore(&snapshot).is_err() {
+        return Ok(());
+    }
+    let what = "a used environment restored from a snapshot from before the first reset";
+    let action = new.action_sampler(0)?.sample();
+    if new.step(&action).is_ok() != used.step(&action).is_ok() {
+        return broken(format!("{what} goes on with an episode"));
+    }
+    same(&roll_out(&mut new, 0, STEPS)?, &roll_out(&mut used, 0, STEPS)?, what)
 }
 
 /// Whether a copy taken in the middle of an episode goes on as an original of which none was taken.

@@ -1,6 +1,6 @@
 //! Checks of drawings and render modes.
 
-use super::subject::{Subject, carry_on, same};
+use super::subject::{STEPS, Subject, carry_on, same, tour};
 use super::{SEEDS, Verdict, broken, skipped};
 use crate::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use crate::render::{RenderMode, Rendered, painter};
@@ -42,26 +42,32 @@ pub(super) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
+pub(super) fn frame_rate(subject: &Subject<'_>) -> Verdict {
+    /// As fast as screens are.
+    const MAX: u32 = 240;
+    match subject.make()?.metadata().render_fps {
+        fps if fps > MAX => broken(format!("`render_fps` is {fps}")),
+        _ => Ok(()),
+    }
+}
+
 pub(super) fn sound(subject: &Subject<'_>) -> Verdict {
     let is_drawn = is_drawn(&subject.make()?);
     for seed in SEEDS {
-        let mut env = subject.reset(seed)?;
-        for step in 0..30 {
-            let calls = Calls::of(&env);
+        tour(&mut subject.make()?, seed, STEPS, |env, step| {
+            let place = format!("seed {seed}, step {step}");
+            let calls = Calls::of(env);
             if let Some(fault) = calls.fault {
-                return broken(format!("seed {seed}, step {step}: {fault}"));
+                return broken(format!("{place}: {fault}"));
             }
             if calls.depth != 0 {
-                return broken(format!(
-                    "seed {seed}, step {step}: {} of the `push`es have no `pop`",
-                    calls.depth
-                ));
+                return broken(format!("{place}: {} of the `push`es have no `pop`", calls.depth));
             }
             if is_drawn && calls.count == 0 {
-                return broken(format!("seed {seed}, step {step}: nothing is drawn"));
+                return broken(format!("{place}: nothing is drawn"));
             }
-            carry_on(&mut env, seed + step, 1)?;
-        }
+            Ok(())
+        })?;
     }
     Ok(())
 }

@@ -1,28 +1,25 @@
 //! Checks of `info`.
 
-use super::subject::{Subject, alike, carry_on};
+use super::subject::{STEPS, Subject, alike, tour};
 use super::{Verdict, broken};
 use crate::{BoxEnv, Env, Value};
 
 pub(super) fn consistent(subject: &Subject<'_>) -> Verdict {
-    let mut env = subject.make()?;
-    env.reset(0)?;
-    for step in 0..20 {
-        let entries = entries(&env);
+    tour(&mut subject.make()?, 0, STEPS, |env, step| {
+        let entries = entries(env);
         let mut keys: Vec<_> = entries.iter().map(|(key, _)| key).collect();
         keys.sort_unstable();
         if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
             return broken(format!("after step {step} info shows {:?} twice", twice[0]));
         }
-        let again = self::entries(&env);
+        let again = self::entries(env);
         if !alike(&entries, &again) {
             return broken(format!(
                 "asked twice after step {step}, info shows {entries:?} and then {again:?}"
             ));
         }
-        carry_on(&mut env, step, 1)?;
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// The entries, without wall-clock time.

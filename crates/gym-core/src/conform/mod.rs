@@ -26,6 +26,7 @@ mod copies;
 mod drawing;
 mod episodes;
 mod info;
+mod long;
 mod matching;
 mod observations;
 mod panics;
@@ -41,11 +42,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::Serialize;
 
-use crate::{BoxEnv, Error, Result};
+use crate::{BoxEnv, Env, EnvSpec, Error, Result};
 
 pub use crate::__conform_suite as suite;
 pub use matching::{InfoComparison, Matching, environments_match};
-pub use registered::{assert_conforms, ids_of, reports};
+pub use registered::{assert_conforms, ids_of, reports, reports_with};
 pub use report::{Excused, Format, Report, Skipped};
 use subject::{SEEDS, Subject};
 
@@ -163,6 +164,13 @@ pub const CHECKS: &[Check] = &[
         [],
         "people choose environments from a list",
         "add `.description(\"What the agent has to do.\")` to the registration",
+    ),
+    warning!(
+        "versioned",
+        registered::versioned,
+        [],
+        "results are compared by id, and a task that changes needs a new one",
+        "end the id with a version: `my_envs/Corridor-v0`",
     ),
     error!(
         "exceptions-known",
@@ -374,6 +382,13 @@ pub const CHECKS: &[Check] = &[
         "recorders need to know how fast and how large",
         "name each mode once without its `_list` form, with frames per second and a size above 0",
     ),
+    warning!(
+        "frame-rate",
+        drawing::frame_rate,
+        ["metadata-complete"],
+        "no screen shows so many frames, and recordings are played as slowly as players can",
+        "give the steps per second of real time in `Metadata`, at most 240",
+    ),
     error!(
         "drawing-sound",
         drawing::sound,
@@ -427,10 +442,25 @@ pub const CHECKS: &[Check] = &[
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// They are checked as they come. What `make` puts around an environment can hide its faults, so a bare one tells
-/// more; [`reports`] takes care of that.
+/// What [`make`](crate::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
+/// the environment itself does. All others are checked as they come.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
-    run(&Subject::new(&make)).0
+    match bare(&make) {
+        Some(spec) => run(&Subject::of_spec(&|| spec.make(), spec.clone())).0,
+        None => run(&Subject::new(&make)).0,
+    }
+}
+
+/// How to make an environment without what hides its faults, if its spec makes just what `make` does.
+fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
+    // a panic shows again, and is told, when the first check makes an environment
+    let stacks = catch_unwind(AssertUnwindSafe(|| {
+        let made = make().ok()?;
+        let spec = made.spec()?;
+        let again = spec.make().ok()?;
+        (made.describe() == again.describe()).then_some(spec)
+    }));
+    stacks.ok().flatten().map(|spec| registered::bare(&spec))
 }
 
 /// The findings, and what was not checked for which reason.

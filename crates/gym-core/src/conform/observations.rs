@@ -9,7 +9,8 @@ pub(super) fn in_space(subject: &Subject<'_>) -> Verdict {
     each_event(subject, |shown, place| match space.check(shown.observation()) {
         Ok(()) => Ok(()),
         Err(error) => broken(format!("{place}: {error}")),
-    })
+    })?;
+    subject.long_runs()?.in_space()
 }
 
 pub(super) fn dtype(subject: &Subject<'_>) -> Verdict {
@@ -43,7 +44,8 @@ pub(super) fn finite(subject: &Subject<'_>) -> Verdict {
     each_event(subject, |shown, place| match shown.observation() {
         observation if observation.is_finite() => Ok(()),
         observation => broken(format!("{place}: the observation is {observation}")),
-    })
+    })?;
+    subject.long_runs()?.finite()
 }
 
 pub(super) fn reward_finite(subject: &Subject<'_>) -> Verdict {
@@ -52,7 +54,8 @@ pub(super) fn reward_finite(subject: &Subject<'_>) -> Verdict {
             broken(format!("{place}: the reward is {reward}"))
         }
         _ => Ok(()),
-    })
+    })?;
+    subject.long_runs()?.reward_finite()
 }
 
 pub(super) fn whole(subject: &Subject<'_>) -> Verdict {

@@ -5,13 +5,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde_json::{Value as Json, json};
 
-use super::actions::{corners, invalid};
+use super::actions::{corners, huge, invalid, uniform};
 use super::arguments::effective;
 use super::copies::damaged;
 use super::subject::{Subject, carry_on};
 use super::{Verdict, broken};
 use crate::canvas::{Align, Canvas, Color, Point, Shape, Transform};
-use crate::{Array, BoxEnv, Data, Env, Reset, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, Reset, Result, Snapshot, Value};
 
 /// What a panic says.
 pub(super) fn message(payload: &(dyn Any + Send)) -> String {
@@ -104,7 +104,7 @@ fn beyond_the_end(env: &mut BoxEnv) -> Result<()> {
     Ok(())
 }
 
-fn look(env: &BoxEnv) {
+pub(super) fn look(env: &BoxEnv) {
     let _ = (env.observation_space(), env.action_space(), env.metadata(), env.describe());
     let _ = (env.info_map(), env.ansi(), env.snapshot().is_ok(), env.spec().is_some());
     env.draw(&mut Blank);
@@ -116,13 +116,8 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     let valid = env.action_sampler(0)?.sample();
     let mut actions = invalid(&space, &valid);
     actions.extend(corners(&space));
-    if let Space::Box(space) = &space {
-        let (lowest, highest) = space.dtype().finite_range();
-        for x in [lowest, highest, 0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY] {
-            let data = Data::from_f64(space.dtype(), vec![x; space.low().len()]);
-            actions.extend(Array::new(space.shape(), data).map(Value::Array));
-        }
-    }
+    actions.extend(huge(&space));
+    actions.extend([0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY].iter().filter_map(|&x| uniform(&space, x)));
     Ok(actions)
 }
 

@@ -19,8 +19,27 @@ pub(super) fn described(subject: &Subject<'_>) -> Verdict {
         Some(registration) if registration.about().trim().is_empty() => {
             broken(format!("`{}` is registered without a description", registration.id()))
         }
+        Some(registration) if says_nothing(registration.id(), registration.about().trim()) => {
+            broken(format!("`{}` is described as {:?}", registration.id(), registration.about()))
+        }
         Some(_) => Ok(()),
         None => skipped("it is not registered"),
+    }
+}
+
+/// Whether a description is the id over again, or yet to be written.
+fn says_nothing(id: &str, about: &str) -> bool {
+    let name = id.rsplit('/').next().unwrap_or(id);
+    let stem = name.rsplit_once("-v").map_or(name, |(stem, _)| stem);
+    [id, name, stem].contains(&about.trim_end_matches('.')) || about.starts_with("TODO")
+}
+
+pub(super) fn versioned(subject: &Subject<'_>) -> Verdict {
+    let Some(registration) = &subject.registration else { return skipped("it is not registered") };
+    let version = registration.id().rsplit_once("-v").map(|(_, version)| version);
+    match version.is_some_and(|version| version.parse::<u32>().is_ok()) {
+        true => Ok(()),
+        false => broken(format!("`{}` has no version", registration.id())),
     }
 }
 
@@ -39,10 +58,22 @@ pub(super) fn exceptions_known(subject: &Subject<'_>) -> Verdict {
 /// # Errors
 /// What is wrong with an id. An environment that does not keep the rules is no error but a report.
 pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
+    reports_with(ids, |_| ())
+}
+
+/// As [`reports`], and calls `begin` with each id before its first check, so that one that hangs or aborts is known.
+///
+/// # Errors
+/// What is wrong with an id.
+pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
     let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
-        let specs = &specs;
+        let (specs, begin) = (&specs, &begin);
+        let report = move |spec: &EnvSpec| {
+            begin(&spec.id);
+            report(spec)
+        };
         let handles: Vec<_> = (0..workers)
             .map(|worker| {
                 let mine = specs.iter().enumerate().skip(worker).step_by(workers);
@@ -58,8 +89,13 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
+/// Without what hides faults.
+pub(super) fn bare(spec: &EnvSpec) -> EnvSpec {
+    EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
+}
+
 fn report(spec: &EnvSpec) -> Report {
-    let bare = EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() };
+    let bare = bare(spec);
     let make = || bare.make();
     let subject = Subject::of_spec(&make, bare.clone());
     let (mut findings, skipped) = run(&subject);

@@ -30,8 +30,17 @@ pub(super) fn same_seed(subject: &Subject<'_>) -> Verdict {
     }
     let roll = |seed| roll_out(&mut subject.make()?, seed, STEPS);
     SEEDS.into_iter().try_for_each(|seed| {
-        same(&roll(seed)?, &roll(seed)?, "a second environment with the same seed and actions")
+        same(&roll(seed)?, &roll(seed)?, "a second environment with the same seed and actions")?;
+        let what = "a second environment with resets in the middle of an episode, seeded once,";
+        same(&interrupted(subject, seed)?, &interrupted(subject, seed)?, what)
     })
+}
+
+/// Episodes that follow a seeded one that was left, and one that was not begun.
+fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
+    let mut env = subject.midway(seed)?;
+    env.reset(())?;
+    episode(&mut env, Reset::default())
 }
 
 pub(super) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
@@ -65,7 +74,8 @@ pub(super) fn other_seed(subject: &Subject<'_>) -> Verdict {
     let first = episode(&mut env, Reset::seed(0))?;
     for seed in 1..TRIES {
         if episode(&mut env, Reset::seed(seed))? != first {
-            return Ok(());
+            let what = "a seed and the one 2^32 above it always give the same episode";
+            return not_always(&mut env, what, |env, seed| episode(env, Reset::seed(seed + (1 << 32))), 0);
         }
     }
     broken(format!("{TRIES} seeds give the same episode, yet there is randomness"))
@@ -82,6 +92,25 @@ fn is_random(env: &mut BoxEnv) -> Result<bool> {
     Ok(false)
 }
 
+/// Whether `other` is for each seed the episode of the seed `ahead` of it, though seeds tell most episodes apart.
+fn not_always(
+    env: &mut BoxEnv,
+    what: &str,
+    other: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
+    ahead: u64,
+) -> Verdict {
+    let mut distinct = 0;
+    for seed in 0..TRIES {
+        let plain = episode(env, Reset::seed(seed + ahead))?;
+        if other(env, seed)? != plain {
+            return Ok(());
+        }
+        distinct += u64::from(episode(env, Reset::seed(seed + ahead + 1))? != plain);
+    }
+    // where few episodes differ, it is chance
+    if distinct * 2 > TRIES { broken(what) } else { Ok(()) }
+}
+
 pub(super) fn carries_on(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
@@ -90,7 +119,12 @@ pub(super) fn carries_on(subject: &Subject<'_>) -> Verdict {
     let first = episode(&mut env, Reset::seed(0))?;
     for _ in 1..TRIES {
         if episode(&mut env, Reset::default())? != first {
-            return Ok(());
+            let what = "a reset without a seed always gives the episode of the next seed";
+            let unseeded = |env: &mut BoxEnv, seed: u64| {
+                env.reset(seed)?;
+                episode(env, Reset::default())
+            };
+            return not_always(&mut env, what, unseeded, 1);
         }
     }
     broken(format!("{TRIES} resets without a seed repeat the episode of the last seed"))

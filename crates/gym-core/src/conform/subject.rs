@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use super::long::LongRuns;
 use super::{Trouble, Verdict, broken};
 use crate::{BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Step, Value, registry};
 
@@ -14,6 +15,8 @@ pub(super) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
     /// An episode for each seed, played once for all checks that only look.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
+    /// What longer runs show, played once as well.
+    long_runs: OnceCell<LongRuns>,
     /// How it was made, and how it is registered, if it is.
     pub(super) spec: Option<EnvSpec>,
     pub(super) registration: Option<Registration>,
@@ -25,13 +28,13 @@ impl<'a> Subject<'a> {
         let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
         let spec = made.ok().flatten();
         let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
-        Self { make, events: OnceCell::new(), spec, registration }
+        Self { make, events: OnceCell::new(), long_runs: OnceCell::new(), spec, registration }
     }
 
     /// What `make` makes of a spec, which may fail.
     pub(super) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
-        Self { make, events: OnceCell::new(), spec: Some(spec), registration }
+        Self { make, events: OnceCell::new(), long_runs: OnceCell::new(), spec: Some(spec), registration }
     }
 
     /// A fresh environment.
@@ -72,6 +75,15 @@ impl<'a> Subject<'a> {
         let events = SEEDS.into_iter().map(|seed| Ok((seed, roll_out(&mut env, seed, STEPS)?)));
         let events = events.collect::<Result<_>>()?;
         Ok(self.events.get_or_init(|| events))
+    }
+
+    /// What is wrong in long and in odd runs.
+    pub(super) fn long_runs(&self) -> Result<&LongRuns> {
+        if let Some(runs) = self.long_runs.get() {
+            return Ok(runs);
+        }
+        let runs = LongRuns::play(self)?;
+        Ok(self.long_runs.get_or_init(|| runs))
     }
 
     /// Whether the same seed may give different episodes.
@@ -117,6 +129,27 @@ pub(super) fn carry_on(env: &mut BoxEnv, action_seed: u64, steps: usize) -> Resu
         }
     }
     Ok(shown)
+}
+
+/// Calls `visit` after each reset and each random step, at the last state of an episode too.
+pub(super) fn tour(
+    env: &mut BoxEnv,
+    seed: u64,
+    steps: usize,
+    mut visit: impl FnMut(&BoxEnv, usize) -> Verdict,
+) -> Verdict {
+    let mut actions = env.action_sampler(seed)?;
+    env.reset(seed)?;
+    visit(env, 0)?;
+    for step in 1..=steps {
+        let is_over = env.step(&actions.sample())?.done();
+        visit(env, step)?;
+        if is_over {
+            env.reset(())?;
+            visit(env, step)?;
+        }
+    }
+    Ok(())
 }
 
 /// The entries of `info` without wall-clock time.

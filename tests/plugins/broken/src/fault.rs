@@ -10,8 +10,14 @@ pub enum Fault {
     #[default]
     None,
     ActionAccepted,
+    #[serde(rename = "action-accepted.held")]
+    ActionAcceptedHeld,
     ActionNormalised,
     ActionValidated,
+    #[serde(rename = "action-validated.one-element")]
+    ActionValidatedOneElement,
+    #[serde(rename = "action-validated.one-number")]
+    ActionValidatedOneNumber,
     AnyThread,
     CloneApart,
     CloneContinues,
@@ -19,27 +25,50 @@ pub enum Fault {
     Described,
     DrawingPure,
     DrawingSound,
+    #[serde(rename = "drawing-sound.at-the-end")]
+    DrawingSoundAtTheEnd,
     ExceptionsKnown,
     GeneratorLent,
     InfoConsistent,
+    #[serde(rename = "info-consistent.at-the-end")]
+    InfoConsistentAtTheEnd,
+    FrameRate,
     MetadataComplete,
     NoAllocation,
     NoPanic,
+    #[serde(rename = "no-panic.at-the-end")]
+    NoPanicAtTheEnd,
     ObservationDtype,
     ObservationFinite,
     ObservationInSpace,
+    #[serde(rename = "observation-in-space.held")]
+    ObservationInSpaceHeld,
+    #[serde(rename = "observation-in-space.huge-action")]
+    ObservationInSpaceHugeAction,
     ObservationWhole,
     OptionsIgnored,
     OtherSeedOtherEpisode,
+    #[serde(rename = "other-seed-other-episode.cut")]
+    OtherSeedOtherEpisodeCut,
     RefusalChangesNothing,
     RenderModes,
     ResetCarriesOn,
+    #[serde(rename = "reset-carries-on.to-the-next-seed")]
+    ResetCarriesOnToTheNextSeed,
     ResetForgets,
     ResetNeeded,
     Resets,
     RewardFinite,
+    #[serde(rename = "reward-finite.late")]
+    RewardFiniteLate,
     SameSeedSameEpisode,
+    #[serde(rename = "same-seed-same-episode.interrupted")]
+    SameSeedSameEpisodeInterrupted,
     SnapshotContinues,
+    #[serde(rename = "snapshot-continues.used")]
+    SnapshotContinuesUsed,
+    #[serde(rename = "snapshot-continues.unused")]
+    SnapshotContinuesUnused,
     SnapshotRefused,
     SpaceBounded,
     SpaceConstant,

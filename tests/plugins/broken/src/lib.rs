@@ -1,5 +1,6 @@
 //! One deliberately faulty environment for each check of `gym_core::conform`, named after it:
-//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other.
+//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
+//! the same rule in another way.
 //!
 //! They are all the same [`Walk`], in which one [`Fault`] is planted. `broken/none-v0` has none.
 
@@ -38,34 +39,49 @@ register! {
     "resets";
     "space-constant";
     "action-accepted";
+    "action-accepted.held";
     "action-validated";
+    "action-validated.one-element";
+    "action-validated.one-number";
     "observation-in-space";
+    "observation-in-space.held";
+    "observation-in-space.huge-action";
     "observation-dtype";
     // a space that contains infinity has no finite bound
     "observation-finite", exceptions(&[("space-bounded", "infinity must lie in the space for this")]);
     "reward-finite";
+    "reward-finite.late";
     "info-consistent";
+    "info-consistent.at-the-end";
     "reset-needed";
     "time-limit";
     "same-seed-same-episode";
+    "same-seed-same-episode.interrupted";
     "options-ignored";
     "reset-forgets";
     "other-seed-other-episode";
+    "other-seed-other-episode.cut";
     "reset-carries-on";
+    "reset-carries-on.to-the-next-seed";
     "generator-lent";
     "observation-whole";
     "refusal-changes-nothing";
     "clone-apart";
     "clone-continues";
     "snapshot-continues";
+    "snapshot-continues.unused";
+    "snapshot-continues.used";
     "snapshot-refused";
     "any-thread";
     "metadata-complete";
+    "frame-rate";
     "drawing-sound";
+    "drawing-sound.at-the-end";
     "drawing-pure";
     "render-modes";
     "no-allocation";
     "no-panic";
+    "no-panic.at-the-end";
 }
 
 gym_core::register!(
@@ -76,5 +92,18 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<Walk<Careless>>("broken/arguments-refused-v0")
         .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/versioned")
+        .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/described.unfinished-v0").description("TODO").max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/described.again-v0")
+        .description("described.again")
         .max_episode_steps(12)
 );

@@ -8,7 +8,7 @@ use std::thread::{self, ThreadId};
 
 use gym_core::canvas::{Canvas, Color, Transform};
 use gym_core::render::{Metadata, RenderMode};
-use gym_core::spaces::TupleSpace;
+use gym_core::spaces::{MultiDiscrete, TupleSpace};
 use gym_core::{Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
 use serde::{Deserialize, Serialize};
 
@@ -41,12 +41,24 @@ struct State {
     position: f64,
     wind: f64,
     steps: u32,
+    /// The direction of the last step, and for how many steps it has been the same.
+    held: (f64, u32),
     number: u64,
 }
 
 /// How far a step goes, and how strong the wind is.
 const STEP: f64 = 0.2;
 const WIND: f64 = 0.1;
+/// The time limit.
+const LIMIT: u32 = 12;
+/// Chance does not hold an action for so many steps.
+const LONG: u32 = 30;
+
+impl State {
+    fn is_at_end(&self) -> bool {
+        self.position.abs() == 1.0
+    }
+}
 
 impl<C> Walk<C> {
     /// A walk with that fault.
@@ -68,6 +80,9 @@ impl<C> Walk<C> {
         };
         let action_space = match fault {
             Fault::ActionNormalised => Space::boxed([-2.0], [2.0]),
+            Fault::ActionValidatedOneElement => Space::boxed([-1.0; 2], [1.0; 2]),
+            Fault::ActionValidatedOneNumber => MultiDiscrete::new([2i64, 2])?.into(),
+            Fault::ObservationInSpaceHugeAction => Space::boxed([-1.0], [1.0]),
             _ => Space::discrete(2),
         };
         Ok(Self {
@@ -83,10 +98,11 @@ impl<C> Walk<C> {
     }
 
     fn observe(&self, observation: &mut Value) {
-        let Some(State { position, wind, steps, .. }) = &self.state else { return };
+        let Some(State { position, wind, steps, held, .. }) = &self.state else { return };
         let [mut x, mut wind] = [*position as f32, *wind as f32];
         match self.fault {
             Fault::ObservationInSpace if *steps > 3 => x = 1.5,
+            Fault::ObservationInSpaceHeld if held.1 > LONG => x = 1.5,
             Fault::ObservationFinite if *steps > 3 => wind = f32::INFINITY,
             Fault::SpaceBounded => wind = wind.abs(),
             _ => (),
@@ -120,7 +136,31 @@ impl<C> Walk<C> {
                 [x] if x.is_finite() => Some(f64::from(*x).clamp(-1.0, 1.0)),
                 _ => None,
             },
-            (Fault::ActionNormalised, _) => None,
+            (Fault::ObservationInSpaceHugeAction, Value::Array(array)) => match array.as_slice::<f32>()? {
+                [x] if x.is_finite() => Some(f64::from(*x).clamp(-4.0, 4.0)),
+                _ => None,
+            },
+            // the second element may be anything
+            (Fault::ActionValidatedOneElement, Value::Array(array)) => match array.as_slice::<f32>()? {
+                [x, _] if array.shape() == [2] && x.is_finite() => Some(f64::from(*x).clamp(-1.0, 1.0)),
+                _ => None,
+            },
+            (Fault::ActionValidatedOneNumber, Value::Array(array)) => match array.as_slice::<i64>()? {
+                [x @ 0..2, _] if array.shape() == [2] => Some(*x as f64 * 2.0 - 1.0),
+                _ => None,
+            },
+            (
+                Fault::ActionNormalised
+                | Fault::ObservationInSpaceHugeAction
+                | Fault::ActionValidatedOneElement
+                | Fault::ActionValidatedOneNumber,
+                _,
+            ) => None,
+            (Fault::ActionAcceptedHeld, _)
+                if self.state.as_ref().is_some_and(|state| state.held.1 > LONG) =>
+            {
+                None
+            }
             (_, Value::Int(0)) => Some(-1.0),
             (_, Value::Int(1)) => Some(1.0),
             _ => None,
@@ -197,7 +237,20 @@ impl<C: 'static> Env for Walk<C> {
             (_, _) if self.fault == Fault::OtherSeedOtherEpisode && reset.seed.is_some() => {
                 Some(Seed::from(0))
             }
+            (Some(seed), _) if self.fault == Fault::OtherSeedOtherEpisodeCut => {
+                Some(Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 32))))
+            }
             (Some(seed), _) => Some(seed.clone()),
+            (None, Some(last)) if self.fault == Fault::ResetCarriesOnToTheNextSeed => {
+                last.seed.parse().ok().map(|seed: u64| Seed::from(seed.wrapping_add(1)))
+            }
+            (None, Some(last))
+                if self.fault == Fault::SameSeedSameEpisodeInterrupted
+                    && last.steps < LIMIT
+                    && !last.is_at_end() =>
+            {
+                Some(Seed::from(self.number))
+            }
             (None, Some(last)) if self.fault == Fault::ResetCarriesOn => last.seed.parse().ok(),
             (None, _) => None,
         };
@@ -209,10 +262,10 @@ impl<C: 'static> Env for Walk<C> {
         let seed = seed.map(|seed| seed.to_string()).or(last.as_ref().map(|last| last.seed.clone()));
         let mut position = rng.uniform(-0.3, 0.3) + self.disturbance();
         if self.fault == Fault::ResetForgets {
-            position += last.map_or(0.0, |last| f64::from(last.steps) / 100.0);
+            position += last.map_or(0.0, |last| f64::from(last.steps.min(20)) / 100.0);
         }
         let (seed, number) = (seed.unwrap_or_default(), self.number);
-        self.state = Some(State { rng, seed, position, wind: 0.0, steps: 0, number });
+        self.state = Some(State { rng, seed, position, wind: 0.0, steps: 0, held: (0.0, 0), number });
         self.observe(observation);
         Ok(())
     }
@@ -239,12 +292,19 @@ impl<C: 'static> Env for Walk<C> {
         }
         state.wind = state.rng.uniform(-1.0, 1.0);
         let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
-        state.position = moved.clamp(-1.0, 1.0);
+        // as far as it goes, where the action is not checked
+        state.position = moved.clamp(-direction.abs().max(1.0), direction.abs().max(1.0));
+        state.held = if state.held.0 == direction { (direction, state.held.1 + 1) } else { (direction, 1) };
         state.steps = state.steps.saturating_add(1);
-        let (steps, terminated) = (state.steps, state.position.abs() == 1.0);
+        let is_endless = matches!(self.fault, Fault::ActionAcceptedHeld | Fault::ObservationInSpaceHeld);
+        let (steps, terminated) = (state.steps, state.is_at_end() && !is_endless);
         self.observe(observation);
-        let reward =
-            if self.fault == Fault::RewardFinite && steps == 3 { f64::NAN } else { f64::from(terminated) };
+        let reward = match self.fault {
+            Fault::RewardFinite if steps == 3 => f64::NAN,
+            // beyond the time limit
+            Fault::RewardFiniteLate if steps == 15 => f64::NAN,
+            _ => f64::from(terminated),
+        };
         Ok(Outcome { reward, terminated, truncated: self.fault == Fault::TimeLimit && steps == 1 })
     }
 
@@ -266,6 +326,13 @@ impl<C: 'static> Env for Walk<C> {
         if state.as_ref().is_some_and(|state| !(on_the_line(state.position) && on_the_line(state.wind))) {
             return Err(Error::Snapshot("it is off the line".into()));
         }
+        let state = match (self.fault, &self.state, state) {
+            (Fault::SnapshotContinuesUnused, Some(_), None) => return Ok(()),
+            (Fault::SnapshotContinuesUsed, Some(old), Some(new)) => {
+                Some(State { rng: old.rng.clone(), ..new })
+            }
+            (_, _, state) => state,
+        };
         // the number is part of the state: an environment restored is the one that was stored
         self.number = state.as_ref().map_or(self.number, |state| state.number);
         self.state = state;
@@ -276,7 +343,9 @@ impl<C: 'static> Env for Walk<C> {
         assert!(self.state.is_some() || self.fault != Fault::NoPanic, "info before reset");
         if let Some(state) = &self.state {
             visit("steps", Value::Int(state.steps.into()));
-            if self.fault == Fault::InfoConsistent {
+            if self.fault == Fault::InfoConsistent
+                || self.fault == Fault::InfoConsistentAtTheEnd && state.is_at_end()
+            {
                 visit("steps", Value::Int(0));
             }
         }
@@ -284,6 +353,7 @@ impl<C: 'static> Env for Walk<C> {
 
     fn metadata(&self) -> Metadata {
         match self.fault {
+            Fault::FrameRate => Metadata::drawn(1000, (200, 40)),
             Fault::MetadataComplete => Metadata::drawn(0, (200, 40)),
             Fault::RenderModes => Metadata {
                 render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
@@ -300,8 +370,11 @@ impl<C: 'static> Env for Walk<C> {
         canvas.push(Transform::translate(100.0, 20.0));
         canvas.line([-100.0, 0.0], [100.0, 0.0], 2.0, Color::BLACK);
         canvas.circle([state.position * 100.0, 0.0], 8.0, Color::rgb(200, 60, 60));
-        if self.fault != Fault::DrawingSound {
-            canvas.pop();
+        match self.fault {
+            Fault::DrawingSound => (),
+            Fault::DrawingSoundAtTheEnd if state.is_at_end() => (),
+            Fault::NoPanicAtTheEnd if state.is_at_end() => panic!("nowhere to stand"),
+            _ => canvas.pop(),
         }
     }
 

@@ -57,7 +57,11 @@ fn run_plugin(folder: &Path, arguments: &Arguments) -> Result<()> {
     let status = command.arg(format).args(&arguments.ids).status();
     match status {
         Ok(status) if status.success() => Ok(()),
-        Ok(_) => Err(Error::custom(format!("`{}` does not conform, or does not build", plugin.name))),
+        Ok(status) if status.code() == Some(1) => {
+            Err(Error::custom(format!("environments of `{}` break the rules", plugin.name)))
+        }
+        // what went wrong stands above: a build that failed, an unknown id, or the last id that was begun
+        Ok(status) => Err(Error::custom(format!("`{}` could not be checked ({status})", plugin.name))),
         Err(error) => Err(Error::custom(format!("cargo cannot be run: {error}"))),
     }
 }
@@ -94,7 +98,14 @@ fn write_runner(runner: &Path, plugin: &Plugin) -> Result<()> {
         "use gym_render as _;\n\
          use {krate} as _;\n\
          \n\
-         fn main() -> Result<(), Box<dyn std::error::Error>> {{\n    \
+         fn main() {{\n    \
+             std::process::exit(check().unwrap_or_else(|error| {{\n        \
+                 eprintln!(\"error: {{error}}\");\n        \
+                 2\n    \
+             }}));\n\
+         }}\n\
+         \n\
+         fn check() -> Result<i32, Box<dyn std::error::Error>> {{\n    \
              use gym_core::conform::{{self, Format, Report}};\n    \
              let mut arguments = std::env::args().skip(1);\n    \
              let format: Format = arguments.next().unwrap_or_default().parse()?;\n    \
@@ -108,7 +119,7 @@ fn write_runner(runner: &Path, plugin: &Plugin) -> Result<()> {
              let begin = |id: &str| if format == Format::Text {{ eprintln!(\"checking {{id}}\") }};\n    \
              let reports = conform::reports_with(&ids, begin)?;\n    \
              print!(\"{{}}\", format.write(&reports));\n    \
-             std::process::exit(i32::from(!reports.iter().all(Report::passes)));\n\
+             Ok(i32::from(!reports.iter().all(Report::passes)))\n\
          }}\n",
         krate = plugin.krate,
         name = plugin.name,

@@ -591,6 +591,8 @@ pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
 
 const V2_EXCEPTIONS: &[(&str, &str)] =
     &[("observation-in-space", "the bounds of version 2 are too narrow, which is why there is a version 3")];
+const SPINS: (&str, &str) =
+    ("observation-in-space", "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too");
 
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLander-v2")
@@ -611,6 +613,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<LunarLander>("LunarLander-v3")
         .description("Land a craft softly between two flags.")
+        .exceptions(&[SPINS])
         .max_episode_steps(1000)
         .reward_threshold(200.0)
 );
@@ -618,6 +621,7 @@ gym_core::register!(
     Registration::new::<LunarLander>("LunarLanderContinuous-v3")
         .description("Land a craft softly between two flags, with engines that throttle.")
         .kwargs(r#"{"continuous": true}"#)
+        .exceptions(&[SPINS])
         .max_episode_steps(1000)
         .reward_threshold(200.0)
 );
@@ -626,7 +630,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<LunarLander>("rapier/LunarLander-v3")
         .description("Land a craft softly between two flags.")
-        .exceptions(&[common::RAPIER_ALLOCATES])
+        .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)
@@ -635,7 +639,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<LunarLander>("rapier/LunarLanderContinuous-v3")
         .description("Land a craft softly between two flags, with engines that throttle.")
-        .exceptions(&[common::RAPIER_ALLOCATES])
+        .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(200.0)

@@ -1,4 +1,4 @@
-//! The rules of [`Env`](crate::Env) as checks that run against any environment: Gymnasium's `check_env`, its passive
+//! The rules of [`Env`] as checks that run against any environment: Gymnasium's `check_env`, its passive
 //! checker and `check_environments_match`, and what Rust allows beyond them.
 //!
 //! A plugin's tests run all checks over all of its environments in one line (see [`suite!`]), `cargo xtask

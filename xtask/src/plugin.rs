@@ -46,7 +46,7 @@ pub(crate) struct Plugin {
 pub(crate) enum Source {
     /// A folder.
     Path(PathBuf),
-    /// crates.io, with the version that is asked for.
+    /// The registry, with the version that is asked for.
     Registry(String),
     /// A repository: `url` and, where given, `key = "value"`.
     Git(String, Option<(String, String)>),

@@ -142,3 +142,25 @@ fn typed_steps_do_not_allocate() {
     let mut taxi = gym::toytext::Taxi::new(gym::toytext::taxi::Config::default()).unwrap();
     assert_eq!(allocations(&mut taxi, 1000), 0);
 }
+
+/// A batched space has bounds as large as the observations: it is made for those who ask, and not before.
+#[test]
+fn a_vector_holds_its_environments_and_two_observations_of_each() {
+    const N: usize = 16;
+    const PICTURE: usize = 96 * 96 * 3;
+    let mut held = (Vec::new(), None);
+    let make = || gym::make("CarRacing-v3").unwrap();
+    let alone = allocation_counter::measure(|| held.0 = (0..N).map(|_| make()).collect());
+    let vector = allocation_counter::measure(|| {
+        held.1 = Some(make_vec("CarRacing-v3", N, VectorKind::Sync).unwrap());
+    });
+    // and the space of one observation: two bounds, and for each of its numbers whether it is bounded
+    let most = alone.bytes_current + (N * (2 * PICTURE + 4096) + 4 * PICTURE) as i64;
+    assert!(
+        vector.bytes_current < most,
+        "{} bytes, {} for the environments",
+        vector.bytes_current,
+        alone.bytes_current
+    );
+    assert!(held.1.unwrap().observation_space().is_ok() && held.0.len() == N);
+}

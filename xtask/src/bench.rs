@@ -128,12 +128,7 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<()> {
         for &kind in kinds {
             let vector = matches!(kind, Kind::Sync | Kind::Async | Kind::Native);
             for &num_envs in if vector { &arguments.num_envs[..] } else { &[1] } {
-                let work = match work(id, kind, num_envs) {
-                    // more pictures than a column can hold
-                    Err(Error::InvalidSpace(_)) if vector => None,
-                    work => work?,
-                };
-                let Some(work) = work else { continue };
+                let Some(work) = work(id, kind, num_envs)? else { continue };
                 let per_second = measure(work, arguments.seconds)?;
                 let instructions_per_step =
                     if arguments.instructions { Some(instructions(id, kind, num_envs)?) } else { None };

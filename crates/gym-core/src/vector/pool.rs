@@ -269,7 +269,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     }
 
     fn observation_space(&self) -> Result<Space> {
-        Ok(self.spaces.observations.clone())
+        self.spaces.observations(self.home.len())
     }
 
     fn autoreset(&self) -> Autoreset {

@@ -192,9 +192,17 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 pub(super) struct Spaces {
     /// The first one's; those of the others have its form.
     pub(super) observation: Space,
-    /// All observations together.
-    pub(super) observations: Space,
+    /// All observations together, where they differ.
+    differing: Option<Space>,
     pub(super) action: Space,
+}
+
+impl Spaces {
+    /// The space of the observations of `n` sub-environments together. It is as large as their observations,
+    /// so it is made only for those who ask.
+    pub(super) fn observations(&self, n: usize) -> Result<Space> {
+        self.differing.clone().map_or_else(|| self.observation.batch(n), Ok)
+    }
 }
 
 /// The sub-environments of a vector.
@@ -229,13 +237,13 @@ pub(super) fn slots<E: Env>(
             }
         }
     }
-    let observations = match mode {
-        ObservationMode::Same => observation.batch(envs.len())?,
+    let differing = match mode {
+        ObservationMode::Same => None,
         ObservationMode::Different => {
-            Space::batch_differing(&envs.iter().map(Env::observation_space).collect::<Vec<_>>())?
+            Some(Space::batch_differing(&envs.iter().map(Env::observation_space).collect::<Vec<_>>())?)
         }
     };
-    let spaces = Spaces { observation, observations, action };
+    let spaces = Spaces { observation, differing, action };
     let slots = envs.into_iter().map(|env| Slot::new(env, &spaces)).collect::<Result<_>>()?;
     Ok((slots, spaces))
 }

@@ -91,7 +91,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn observation_space(&self) -> Result<Space> {
-        Ok(self.spaces.observations.clone())
+        self.spaces.observations(self.slots.len())
     }
 
     fn autoreset(&self) -> Autoreset {

@@ -7,9 +7,8 @@ use super::{Verdict, broken};
 use crate::{BoxEnv, Env, Result, Space, Step, Value};
 
 /// The first of each kind of fault.
-#[derive(Default)]
 pub(super) struct LongRuns {
-    space: Option<Space>,
+    space: Space,
     refused: Option<String>,
     in_space: Option<String>,
     finite: Option<String>,
@@ -24,7 +23,8 @@ impl LongRuns {
         const ODD: usize = 20;
         let mut env = subject.unlimited()?;
         let space = env.action_space();
-        let mut runs = Self { space: Some(env.observation_space()), ..Self::default() };
+        let seen = env.observation_space();
+        let mut runs = Self { space: seen, refused: None, in_space: None, finite: None, reward: None };
         let mut samples = env.action_sampler(5)?;
         runs.run(&mut env, "a long run", RANDOM, || samples.sample())?;
         let mut held = corners(&space);
@@ -72,7 +72,7 @@ impl LongRuns {
     }
 
     fn see(&mut self, observation: &Value, place: impl Fn() -> String) {
-        if let Some(Err(error)) = self.space.as_ref().map(|space| space.check(observation)) {
+        if let Err(error) = self.space.check(observation) {
             self.in_space.get_or_insert_with(|| format!("{}: {error}", place()));
         }
         if !observation.is_finite() {

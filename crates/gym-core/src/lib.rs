@@ -4,7 +4,6 @@
 pub mod array;
 mod boxed;
 pub mod canvas;
-pub mod conform;
 mod env;
 mod error;
 pub mod file;

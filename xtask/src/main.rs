@@ -29,7 +29,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let (plugin, arguments) = take_plugin(arguments)?;
-    let build = Build::of(&arguments);
+    let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
     let mut cargo = Command::new(cargo());
     cargo.arg("run").args(["--profile", build.profile]);
     match &plugin {
@@ -61,7 +61,8 @@ struct Build {
 }
 
 impl Build {
-    fn of(arguments: &[OsString]) -> Self {
+    /// `in_dev` builds as tests are built, which need no speed.
+    fn of(arguments: &[OsString], in_dev: bool) -> Self {
         let command = arguments.iter().filter_map(|argument| argument.to_str());
         let command = command.clone().find(|argument| !argument.starts_with('-'));
         let asks_for_help = arguments.iter().any(|argument| argument == "--help" || argument == "-h");
@@ -78,10 +79,9 @@ impl Build {
             Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => Some("human"),
             _ => None,
         };
-        let profile = match env::var("XTASK_PROFILE").as_deref() {
-            // as the tests ask, which need no speed
-            Ok("dev") => "dev",
-            _ if is_quick && !is_built() => "quick",
+        let profile = match is_quick {
+            _ if in_dev => "dev",
+            true if !is_built() => "quick",
             _ => "release",
         };
         Self { profile, feature }
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn commands_are_built_with_what_they_need() {
-        let feature = |line: &str| Build::of(&arguments(line)).feature;
+        let feature = |line: &str| Build::of(&arguments(line), false).feature;
         assert_eq!(feature("conform CartPole-v1"), Some("conform"));
         assert_eq!(feature("play CartPole-v1"), Some("human"));
         assert_eq!(feature("play Taxi-v4 --terminal"), None);
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn commands_that_play_are_fast() {
         for line in ["demo", "bench CartPole-v1", "run Taxi-v4"] {
-            assert_eq!(Build::of(&arguments(line)).profile, "release", "{line}");
+            assert_eq!(Build::of(&arguments(line), false).profile, "release", "{line}");
         }
     }
 

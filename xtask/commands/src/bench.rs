@@ -10,8 +10,7 @@ use clap::{ValueEnum, builder::PossibleValue};
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
 use gym::vector::VectorKind;
-use gym::wrappers::TimeLimit;
-use gym::{Configure, Element, Env, Error, Registration, Result, registry};
+use gym::{Element, Env, Error, Registration, Result, registry};
 
 use crate::selection::Selection;
 use serde::{Deserialize, Serialize};
@@ -118,7 +117,7 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
         return Ok(());
     }
     let registrations = selection.of(&arguments.ids)?;
-    let all = arguments.ids.is_empty() && arguments.kind.is_empty();
+    let all = matches!(selection, Selection::All) && arguments.ids.is_empty() && arguments.kind.is_empty();
     let kinds = if arguments.kind.is_empty() { Kind::value_variants() } else { &arguments.kind };
 
     println!("{:36} {:>7} {:>7} {:>14} {:>12}", "environment", "kind", "n", "per second", "instructions");
@@ -176,6 +175,9 @@ fn has_native(id: &str) -> bool {
 /// The newest version of each environment under its own type.
 #[cfg(feature = "families")]
 fn typed(id: &str) -> Result<Option<Work>> {
+    use gym::Configure;
+    use gym::wrappers::TimeLimit;
+
     fn limited<E: Configure>(steps: u32) -> Result<Work> {
         scalar(TimeLimit::new(E::configure(E::Config::default())?, steps)?)
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gym::file;
 use gym::trace::Trace;
-use gym::{BoxEnv, Env, Error, Result};
+use gym::{BoxEnv, Error, Result};
 use serde_json::{Map, Value as Json};
 
 #[derive(clap::Args)]
@@ -42,6 +42,8 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 /// What a trace of CarRacing pins down beside the picture.
 #[cfg(feature = "families")]
 fn state(env: &BoxEnv) -> Option<Json> {
+    use gym::Env;
+
     env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
 }
 

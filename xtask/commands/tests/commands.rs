@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use serde_json::Value as Json;
 
 fn xtask(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).output().expect("the command starts")
+    Command::new(env!("CARGO_BIN_EXE_xtask-commands")).args(arguments).output().expect("the command starts")
 }
 
 /// What a command that succeeds prints.
@@ -133,66 +133,6 @@ fn heuristics_beat_chance() {
     let error =
         fails(&["run", "CarRacing-v3", "--policy", "heuristic", "--kwargs", r#"{"continuous": false}"#]);
     assert!(error.contains("has no heuristic"), "{error}");
-}
-
-#[test]
-fn conform_passes() {
-    let text = prints(&["conform", "CartPole-v1", "Taxi-v4"]);
-    assert!(text.contains("2 environments") && text.contains("0 broken"), "{text}");
-    let reports: Json =
-        serde_json::from_str(&prints(&["conform", "Taxi-v4", "--format", "json"])).expect("JSON");
-    assert_eq!((&reports[0]["id"], &reports[0]["findings"]), (&"Taxi-v4".into(), &Json::Array(vec![])));
-    let skipped = reports[0]["skipped"].as_array().expect("a list");
-    assert!(skipped.is_empty(), "pictures are drawn and allocations counted: {skipped:?}");
-    assert!(prints(&["conform", "Taxi-v4", "--format", "junit"]).contains("<testsuite name=\"Taxi-v4\""));
-    assert!(fails(&["conform", "Taxy-v4"]).contains("did you mean `Taxi-v4`?"));
-    assert!(fails(&["conform", "--plugin", "/nonexistent"]).contains("/nonexistent/Cargo.toml"));
-    assert!(fails(&["conform", "--format", "xml"]).contains("text, json and junit"));
-}
-
-/// A crate that is no part of what xtask links is built with a program around it.
-#[test]
-fn conform_flags_a_plugin() {
-    let broken = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/broken");
-    let broken = broken.to_str().unwrap();
-    let output = xtask(&[
-        "conform",
-        "--plugin",
-        broken,
-        "--format",
-        "json",
-        "broken/reward-finite-v0",
-        "broken/none-v0",
-    ]);
-    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
-    let reports: Json = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(reports[0]["findings"][0]["check"], "reward-finite");
-    assert_eq!(reports[1]["findings"], Json::Array(vec![]));
-    assert_eq!(reports[1]["skipped"], Json::Array(vec![]), "pictures are drawn and allocations counted");
-}
-
-/// From nothing to a crate that conforms and draws.
-#[test]
-fn new_makes_a_plugin_that_works() {
-    let folder = folder("new").join("my_envs");
-    let path = folder.to_str().unwrap();
-    prints(&["new", "my_envs", "--path", path]);
-    let cargo = |arguments: &[&str]| {
-        let target = PathBuf::from(env!("CARGO_BIN_EXE_xtask"));
-        let target = target.ancestors().nth(2).expect("the binary lies in target/debug");
-        let mut command = Command::new(env!("CARGO"));
-        let output =
-            command.args(arguments).current_dir(&folder).env("CARGO_TARGET_DIR", target).output().unwrap();
-        let [stdout, stderr] =
-            [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
-        assert!(output.status.success(), "{arguments:?}: {stdout}\n{stderr}");
-        stdout
-    };
-    let tests = cargo(&["test", "--offline", "--tests"]);
-    assert!(tests.contains("every_environment_conforms ... ok") && tests.contains("0 ignored"), "{tests}");
-    cargo(&["run", "--offline", "--example", "gif"]);
-    let gif = std::fs::read(folder.join("episode.gif")).expect("a GIF");
-    assert!(gif.starts_with(b"GIF89a") && gif.len() > 500);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{BoxEnv, Env, Generator, Reset, Result, Seed};
+use gym_core::{BoxEnv, Env, Error, Generator, Reset, Result, Seed};
 
 /// How many seeds or resets must tell episodes apart.
 const TRIES: u64 = 20;
 
 pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
-    let large: Seed = "1427247692705959881058285969449495136382746631".parse()?; // 2^150 + 7
+    let large: Seed = "1427247692705959881058285969449495136382746631".parse().map_err(Error::from)?; // 2^150 + 7
     for seed in [Some(0.into()), Some(u64::MAX.into()), Some(large), None] {
         let what =
             seed.as_ref().map_or_else(|| "without a seed".to_owned(), |seed| format!("with the seed {seed}"));

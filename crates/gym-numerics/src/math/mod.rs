@@ -8,7 +8,7 @@
 //!   environments, as native vectors do.
 //!
 //! ```
-//! use gym_core::math::{Libm, Math, Polynomial};
+//! use gym_numerics::math::{Libm, Math, Polynomial};
 //!
 //! /// The acceleration of a pendulum of 1 m at an angle from hanging down.
 //! fn acceleration<M: Math>(theta: f64) -> f64 {

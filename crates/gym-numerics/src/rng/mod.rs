@@ -20,15 +20,13 @@ use rand::rand_core::utils::fill_bytes_via_next_word;
 use rand::{Rng, TryRng};
 use rand_pcg::Pcg64;
 
-use crate::Result;
-
-pub use seed::Seed;
+pub use seed::{Seed, SeedError};
 pub use stream::{Stream, WordStream};
 
 /// numpy's `Generator` over `PCG64`: the same seed gives the same numbers, bit for bit.
 ///
 /// ```
-/// use gym_core::Generator;
+/// use gym_numerics::Generator;
 /// let mut rng = Generator::from(42); // np.random.default_rng(42)
 /// assert_eq!(rng.random(), 0.7739560485559633);
 /// assert_eq!(rng.uniform(-0.05, 0.05), -0.006112156024794771);
@@ -58,7 +56,7 @@ impl Generator {
     ///
     /// # Errors
     /// As [`Seed::from_os`].
-    pub fn from_os() -> Result<Self> {
+    pub fn from_os() -> Result<Self, SeedError> {
         Ok(Self::new(&Seed::from_os()?))
     }
 

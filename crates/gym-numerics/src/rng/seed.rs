@@ -7,30 +7,40 @@ use num_bigint::BigUint;
 use rand::{TryRng, rngs::SysRng};
 use serde::de::{Deserializer, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
-
-use crate::{Error, Result};
+use thiserror::Error;
 
 /// A seed: a whole number, zero or greater, of any size.
 ///
 /// ```
-/// use gym_core::Seed;
+/// use gym_numerics::Seed;
 /// assert_eq!("42".parse::<Seed>()?, Seed::from(42));
 /// assert!("-1".parse::<Seed>().is_err());
-/// # Ok::<(), gym_core::Error>(())
+/// # Ok::<(), gym_numerics::SeedError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Seed(BigUint);
+
+/// Why there is no seed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SeedError {
+    /// The text is not a whole number of zero or more.
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater, of any size")]
+    Invalid(String),
+
+    /// The operating system has no random bits to give, and why.
+    #[error("the operating system gives no random seed: {0}")]
+    NoRandomness(String),
+}
 
 impl Seed {
     /// A seed of 128 bits from the operating system, as numpy takes where none is given.
     ///
     /// # Errors
-    /// [`Error::Custom`] if the operating system has no random bits to give.
-    pub fn from_os() -> Result<Self> {
+    /// [`SeedError::NoRandomness`] if the operating system has no random bits to give.
+    pub fn from_os() -> Result<Self, SeedError> {
         let mut bytes = [0; 16];
-        SysRng
-            .try_fill_bytes(&mut bytes)
-            .map_err(|error| Error::custom(format!("the operating system gives no random seed: {error}")))?;
+        SysRng.try_fill_bytes(&mut bytes).map_err(|error| SeedError::NoRandomness(error.to_string()))?;
         Ok(Self::from_u128(u128::from_le_bytes(bytes)))
     }
 
@@ -40,7 +50,8 @@ impl Seed {
     }
 
     /// The seed that is larger by `n`.
-    pub(crate) fn plus(&self, n: u64) -> Self {
+    #[must_use]
+    pub fn plus(&self, n: u64) -> Self {
         Self(&self.0 + n)
     }
 }
@@ -52,16 +63,16 @@ impl From<u64> for Seed {
 }
 
 impl FromStr for Seed {
-    type Err = Error;
+    type Err = SeedError;
 
     /// Reads decimal digits; there is no sign, space or separator.
-    fn from_str(text: &str) -> Result<Self> {
+    fn from_str(text: &str) -> Result<Self, SeedError> {
         text.bytes()
             .all(|byte| byte.is_ascii_digit())
             .then(|| text.parse().ok())
             .flatten()
             .map(Self)
-            .ok_or_else(|| Error::InvalidSeed(text.to_owned()))
+            .ok_or_else(|| SeedError::Invalid(text.to_owned()))
     }
 }
 
@@ -213,7 +224,7 @@ mod tests {
         assert_eq!("007".parse::<Seed>().unwrap(), Seed::from(7));
         for text in ["", "-1", "+1", "1.0", "1_000", " 1", "0x1", "one"] {
             let error = text.parse::<Seed>().unwrap_err();
-            assert!(matches!(&error, Error::InvalidSeed(shown) if shown == text), "{error}");
+            assert!(matches!(&error, SeedError::Invalid(shown) if shown == text), "{error}");
         }
     }
 

@@ -57,8 +57,8 @@ impl Generator {
 
     /// The same where the elements of `out` take turns with upper bounds of their own: numpy's
     /// `integers(low, high, dtype=np.uint8, endpoint=True)` with an array of bounds that are broadcast
-    /// along the last axis.
-    pub(crate) fn integers_u8_each(&mut self, low: u8, highs_inclusive: &[u8], out: &mut [u8]) {
+    /// along the last axis. Without bounds, `out` stays as it is.
+    pub fn integers_u8_each(&mut self, low: u8, highs_inclusive: &[u8], out: &mut [u8]) {
         let (mut bytes, mut left) = (0u32, 0);
         let mut next = || {
             if left == 0 {

@@ -23,6 +23,7 @@ pub mod trace;
 mod transform;
 mod value;
 pub mod vector;
+mod wrapper;
 pub mod wrappers;
 
 /// The entries of [`Env::info`] by name.
@@ -43,4 +44,5 @@ pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
 pub use vector::{VectorEnv, VectorWrap};
+pub use wrapper::Wrapper;
 pub use wrappers::Wrap;

@@ -14,9 +14,13 @@ pub mod render;
 mod reset;
 mod snapshot;
 pub mod spaces;
+pub mod statistics;
+
 pub mod trace;
+mod transform;
 mod value;
 pub mod vector;
+mod wrapper;
 pub mod wrappers;
 
 /// The entries of [`Env::info`] by name.
@@ -37,4 +41,5 @@ pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
 pub use vector::{VectorEnv, VectorWrap};
+pub use wrapper::Wrapper;
 pub use wrappers::Wrap;

@@ -75,7 +75,10 @@ impl PythonEnv {
         let get = |key: &str| about.get(key).ok_or_else(|| malformed("env", Request::Make));
         let spaces = spaces::pair(get("spaces")?)?;
         let modes = get("render_modes")?.as_tuple().unwrap_or_default();
-        let modes = modes.iter().filter_map(|mode| mode.as_text()?.parse().ok()).filter(|mode: &RenderMode| !mode.is_list());
+        let modes = modes
+            .iter()
+            .filter_map(|mode| mode.as_text()?.parse().ok())
+            .filter(|mode: &RenderMode| !mode.is_list());
         let render_fps = get("render_fps")?.as_int().and_then(|fps| u32::try_from(fps).ok()).unwrap_or(30);
         let metadata = Metadata { render_modes: among(modes), render_fps, ..Metadata::default() };
         let name = get("name")?.as_text().unwrap_or_default().to_owned();
@@ -171,7 +174,9 @@ impl Clone for PythonEnv {
             (State::Closed, _) => State::Closed,
             (State::Broken(why), _) => State::Broken(why.clone()),
             (_, Ok(copy)) => copy.worker,
-            (_, Err(error)) => State::Broken(format!("this clone of `{}` could not be made: {error}", self.name)),
+            (_, Err(error)) => {
+                State::Broken(format!("this clone of `{}` could not be made: {error}", self.name))
+            }
         };
         Self {
             config,
@@ -239,7 +244,8 @@ impl Env for PythonEnv {
             reader.value_into(&mut info)?;
             Some(Outcome { reward, terminated: terminated != 0, truncated: truncated != 0 })
         };
-        let outcome = self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action]).map(&mut read));
+        let outcome =
+            self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action]).map(&mut read));
         self.info = info;
         outcome?.ok_or_else(|| malformed(&self.name, Request::Step))
     }
@@ -267,9 +273,12 @@ impl Env for PythonEnv {
             return Err(Error::Snapshot(format!("it was taken from a `{}` with other arguments", self.name)));
         }
         let decode = |text: &str| BASE64.decode(text).map_err(|error| Error::Snapshot(error.to_string()));
-        let info = Reader::new(&decode(&info)?).value().ok_or_else(|| Error::Snapshot("its info is damaged".into()))?;
+        let info = Reader::new(&decode(&info)?)
+            .value()
+            .ok_or_else(|| Error::Snapshot("its info is damaged".into()))?;
         let pickle = Value::Array(decode(&pickle)?.into());
-        let restored = Self::load(config, self.render_mode, &pickle).map_err(|error| Error::Snapshot(error.to_string()))?;
+        let restored = Self::load(config, self.render_mode, &pickle)
+            .map_err(|error| Error::Snapshot(error.to_string()))?;
         *self = Self { info, has_reset, ..restored };
         Ok(())
     }
@@ -298,7 +307,11 @@ impl Env for PythonEnv {
             Value::Text(text) => Rendered::Text(text),
             Value::Array(array) => Rendered::Frame(frame(&array).ok_or_else(|| {
                 let shape = array.shape();
-                Error::Contract(format!("`{}` renders an array of {} with shape {shape:?}", self.name, array.dtype()))
+                Error::Contract(format!(
+                    "`{}` renders an array of {} with shape {shape:?}",
+                    self.name,
+                    array.dtype()
+                ))
             })?),
             _ => Rendered::Shown,
         };
@@ -331,6 +344,8 @@ fn frame(array: &gym_core::Array) -> Option<Frame> {
 
 gym_core::register!(
     Registration::new::<PythonEnv>("GymV26Environment-v0")
-        .description("Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process.")
+        .description(
+            "Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process."
+        )
         .needs("the argument `env_id`, and Python", || false)
 );

@@ -1,7 +1,8 @@
 //! Python's spaces, as the worker describes them.
 
 use gym_core::spaces::{
-    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace, TextSpace, TupleSpace,
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
+    TextSpace, TupleSpace,
 };
 use gym_core::{DType, Error, Result, Space, Value};
 

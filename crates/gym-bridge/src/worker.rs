@@ -171,7 +171,8 @@ impl Drop for Worker {
         }
         // Videos may have to be finished, but nobody waits for an environment that hangs.
         let goodbye = Duration::from_secs(2);
-        let asked = self.pipe.set_read_timeout(Some(goodbye)).is_ok() && self.ask(Request::Close, &[]).is_ok();
+        let asked =
+            self.pipe.set_read_timeout(Some(goodbye)).is_ok() && self.ask(Request::Close, &[]).is_ok();
         if self.ended.is_none() && (!asked || self.wait(goodbye).is_none()) {
             self.kill();
         }
@@ -180,7 +181,10 @@ impl Drop for Worker {
 
 /// Bytes that the script does not write.
 pub(crate) fn malformed(name: &str, request: Request) -> Error {
-    Error::custom(format!("the worker of `{name}` answered `{}` with something that is no answer", request.name()))
+    Error::custom(format!(
+        "the worker of `{name}` answered `{}` with something that is no answer",
+        request.name()
+    ))
 }
 
 /// What Python raised.

@@ -217,7 +217,8 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
         "render" => {
             (BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()), &["render_mode", "render_into"])
         }
-        "render_collection" => (BoxEnv::new(RenderCollection::new(spy())), &[]),
+        // it hands over what it has gathered
+        "render_collection" => (BoxEnv::new(RenderCollection::new(spy())), &["render_into"]),
         "repeat_action" => (BoxEnv::new(RepeatAction::new(spy(), 2).unwrap()), &[]),
         "rescale_action" => (BoxEnv::new(RescaleAction::new(spy(), -2.0, 2.0).unwrap()), done),
         "rescale_observation" => (BoxEnv::new(RescaleObservation::new(spy(), -2.0, 2.0).unwrap()), seen),

@@ -24,6 +24,12 @@ pub trait Configure: Env {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn configure(config: Self::Config) -> Result<Self>;
+
+    /// The arguments with what was left to chance decided, such as a map that the constructor drew: the
+    /// spec then rebuilds this environment and no other. `None` where nothing is left to chance.
+    fn config(&self) -> Option<&Self::Config> {
+        None
+    }
 }
 
 /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
@@ -36,6 +42,10 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
     fn configure(config: D::Config) -> Result<Self> {
         Self::new(config)
+    }
+
+    fn config(&self) -> Option<&D::Config> {
+        Some(self.dynamics().config())
     }
 }
 
@@ -239,8 +249,17 @@ fn defaults<E: Configure>() -> Json {
 
 fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
     let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
-    let config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
-    stack(E::configure(config)?, spec)
+    let config: E::Config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
+    let asked = serde_json::to_value(&config).map_err(invalid)?;
+    let env = E::configure(config)?;
+    let mut spec = spec.clone();
+    if let Some(Json::Object(decided)) =
+        env.config().map(serde_json::to_value).transpose().map_err(invalid)?
+    {
+        let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
+        spec.kwargs.extend(by_chance);
+    }
+    stack(env, &spec)
 }
 
 /// Registers an environment when its crate is linked.

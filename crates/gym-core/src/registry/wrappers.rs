@@ -9,9 +9,12 @@ use crate::{BoxEnv, DType, Env, Error, Kwargs, Result, WrapperSpec};
 /// A wrapper that specs can name. A crate with a wrapper of its own submits one at link time, and then
 /// stacks with it can be rebuilt from JSON as well:
 ///
-/// ```text
+/// ```
+/// use gym_core::registry::WrapperRegistration;
+/// use gym_core::{BoxEnv, wrappers::Autoreset};
+///
 /// gym_core::inventory::submit! {
-///     WrapperRegistration { name: "my_envs/Mirror", wrap: |env, _kwargs| Ok(BoxEnv::new(Mirror::new(env))) }
+///     WrapperRegistration { name: "my_envs/Endless", wrap: |env, _kwargs| Ok(BoxEnv::new(Autoreset::new(env))) }
 /// }
 /// ```
 #[derive(Clone, Copy, Debug)]

@@ -103,7 +103,7 @@ use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Se
 /// - A step allocates nothing, reads no clock and draws nothing.
 /// - Bad input gives an `Err`; nothing panics.
 ///
-/// [`conform`](crate::conform) checks these.
+/// The crate gym-conform checks these.
 pub trait Env: Clone + Send + 'static {
     /// What the agent sees.
     type Observation: Element;

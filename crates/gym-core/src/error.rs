@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
 
+use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
 
 use crate::Space;
@@ -227,6 +228,15 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
         None => Cow::Borrowed(text),
+    }
+}
+
+impl From<SeedError> for Error {
+    fn from(error: SeedError) -> Self {
+        match error {
+            SeedError::Invalid(text) => Self::InvalidSeed(text),
+            error => Self::Custom(error.to_string()),
+        }
     }
 }
 

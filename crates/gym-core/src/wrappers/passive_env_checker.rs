@@ -3,7 +3,7 @@ use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space,
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
 ///
-/// This is the cheap part of [`conform`](crate::conform), left on in [`make`](crate::make) by
+/// This is the cheap part of the crate gym-conform, left on in [`make`](crate::make) by
 /// default so that a mistake in a new environment shows at once. An episode that was started with
 /// options is not checked: they may ask for states beyond the space. What the checker saw is no part
 /// of a snapshot.

@@ -158,7 +158,7 @@ fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
 }
 
 /// A number as JSON, where infinity is a string as in the stored form of spaces.
-fn number_to_json(number: impl Into<Option<f64>>) -> Json {
+pub(crate) fn number_to_json(number: impl Into<Option<f64>>) -> Json {
     match number.into() {
         Some(x) if x.is_infinite() => Json::from(if x > 0.0 { "inf" } else { "-inf" }),
         number => Json::from(number),

@@ -17,7 +17,10 @@ mod reset;
 pub mod rng;
 mod snapshot;
 pub mod spaces;
+pub mod statistics;
+
 pub mod trace;
+mod transform;
 mod value;
 pub mod vector;
 pub mod wrappers;

@@ -1,7 +1,7 @@
 use crate::render::Rendered;
 use crate::{Env, EnvSpec, Error, Result, WrapperSpec};
 
-use super::noise;
+use crate::transform::noise;
 
 /// Replaces random pixels of rendered pictures with white noise; around it,
 /// [`AddRenderObservation`](super::AddRenderObservation) observes them.

@@ -1,6 +1,6 @@
 use crate::spaces::BoxSpace;
-use crate::spaces::number::with_type;
-use crate::{Array, Env, EnvSpec, Outcome, Result, Space, Value, WrapperSpec};
+use crate::transform::clip::clip;
+use crate::{Env, EnvSpec, Outcome, Result, Space, Value, WrapperSpec};
 
 /// Clips actions to the bounds of the environment's `Box`, and so takes any numbers: its own action
 /// space is unbounded.
@@ -57,23 +57,4 @@ impl<E: Env> Env for ClipAction<E> {
         env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
         describe
     );
-}
-
-/// Clips an array, or each row of a batch, to the bounds of a box.
-pub(crate) fn clip(array: &mut Array, bounds: &BoxSpace) {
-    with_type!(bounds.dtype(), T => {
-        let numbers = array.as_mut_slice::<T>().unwrap_or_default();
-        let low = bounds.low().as_slice::<T>().unwrap_or_default();
-        let high = bounds.high().as_slice::<T>().unwrap_or_default();
-        for row in numbers.chunks_exact_mut(low.len().max(1)) {
-            for (x, (low, high)) in row.iter_mut().zip(low.iter().zip(high)) {
-                // comparisons that NaN fails, so that it stays
-                if *x < *low {
-                    *x = *low;
-                } else if *x > *high {
-                    *x = *high;
-                }
-            }
-        }
-    });
 }

@@ -1,6 +1,6 @@
 use crate::{Array, Element, Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
 
-use super::bins::{Bins, Grid};
+use crate::transform::bins::{Bins, Grid};
 
 /// Cuts a bounded `Box` of actions into uniform bins and takes the bin, as one integer or as one for
 /// each element; the environment gets its middle.

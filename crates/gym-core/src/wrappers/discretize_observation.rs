@@ -1,7 +1,8 @@
+use crate::transform::not_an_array;
 use crate::{Array, Data, Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::bins::{Bins, Grid};
 use super::observation_wrapper;
+use crate::transform::bins::{Bins, Grid};
 
 /// Cuts a bounded `Box` of observations into uniform bins and gives the bin, as one integer or as one
 /// for each element.
@@ -52,7 +53,7 @@ impl<E: Env> DiscretizeObservation<E> {
                 self.grid.join(|i| self.grid.index(i, array.data().get_f64(i)), &self.space, out);
                 Ok(())
             }
-            other => Err(super::not_an_array(other)),
+            other => Err(not_an_array(other)),
         }
     }
 

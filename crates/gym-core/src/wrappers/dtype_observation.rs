@@ -1,4 +1,5 @@
 use crate::spaces::{BoxSpace, MultiDiscrete, array_of};
+use crate::transform::not_an_array;
 use crate::{Array, DType, Data, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
@@ -56,7 +57,7 @@ impl<E: Env> DtypeObservation<E> {
                 array.fill_int(*i);
                 Ok(())
             }
-            other => Err(super::not_an_array(other)),
+            other => Err(not_an_array(other)),
         }
     }
 

@@ -1,6 +1,7 @@
 use serde_json::Value as Json;
 
 use crate::spaces::number::{Number, Numeric, with_type};
+use crate::transform::not_an_array;
 use crate::{
     Array, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
@@ -173,7 +174,7 @@ fn push(space: &Space, stack: &mut Value, item: &Value) -> Result<()> {
                     let last = stack.len() - item.len();
                     stack[last..].copy_from_slice(item);
                 }
-                _ => return Err(super::not_an_array(&Value::Array(item.clone()))),
+                _ => return Err(not_an_array(&Value::Array(item.clone()))),
             }
         }),
         (_, Value::Array(stack), Value::Int(i)) => with_type!(stack.dtype(), T => {

@@ -1,4 +1,5 @@
 use crate::spaces::{BoxSpace, array_of};
+use crate::transform::not_an_array;
 use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
@@ -34,7 +35,7 @@ impl<E: Env> GrayscaleObservation<E> {
     }
 
     fn observe(&self, out: &mut Value) -> Result<()> {
-        let pixels = self.inner.as_slice::<u8>().ok_or_else(|| super::not_an_array(&self.inner))?;
+        let pixels = self.inner.as_slice::<u8>().ok_or_else(|| not_an_array(&self.inner))?;
         let array = array_of(out, DType::U8, self.space.shape().unwrap_or_default());
         let grey = array.as_mut_slice::<u8>().unwrap_or_default();
         for (grey, pixel) in grey.iter_mut().zip(pixels.chunks_exact(3)) {

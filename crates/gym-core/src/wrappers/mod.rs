@@ -4,10 +4,7 @@
 
 mod add_render_observation;
 mod add_white_noise;
-pub(crate) mod affine;
-mod area;
 mod autoreset;
-mod bins;
 pub(crate) mod clip_action;
 pub(crate) mod clip_reward;
 mod delay_observation;
@@ -19,8 +16,6 @@ mod flatten_observation;
 mod frame_stack_observation;
 mod grayscale_observation;
 mod max_and_skip_observation;
-pub(crate) mod moments;
-mod noise;
 mod normalize_observation;
 pub(crate) mod normalize_reward;
 mod obstruct_view;
@@ -34,7 +29,6 @@ pub(crate) mod rescale_action;
 mod rescale_observation;
 mod reshape_observation;
 mod resize_observation;
-pub(crate) mod running;
 mod sticky_action;
 mod time_aware_observation;
 mod time_limit;
@@ -45,9 +39,9 @@ mod wrap;
 
 pub use add_render_observation::AddRenderObservation;
 pub use add_white_noise::AddWhiteNoise;
-pub use affine::Bound;
+
 pub use autoreset::Autoreset;
-pub use bins::Bins;
+
 pub use clip_action::ClipAction;
 pub use clip_reward::ClipReward;
 pub use delay_observation::DelayObservation;
@@ -80,6 +74,8 @@ pub use transform_action::TransformAction;
 pub use transform_observation::TransformObservation;
 pub use transform_reward::TransformReward;
 pub use wrap::Wrap;
+
+pub use crate::transform::{Bins, Bound};
 
 use serde_json::Value as Json;
 
@@ -155,18 +151,6 @@ fn lend<'a, E: Env>(env: &'a mut E, wrapper: &str) -> Result<&'a mut Generator> 
 fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
     let value = space.from_json(json).map_err(|error| Error::Snapshot(error.to_string()))?;
     T::from_value(&value).ok_or_else(|| Error::Snapshot(format!("{value} has the wrong type")))
-}
-
-/// A number as JSON, where infinity is a string as in the stored form of spaces.
-pub(crate) fn number_to_json(number: impl Into<Option<f64>>) -> Json {
-    match number.into() {
-        Some(x) if x.is_infinite() => Json::from(if x > 0.0 { "inf" } else { "-inf" }),
-        number => Json::from(number),
-    }
-}
-
-fn not_an_array(value: &Value) -> Error {
-    Error::Contract(format!("{value} should be an array of the space's type"))
 }
 
 /// Leaves an action in `inner` if it has the form of the space; its bounds are not checked.

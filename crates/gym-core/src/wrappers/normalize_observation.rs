@@ -1,9 +1,10 @@
 use crate::spaces::{BoxSpace, array_of};
+use crate::transform::not_an_array;
 use crate::{
     DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
-use super::running::{RunningMeanStd, check_epsilon};
+use crate::statistics::{RunningMeanStd, check_epsilon};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`.
 ///
@@ -14,7 +15,7 @@ pub struct NormalizeObservation<E> {
     space: Space,
     epsilon: f64,
     update_running_mean: bool,
-    running: RunningMeanStd,
+    statistics: RunningMeanStd,
     inner: Value,
 }
 
@@ -33,14 +34,14 @@ impl<E: Env> NormalizeObservation<E> {
             return Err(Error::argument("NormalizeObservation", reason));
         };
         let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, DType::F32)?;
-        let running = RunningMeanStd::new(space.low().len());
+        let statistics = RunningMeanStd::new(space.low().len());
         let space = space.into();
         Ok(Self {
             env,
             space,
             epsilon: Self::EPSILON,
             update_running_mean: true,
-            running,
+            statistics,
             inner: Value::Null,
         })
     }
@@ -60,6 +61,21 @@ impl<E: Env> NormalizeObservation<E> {
         self.update_running_mean = update;
     }
 
+    /// Mean, variance and count of each number of an observation.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.statistics
+    }
+
+    /// Goes on from other statistics, such as those of a training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if they are of another number of numbers.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(self.statistics.len())?;
+        self.statistics = statistics;
+        Ok(())
+    }
+
     /// The environment within.
     pub fn into_inner(self) -> E {
         self.env
@@ -71,18 +87,18 @@ impl<E: Env> NormalizeObservation<E> {
         match &self.inner {
             Value::Array(array) if array.len() == out.len() => {
                 if self.update_running_mean {
-                    self.running.update(array.dtype(), array.iter_f64());
+                    self.statistics.update_row(array.dtype(), array.iter_f64());
                 }
-                self.running.normalize(array.dtype(), array.iter_f64(), self.epsilon, out);
+                self.statistics.normalize(array.dtype(), array.iter_f64(), self.epsilon, out);
             }
             Value::Int(i) if out.len() == 1 => {
                 let x = *i as f64;
                 if self.update_running_mean {
-                    self.running.update(DType::I64, std::iter::once(x));
+                    self.statistics.update_row(DType::I64, std::iter::once(x));
                 }
-                self.running.normalize(DType::I64, std::iter::once(x), self.epsilon, out);
+                self.statistics.normalize(DType::I64, std::iter::once(x), self.epsilon, out);
             }
-            other => return Err(super::not_an_array(other)),
+            other => return Err(not_an_array(other)),
         }
         Ok(())
     }
@@ -110,17 +126,14 @@ impl<E: Env> Env for NormalizeObservation<E> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.env.snapshot()?, &self.running, self.update_running_mean))
+        Snapshot::of(&(self.env.snapshot()?, &self.statistics, self.update_running_mean))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (env, running, update): (_, RunningMeanStd, bool) = snapshot.get()?;
-        let len = self.space.shape().unwrap_or_default().iter().product();
-        if !running.is_valid(len) {
-            return Err(Error::Snapshot(format!("it does not hold the statistics of {len} numbers")));
-        }
+        let (env, statistics, update): (_, RunningMeanStd, bool) = snapshot.get()?;
+        statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.env.restore(&env)?;
-        (self.running, self.update_running_mean) = (running, update);
+        (self.statistics, self.update_running_mean) = (statistics, update);
         Ok(())
     }
 

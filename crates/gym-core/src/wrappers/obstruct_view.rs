@@ -1,7 +1,7 @@
 use crate::render::Rendered;
 use crate::{Env, EnvSpec, Error, Result, WrapperSpec};
 
-use super::noise;
+use crate::transform::noise;
 
 /// Covers rendered pictures with square patches of white noise at random places; around it,
 /// [`AddRenderObservation`](super::AddRenderObservation) observes them.

@@ -1,7 +1,7 @@
 use crate::spaces::BoxSpace;
 use crate::{Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
 
-use super::affine::{Affine, Bound};
+use crate::transform::affine::{Affine, Bound};
 
 /// Maps actions linearly from other bounds to those of the environment's `Box`.
 #[derive(Clone, Debug)]

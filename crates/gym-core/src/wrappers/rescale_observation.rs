@@ -1,8 +1,9 @@
 use crate::spaces::array_of;
+use crate::transform::not_an_array;
 use crate::{Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::affine::{Affine, Bound};
 use super::observation_wrapper;
+use crate::transform::affine::{Affine, Bound};
 
 /// Maps observations linearly from the bounds of their `Box` to others.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ impl<E: Env> RescaleObservation<E> {
 
     fn observe(&self, out: &mut Value) -> Result<()> {
         let (Some(inner), Space::Box(space)) = (self.inner.as_array(), &self.space) else {
-            return Err(super::not_an_array(&self.inner));
+            return Err(not_an_array(&self.inner));
         };
         let array = array_of(out, space.dtype(), space.shape());
         array.assign_cast(inner)?;

@@ -1,4 +1,5 @@
 use crate::spaces::{BoxSpace, array_of};
+use crate::transform::not_an_array;
 use crate::{Array, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
@@ -31,7 +32,7 @@ impl<E: Env> ReshapeObservation<E> {
 
     fn observe(&self, out: &mut Value) -> Result<()> {
         let (Some(inner), Space::Box(space)) = (self.inner.as_array(), &self.space) else {
-            return Err(super::not_an_array(&self.inner));
+            return Err(not_an_array(&self.inner));
         };
         array_of(out, space.dtype(), space.shape()).assign_cast(inner)
     }

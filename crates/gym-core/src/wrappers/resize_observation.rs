@@ -1,8 +1,9 @@
 use crate::spaces::{BoxSpace, array_of};
+use crate::transform::not_an_array;
 use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::area::AreaResize;
 use super::observation_wrapper;
+use crate::transform::area::AreaResize;
 
 /// Resizes pictures as OpenCV does with its area filter: the mean over what each new pixel covers
 /// where the picture shrinks, linear between pixels where it grows.
@@ -44,7 +45,7 @@ impl<E: Env> ResizeObservation<E> {
     fn observe(&self, out: &mut Value) -> Result<()> {
         let array = array_of(out, DType::U8, self.space.shape().unwrap_or_default());
         let source = self.inner.as_slice::<u8>().filter(|source| self.filter.fits(source));
-        let source = source.ok_or_else(|| super::not_an_array(&self.inner))?;
+        let source = source.ok_or_else(|| not_an_array(&self.inner))?;
         self.filter.resize(source, array.as_mut_slice::<u8>().unwrap_or_default());
         Ok(())
     }

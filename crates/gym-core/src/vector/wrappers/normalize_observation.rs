@@ -1,9 +1,9 @@
 use super::{Inner, reach};
 use crate::spaces::BoxSpace;
+use crate::statistics::moments::Rows;
+use crate::statistics::{RunningMeanStd, check_epsilon};
 use crate::vector::stored::Kept;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
-use crate::wrappers::moments::Rows;
-use crate::wrappers::running::{RunningMeanStd, check_epsilon};
 use crate::{Array, DType, Error, Result, Snapshot, Space, Value, WrapperSpec, wrappers};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated over all sub-environments as it
@@ -19,7 +19,7 @@ pub struct NormalizeObservation<V = Box<dyn VectorEnv>> {
     space: Space,
     epsilon: f64,
     update_running_mean: bool,
-    running: RunningMeanStd,
+    statistics: RunningMeanStd,
     inner: Inner,
     rows: Rows,
     /// The last observation of each sub-environment as it was shown: a reset with a mask shows those that
@@ -45,7 +45,7 @@ impl<V: VectorEnv> NormalizeObservation<V> {
         Ok(Self {
             envs,
             shown,
-            running: RunningMeanStd::new(space.low().len()),
+            statistics: RunningMeanStd::new(space.low().len()),
             space: space.into(),
             epsilon: wrappers::NormalizeObservation::<crate::BoxEnv>::EPSILON,
             update_running_mean: true,
@@ -69,22 +69,18 @@ impl<V: VectorEnv> NormalizeObservation<V> {
         self.update_running_mean = update;
     }
 
-    /// The statistics of the observations.
+    /// Mean, variance and count of each number of an observation.
     pub fn statistics(&self) -> &RunningMeanStd {
-        &self.running
+        &self.statistics
     }
 
-    /// Goes on from other statistics, such as those of a training for evaluation.
+    /// Goes on from other statistics, such as those of a training.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for those of another number of numbers.
+    /// [`Error::InvalidArgument`] if they are of another number of numbers.
     pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
-        let (given, needed) = (statistics.len(), self.running.len());
-        if given != needed {
-            let reason = format!("the statistics are of {given} numbers, and an observation has {needed}");
-            return Err(Error::argument("NormalizeObservation", reason));
-        }
-        self.running = statistics;
+        statistics.expect_len(self.statistics.len())?;
+        self.statistics = statistics;
         Ok(())
     }
 
@@ -92,14 +88,14 @@ impl<V: VectorEnv> NormalizeObservation<V> {
     fn observe(&mut self, columns: &mut Columns) -> Result<()> {
         let n = self.envs.num_envs();
         columns.prepare(&self.space, n)?;
-        let Self { running, epsilon, inner, rows, shown, .. } = self;
+        let Self { statistics, epsilon, inner, rows, shown, .. } = self;
         let goes_on = |index: usize| columns.progress[index] != Progress::Unchanged;
         let Value::Array(observations) = &inner.observations else { return Ok(()) };
         if self.update_running_mean {
             rows.collect(observations, n, goes_on);
-            running.update_rows(observations.dtype(), rows);
+            statistics.update_rows(observations.dtype(), rows);
         }
-        normalize(running, *epsilon, observations, shown, n, goes_on);
+        normalize(statistics, *epsilon, observations, shown, n, goes_on);
         if let Value::Array(out) = &mut columns.observations {
             out.as_mut_slice().unwrap_or_default().copy_from_slice(shown);
         }
@@ -107,7 +103,7 @@ impl<V: VectorEnv> NormalizeObservation<V> {
             (&inner.final_observations, &mut columns.final_observations)
         {
             let out = out.as_mut_slice().unwrap_or_default();
-            normalize(running, *epsilon, finals, out, n, |index| columns.has_final[index]);
+            normalize(statistics, *epsilon, finals, out, n, |index| columns.has_final[index]);
         }
         Ok(())
     }
@@ -115,7 +111,7 @@ impl<V: VectorEnv> NormalizeObservation<V> {
 
 /// Normalizes the selected rows.
 fn normalize(
-    running: &RunningMeanStd,
+    statistics: &RunningMeanStd,
     epsilon: f64,
     inner: &Array,
     out: &mut [f32],
@@ -125,7 +121,7 @@ fn normalize(
     let len = inner.len() / n;
     for (i, out) in out.chunks_exact_mut(len.max(1)).enumerate().filter(|(i, _)| selects(*i)) {
         let row = (i * len..(i + 1) * len).map(|j| inner.data().get_f64(j));
-        running.normalize(inner.dtype(), row, epsilon, out);
+        statistics.normalize(inner.dtype(), row, epsilon, out);
     }
 }
 
@@ -160,19 +156,18 @@ impl<V: VectorEnv> VectorWrapper for NormalizeObservation<V> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        let Self { envs, running, update_running_mean, shown, .. } = self;
-        Snapshot::of(&(envs.snapshot()?, running, update_running_mean, Kept::numbers(shown)))
+        let Self { envs, statistics, update_running_mean, shown, .. } = self;
+        Snapshot::of(&(envs.snapshot()?, statistics, update_running_mean, Kept::numbers(shown)))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (envs, running, update, shown): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
+        let (envs, statistics, update, shown): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
         let shown: Vec<f32> = shown.into_numbers(self.shown.len())?;
-        if running.len() != self.running.len() {
-            let len = self.running.len();
-            return Err(Error::Snapshot(format!("it does not hold the statistics of {len} numbers")));
-        }
+        statistics
+            .expect_len(self.statistics.len())
+            .map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
-        (self.running, self.update_running_mean, self.shown) = (running, update, shown);
+        (self.statistics, self.update_running_mean, self.shown) = (statistics, update, shown);
         Ok(())
     }
 }

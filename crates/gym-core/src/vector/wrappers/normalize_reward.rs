@@ -1,8 +1,8 @@
 use super::reach;
+use crate::statistics::moments::{Batch, Samples};
+use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
 use crate::vector::stored::Kept;
 use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
-use crate::wrappers::moments::{Batch, Samples};
-use crate::wrappers::running::{INITIAL_COUNT, check_epsilon, update_f64};
 use crate::{BoxEnv, Error, Result, Snapshot, Value, WrapperSpec, wrappers};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated over all
@@ -18,9 +18,7 @@ pub struct NormalizeReward<V = Box<dyn VectorEnv>> {
     update_running_mean: bool,
     /// Kept as `float32`, as by Gymnasium.
     discounted_rewards: Vec<f32>,
-    mean: f64,
-    var: f64,
-    count: f64,
+    statistics: RunningMeanStd,
     samples: Samples<f32>,
 }
 
@@ -32,7 +30,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     /// # Errors
     /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a `gamma` outside `[0, 1]`.
     pub fn new(envs: V, gamma: f64) -> Result<Self> {
-        wrappers::normalize_reward::check_gamma(gamma)?;
+        check_gamma(gamma)?;
         let n = envs.num_envs();
         Ok(Self {
             envs,
@@ -40,9 +38,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
             epsilon: wrappers::NormalizeReward::<BoxEnv>::EPSILON,
             update_running_mean: true,
             discounted_rewards: vec![0.0; n],
-            mean: 0.0,
-            var: 1.0,
-            count: INITIAL_COUNT,
+            statistics: RunningMeanStd::new_f64(1),
             samples: Samples::default(),
         })
     }
@@ -62,18 +58,25 @@ impl<V: VectorEnv> NormalizeReward<V> {
         self.update_running_mean = update;
     }
 
-    /// The estimated variance of the discounted return.
-    pub fn variance(&self) -> f64 {
-        self.var
+    /// Mean, variance and count of the discounted return.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.statistics
+    }
+
+    /// Goes on from other statistics, such as those of a training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if they are of more than one number.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(1)?;
+        self.statistics = statistics;
+        Ok(())
     }
 
     fn estimate(&mut self) {
         let n = self.samples.moments();
         for Batch { mean, m2, .. } in self.samples.batches() {
-            let batch = Batch { mean: mean.into(), m2: m2.into(), n };
-            let scaled = self.var * self.count;
-            update_f64(&mut self.mean, &mut self.var, scaled, self.count, batch);
-            self.count += n as f64;
+            self.statistics.update_batch(Batch { mean: mean.into(), m2: m2.into(), n });
         }
     }
 }
@@ -142,7 +145,7 @@ impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (envs, statistics, update, discounted): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
         let discounted = discounted.into_numbers(self.discounted_rewards.len())?;
-        check_statistics(&statistics).map_err(|error| Error::Snapshot(error.to_string()))?;
+        statistics.expect_len(1).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
         (self.statistics, self.update_running_mean, self.discounted_rewards) = (statistics, update, discounted);
         Ok(())

@@ -6,8 +6,8 @@ use crate::array::Scalar;
 use crate::spaces::BoxSpace;
 use crate::{Array, DType, Data, Error, Result, Space};
 
-/// A bound of [`RescaleObservation`](super::RescaleObservation) or
-/// [`RescaleAction`](super::RescaleAction): one for all elements, or one for each.
+/// A bound of [`RescaleObservation`](crate::wrappers::RescaleObservation) or
+/// [`RescaleAction`](crate::wrappers::RescaleAction): one for all elements, or one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bound {
     /// The bound of every element.

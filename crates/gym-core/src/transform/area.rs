@@ -3,7 +3,7 @@
 
 /// A resizer from one picture size to another.
 #[derive(Clone, Debug)]
-pub(super) struct AreaResize {
+pub(crate) struct AreaResize {
     source: (usize, usize),
     channels: usize,
     method: Method,
@@ -25,7 +25,7 @@ type Pair = [(usize, i32); 2];
 
 impl AreaResize {
     /// From pictures of `(height, width)` to others.
-    pub(super) fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
+    pub(crate) fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
         let inverse = |source: usize, target: usize| target as f64 / source as f64;
         let (inverse_y, inverse_x) = (inverse(source.0, target.0), inverse(source.1, target.1));
         let (scale_y, scale_x) = (1.0 / inverse_y, 1.0 / inverse_x);
@@ -48,12 +48,12 @@ impl AreaResize {
     }
 
     /// Whether a picture has the size to resize from.
-    pub(super) fn fits(&self, source: &[u8]) -> bool {
+    pub(crate) fn fits(&self, source: &[u8]) -> bool {
         source.len() == self.source.0 * self.source.1 * self.channels
     }
 
     /// Fills `out`; both are row by row, a pixel's channels together.
-    pub(super) fn resize(&self, source: &[u8], out: &mut [u8]) {
+    pub(crate) fn resize(&self, source: &[u8], out: &mut [u8]) {
         let channels = self.channels;
         let at = |y: usize, x: usize, c: usize| source[(y * self.source.1 + x) * channels + c];
         match &self.method {

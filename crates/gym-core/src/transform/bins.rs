@@ -29,14 +29,14 @@ impl<const N: usize> From<[u32; N]> for Bins {
 
 /// The bins of each element.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     inner: BoxSpace,
     /// For each element, the edges of its bins: one more than there are bins.
     edges: Vec<Vec<f64>>,
 }
 
 impl Grid {
-    pub(super) fn new(inner: &BoxSpace, bins: &Bins) -> Result<Self> {
+    pub(crate) fn new(inner: &BoxSpace, bins: &Bins) -> Result<Self> {
         if !inner.is_bounded() {
             return Err(Error::custom(format!("bins need finite bounds, and the space is {inner}")));
         }
@@ -62,7 +62,7 @@ impl Grid {
     }
 
     /// `Discrete` over all combinations, or one integer for each element.
-    pub(super) fn space(&self, multidiscrete: bool) -> Result<Space> {
+    pub(crate) fn space(&self, multidiscrete: bool) -> Result<Space> {
         let mut counts = (0..self.len()).map(|i| self.count(i));
         if multidiscrete {
             return Ok(MultiDiscrete::new(counts.collect::<Vec<i64>>())?.into());
@@ -73,17 +73,17 @@ impl Grid {
     }
 
     /// The box that is cut.
-    pub(super) fn inner(&self) -> &BoxSpace {
+    pub(crate) fn inner(&self) -> &BoxSpace {
         &self.inner
     }
 
     /// How many numbers an element has.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.edges.len()
     }
 
     /// The bin that the element `i` falls in with value `x`; beyond the bounds, an outer one.
-    pub(super) fn index(&self, i: usize, x: f64) -> i64 {
+    pub(crate) fn index(&self, i: usize, x: f64) -> i64 {
         let (low, high) = (self.inner.low().data().get_f64(i), self.inner.high().data().get_f64(i));
         // Gymnasium's margin, lost in float32 unless the bound is small
         const MARGIN: f64 = 1e-8;
@@ -99,14 +99,14 @@ impl Grid {
     }
 
     /// The edges of a bin of the element `i`; a bin that does not exist counts as the nearest.
-    pub(super) fn edges(&self, i: usize, bin: i64) -> (f64, f64) {
+    pub(crate) fn edges(&self, i: usize, bin: i64) -> (f64, f64) {
         let edges = &self.edges[i];
         let bin = bin.clamp(0, edges.len() as i64 - 2) as usize;
         (edges[bin], edges[bin + 1])
     }
 
     /// The middle of a bin of the element `i`.
-    pub(super) fn center(&self, i: usize, bin: i64) -> f64 {
+    pub(crate) fn center(&self, i: usize, bin: i64) -> f64 {
         let (low, high) = self.edges(i, bin);
         match self.inner.dtype() {
             DType::F32 => f64::from(0.5 * (low as f32 + high as f32)),
@@ -115,12 +115,12 @@ impl Grid {
     }
 
     /// How many bins the element `i` has.
-    pub(super) fn count(&self, i: usize) -> i64 {
+    pub(crate) fn count(&self, i: usize) -> i64 {
         self.edges[i].len() as i64 - 1
     }
 
     /// Visits the bin of each element that a value of [`space`](Self::space) names.
-    pub(super) fn split(&self, value: &Value, mut visit: impl FnMut(usize, i64)) {
+    pub(crate) fn split(&self, value: &Value, mut visit: impl FnMut(usize, i64)) {
         match value {
             Value::Int(index) => {
                 let mut index = *index;
@@ -137,7 +137,7 @@ impl Grid {
     }
 
     /// Leaves the value of [`space`](Self::space) that names a bin of each element in `out`.
-    pub(super) fn join(&self, bin: impl Fn(usize) -> i64, space: &Space, out: &mut Value) {
+    pub(crate) fn join(&self, bin: impl Fn(usize) -> i64, space: &Space, out: &mut Value) {
         if let Space::MultiDiscrete(space) = space {
             let array = array_of(out, space.dtype(), space.shape());
             let bins = array.as_mut_slice::<i64>().unwrap_or_default();

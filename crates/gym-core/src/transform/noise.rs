@@ -10,7 +10,7 @@ const GRAYSCALE_HIGHS: [u8; 3] = [75, 148, 28];
 const HIGH: u8 = 254;
 
 /// The picture to add noise to.
-pub(super) fn expect_frame(wrapper: &str, rendered: Rendered) -> Result<Frame> {
+pub(crate) fn expect_frame(wrapper: &str, rendered: Rendered) -> Result<Frame> {
     rendered.into_frame().ok_or_else(|| Error::UnsupportedMode {
         target: wrapper.into(),
         mode: "noise".into(),
@@ -19,7 +19,7 @@ pub(super) fn expect_frame(wrapper: &str, rendered: Rendered) -> Result<Frame> {
 }
 
 /// Noise for every channel of every pixel of a picture.
-pub(super) fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
+pub(crate) fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
     let mut noise = vec![0; frame.pixels().len()];
     if is_grayscale {
         rng.integers_u8_each(0, &GRAYSCALE_HIGHS, &mut noise);
@@ -34,7 +34,7 @@ pub(super) fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> V
 }
 
 /// Replaces the pixels for which `mask` says so.
-pub(super) fn cover(frame: &mut Frame, noise: &[u8], mut mask: impl FnMut(usize) -> bool) {
+pub(crate) fn cover(frame: &mut Frame, noise: &[u8], mut mask: impl FnMut(usize) -> bool) {
     let pixels = frame.pixels_mut().chunks_exact_mut(3).zip(noise.chunks_exact(3));
     for (i, (pixel, noise)) in pixels.enumerate() {
         if mask(i) {

@@ -35,14 +35,7 @@ fn spec(id: &str, arguments: impl Into<Json>) -> EnvSpec {
 }
 
 fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn VectorEnv>> {
-    let spec = VectorSpec {
-        env: spec.clone(),
-        num_envs: n,
-        vectorization_mode: VectorKind::Native,
-        autoreset_mode: autoreset,
-        threads: None,
-    };
-    spec.make()
+    VectorSpec::new(spec.clone(), n, VectorKind::Native).autoreset(autoreset).make()
 }
 
 /// Scalar environments, reset as a vector's.

@@ -278,11 +278,15 @@ pub(super) fn restore<E: Env>(
 ) -> Result<()> {
     let stored: StoredSlots = snapshot.get()?;
     if stored.autoreset != autoreset {
-        let reason = format!("it is of a vector with autoreset {:?}, and this one has {autoreset:?}", stored.autoreset);
+        let reason = format!(
+            "it is of a vector with autoreset {:?}, and this one has {autoreset:?}",
+            stored.autoreset
+        );
         return Err(Error::Snapshot(reason));
     }
     if stored.slots.len() != slots.len() {
-        let reason = format!("it is of {} sub-environments, and here are {}", stored.slots.len(), slots.len());
+        let reason =
+            format!("it is of {} sub-environments, and here are {}", stored.slots.len(), slots.len());
         return Err(Error::Snapshot(reason));
     }
     for (index, (slot, stored)) in slots.iter().zip(&stored.slots).enumerate() {

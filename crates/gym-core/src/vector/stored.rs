@@ -57,7 +57,11 @@ enum Stored {
     Array(StoredArray),
     Tuple(Vec<Stored>),
     Dict(Vec<(String, Stored)>),
-    Graph { nodes: StoredArray, edges: Option<StoredArray>, edge_links: Option<StoredArray> },
+    Graph {
+        nodes: StoredArray,
+        edges: Option<StoredArray>,
+        edge_links: Option<StoredArray>,
+    },
     OneOf(usize, Box<Stored>),
 }
 
@@ -166,7 +170,9 @@ mod tests {
     #[test]
     fn damage_is_refused() {
         let json = serde_json::to_string(&Kept(Value::Array([1i64, 2].into()))).unwrap();
-        for damaged in [json.replace("[2]", "[3]"), json.replace("int64", "int32"), json.replace("AAA", "A?A")] {
+        for damaged in
+            [json.replace("[2]", "[3]"), json.replace("int64", "int32"), json.replace("AAA", "A?A")]
+        {
             assert!(serde_json::from_str::<Kept>(&damaged).is_err(), "{damaged}");
         }
         let text = pack(&[1u64, 2, 3]).unwrap();

@@ -283,15 +283,8 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             self.refuse(items)?;
         }
         columns.prepare(&self.observation_space, self.num_envs)?;
-        let Columns {
-            observations,
-            rewards,
-            terminated,
-            truncated,
-            final_observations,
-            has_final,
-            progress,
-        } = columns;
+        let Columns { observations, rewards, terminated, truncated, final_observations, has_final, progress } =
+            columns;
         has_final.fill(false);
         progress.fill(Progress::Stepped);
         let step = Step {
@@ -303,7 +296,8 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             rewards,
             terminated,
             truncated,
-            final_observations: D::Observation::rows(final_observations).ok_or_else(|| mismatch::<D>("observations"))?,
+            final_observations: D::Observation::rows(final_observations)
+                .ok_or_else(|| mismatch::<D>("observations"))?,
             has_final,
             progress,
             finals: &mut self.finals,

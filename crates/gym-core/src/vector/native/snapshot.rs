@@ -72,7 +72,8 @@ impl<D: Native> NativeVectorEnv<D> {
         let Stored { name, config, num_envs, autoreset, limit, numbers } = snapshot.get()?;
         let own = self.stored(None)?;
         if (&name, &config) != (&own.name, &own.config) {
-            let reason = format!("it is of a {name} with {config}, and this is a {} with {}", own.name, own.config);
+            let reason =
+                format!("it is of a {name} with {config}, and this is a {} with {}", own.name, own.config);
             return Err(Error::Snapshot(reason));
         }
         if (num_envs, autoreset, limit) != (own.num_envs, own.autoreset, own.limit) {

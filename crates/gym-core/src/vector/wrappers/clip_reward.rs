@@ -1,7 +1,7 @@
 use super::{each_reward, reach};
 use crate::transform::clip::RewardBounds;
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::transform::number_to_json;
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::{Result, Value, WrapperSpec};
 
 /// Clips rewards between bounds, either of which may be left out.

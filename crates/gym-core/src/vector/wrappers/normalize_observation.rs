@@ -163,9 +163,7 @@ impl<V: VectorEnv> VectorWrapper for NormalizeObservation<V> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (envs, statistics, update, shown): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
         let shown: Vec<f32> = shown.into_numbers(self.shown.len())?;
-        statistics
-            .expect_len(self.statistics.len())
-            .map_err(|error| Error::Snapshot(error.to_string()))?;
+        statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
         (self.statistics, self.update_running_mean, self.shown) = (statistics, update, shown);
         Ok(())

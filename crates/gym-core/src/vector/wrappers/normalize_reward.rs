@@ -147,7 +147,8 @@ impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
         let discounted = discounted.into_numbers(self.discounted_rewards.len())?;
         statistics.expect_len(1).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
-        (self.statistics, self.update_running_mean, self.discounted_rewards) = (statistics, update, discounted);
+        (self.statistics, self.update_running_mean, self.discounted_rewards) =
+            (statistics, update, discounted);
         Ok(())
     }
 }

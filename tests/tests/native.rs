@@ -556,7 +556,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
         for actions in
             [Value::Null, Value::Int(0), Value::Array([0i64, 0].into()), Value::Array([0.0f64; 3].into())]
         {
-            assert!(refused(id, &actions).contains("array of just this shape and type"), "{id}");
+            assert!(refused(id, &actions).contains("is not an element of a batch of"), "{id}");
         }
         let (bad, index) = if ["MountainCarContinuous-v0", "Pendulum-v1"].contains(id) {
             (vec![boxed([0.0, 0.0, f32::NAN]), boxed([0.0, 0.0, f32::INFINITY])], 2)
@@ -598,7 +598,7 @@ fn environments_without_an_episode_are_named() {
     let before = columns.clone();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
     assert!(
-        error.to_string().starts_with(&format!("sub-environment {over}: its episode has ended")),
+        error.to_string().starts_with(&format!("sub-environment {over}: the episode has ended")),
         "{error}"
     );
     assert_eq!(columns, before);

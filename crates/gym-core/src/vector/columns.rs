@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use super::size;
 use crate::{Result, Space, Value};
 
 /// What a call of `reset_into` or `step_into` did with a sub-environment.
@@ -50,7 +51,8 @@ impl Columns {
     /// Columns of `n` rows for observations of a space: zeros.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if there is no buffer for its elements.
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if there is no buffer for its elements, and
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for more than memory holds.
     pub fn new(single_observation_space: &Space, n: usize) -> Result<Self> {
         let mut columns = Self::default();
         columns.prepare(single_observation_space, n)?;
@@ -72,6 +74,7 @@ impl Columns {
     pub fn prepare(&mut self, single_observation_space: &Space, n: usize) -> Result<()> {
         for column in [&mut self.observations, &mut self.final_observations] {
             if !single_observation_space.is_batch(column, n) {
+                size::check_rows(n, single_observation_space)?;
                 *column = single_observation_space.empty_batch(n)?;
             }
         }

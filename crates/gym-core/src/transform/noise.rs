@@ -10,12 +10,15 @@ const GRAYSCALE_HIGHS: [u8; 3] = [75, 148, 28];
 const HIGH: u8 = 254;
 
 /// The picture to add noise to.
-pub(crate) fn expect_frame(wrapper: &str, rendered: Rendered) -> Result<Frame> {
-    rendered.into_frame().ok_or_else(|| Error::UnsupportedMode {
-        target: wrapper.into(),
-        mode: "noise".into(),
-        reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
-    })
+pub(crate) fn expect_frame<'a>(wrapper: &str, rendered: &'a mut Rendered) -> Result<&'a mut Frame> {
+    match rendered {
+        Rendered::Frame(frame) => Ok(frame),
+        _ => Err(Error::UnsupportedMode {
+            target: wrapper.into(),
+            mode: "noise".into(),
+            reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+        }),
+    }
 }
 
 /// Noise for every channel of every pixel of a picture.

@@ -203,7 +203,7 @@ pub trait VectorEnv: Any + Send {
     /// it. [`final_info`](Self::final_info) and the wall-clock time of episodes are not.
     ///
     /// # Errors
-    /// [`Error::Custom`] if this vector or a sub-environment has no stored form, or while
+    /// [`Error::Snapshot`] if this vector or a sub-environment has no stored form, [`Error::Custom`] while
     /// sub-environments are pending.
     fn snapshot(&self) -> Result<Snapshot> {
         Err(no_snapshots(&self.describe()))
@@ -365,7 +365,9 @@ impl dyn VectorEnv {
 }
 
 fn no_snapshots(vector: &str) -> Error {
-    Error::custom(format!("{vector} has no snapshots: implement `VectorEnv::snapshot` and `restore` for it"))
+    Error::Snapshot(format!(
+        "{vector} has no snapshots: implement `VectorEnv::snapshot` and `restore` for it"
+    ))
 }
 
 impl fmt::Debug for dyn VectorEnv {

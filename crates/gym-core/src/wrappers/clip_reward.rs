@@ -1,13 +1,15 @@
 use crate::transform::clip::RewardBounds;
 use crate::transform::number_to_json;
-use crate::{Env, EnvSpec, Outcome, Result, WrapperSpec};
+use crate::{BoxEnv, Env, Outcome, Reset, Result, WrapperSpec};
 
 /// Clips rewards between bounds, either of which may be left out.
 #[derive(Clone, Debug)]
-pub struct ClipReward<E> {
+pub struct ClipReward<E = BoxEnv> {
     env: E,
     bounds: RewardBounds,
 }
+
+super::reach!(ClipReward<E>);
 
 impl<E: Env> ClipReward<E> {
     /// Clips the rewards of `env`.
@@ -33,31 +35,28 @@ impl<E: Env> ClipReward<E> {
     pub fn max_reward(&self) -> Option<f64> {
         self.bounds.max
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for ClipReward<E> {
+impl<E: Env> crate::Wrapper for ClipReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         Ok(Outcome { reward: self.bounds.clip(outcome.reward), ..outcome })
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("ClipReward")
-            .arg("min_reward", number_to_json(self.bounds.min))
-            .arg("max_reward", number_to_json(self.bounds.max));
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("ClipReward")
+                .arg("min_reward", number_to_json(self.bounds.min))
+                .arg("max_reward", number_to_json(self.bounds.max)),
+        )
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
-        generator, close, describe
-    );
 }

@@ -1,6 +1,6 @@
 use crate::spaces::{BoxSpace, array_of};
 use crate::transform::not_an_array;
-use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, DType, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
@@ -10,7 +10,7 @@ const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 
 /// Turns colour pictures `(height, width, 3)` into grey ones `(height, width)`.
 #[derive(Clone, Debug)]
-pub struct GrayscaleObservation<E> {
+pub struct GrayscaleObservation<E = BoxEnv> {
     env: E,
     space: Space,
     keep_dim: bool,
@@ -45,9 +45,9 @@ impl<E: Env> GrayscaleObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("GrayscaleObservation").arg("keep_dim", self.keep_dim)
     }
 }
 
-observation_wrapper!(GrayscaleObservation: Value);
+observation_wrapper!(GrayscaleObservation);

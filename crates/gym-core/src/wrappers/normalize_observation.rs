@@ -1,7 +1,7 @@
 use crate::spaces::{BoxSpace, array_of};
 use crate::transform::not_an_array;
 use crate::{
-    DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
 use crate::statistics::{RunningMeanStd, check_epsilon};
@@ -10,7 +10,7 @@ use crate::statistics::{RunningMeanStd, check_epsilon};
 ///
 /// The estimate is made of every observation since the wrapper was made; resets do not clear it.
 #[derive(Clone, Debug)]
-pub struct NormalizeObservation<E> {
+pub struct NormalizeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     epsilon: f64,
@@ -18,6 +18,8 @@ pub struct NormalizeObservation<E> {
     statistics: RunningMeanStd,
     inner: Value,
 }
+
+super::reach!(NormalizeObservation<E>);
 
 impl<E: Env> NormalizeObservation<E> {
     /// Gymnasium's default for what is added to the variance.
@@ -76,11 +78,6 @@ impl<E: Env> NormalizeObservation<E> {
         Ok(())
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     fn observe(&mut self, out: &mut Value) -> Result<()> {
         let shape = self.space.shape().unwrap_or_default();
         let out = array_of(out, DType::F32, shape).as_mut_slice::<f32>().unwrap_or_default();
@@ -104,9 +101,11 @@ impl<E: Env> NormalizeObservation<E> {
     }
 }
 
-impl<E: Env> Env for NormalizeObservation<E> {
+impl<E: Env> crate::Wrapper for NormalizeObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -137,12 +136,7 @@ impl<E: Env> Env for NormalizeObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon))
     }
-
-    crate::forward!(
-        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

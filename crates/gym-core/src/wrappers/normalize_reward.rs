@@ -1,12 +1,12 @@
 use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
-use crate::{DType, Env, EnvSpec, Error, Outcome, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, DType, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes.
 ///
 /// As in Gymnasium, the discounted sum starts anew after a step that terminates, not after one that
 /// truncates; the mean is not subtracted.
 #[derive(Clone, Debug)]
-pub struct NormalizeReward<E> {
+pub struct NormalizeReward<E = BoxEnv> {
     env: E,
     gamma: f64,
     epsilon: f64,
@@ -14,6 +14,8 @@ pub struct NormalizeReward<E> {
     discounted_reward: f64,
     statistics: RunningMeanStd,
 }
+
+super::reach!(NormalizeReward<E>);
 
 impl<E: Env> NormalizeReward<E> {
     /// The discount factor that [`Wrap::normalize_reward`](super::Wrap::normalize_reward) and specs
@@ -67,16 +69,17 @@ impl<E: Env> NormalizeReward<E> {
         self.statistics = statistics;
         Ok(())
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for NormalizeReward<E> {
+impl<E: Env> crate::Wrapper for NormalizeReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
@@ -103,13 +106,7 @@ impl<E: Env> Env for NormalizeReward<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper =
-            WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon))
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

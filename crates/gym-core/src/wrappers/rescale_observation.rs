@@ -1,13 +1,13 @@
 use crate::spaces::array_of;
 use crate::transform::not_an_array;
-use crate::{Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 use crate::transform::affine::{Affine, Bound};
 
 /// Maps observations linearly from the bounds of their `Box` to others.
 #[derive(Clone, Debug)]
-pub struct RescaleObservation<E> {
+pub struct RescaleObservation<E = BoxEnv> {
     env: E,
     space: Space,
     min_obs: Bound,
@@ -40,11 +40,11 @@ impl<E: Env> RescaleObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("RescaleObservation")
             .arg("min_obs", self.min_obs.to_json())
             .arg("max_obs", self.max_obs.to_json())
     }
 }
 
-observation_wrapper!(RescaleObservation: Value);
+observation_wrapper!(RescaleObservation);

@@ -1,12 +1,12 @@
 use crate::spaces::{BoxSpace, array_of};
 use crate::transform::not_an_array;
-use crate::{Array, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{Array, BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
 /// Gives array observations another shape of as many elements.
 #[derive(Clone, Debug)]
-pub struct ReshapeObservation<E> {
+pub struct ReshapeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     inner: Value,
@@ -37,9 +37,9 @@ impl<E: Env> ReshapeObservation<E> {
         array_of(out, space.dtype(), space.shape()).assign_cast(inner)
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("ReshapeObservation").arg("shape", self.space.shape().unwrap_or_default())
     }
 }
 
-observation_wrapper!(ReshapeObservation: Value);
+observation_wrapper!(ReshapeObservation);

@@ -1,6 +1,6 @@
 use crate::spaces::{BoxSpace, array_of};
 use crate::transform::not_an_array;
-use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, DType, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 use crate::transform::area::AreaResize;
@@ -8,7 +8,7 @@ use crate::transform::area::AreaResize;
 /// Resizes pictures as OpenCV does with its area filter: the mean over what each new pixel covers
 /// where the picture shrinks, linear between pixels where it grows.
 #[derive(Clone, Debug)]
-pub struct ResizeObservation<E> {
+pub struct ResizeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     size: (usize, usize),
@@ -50,9 +50,9 @@ impl<E: Env> ResizeObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("ResizeObservation").arg("shape", vec![self.size.0, self.size.1])
     }
 }
 
-observation_wrapper!(ResizeObservation: Value);
+observation_wrapper!(ResizeObservation);

@@ -228,7 +228,7 @@ struct Bound {
     reward: f64,
 }
 
-/// Compares each of a million steps with one of the exact scalar dynamics from the same state. `options`
+/// Compares each of many steps with one of the exact scalar dynamics from the same state. `options`
 /// let episodes start anywhere; those that autoreset starts begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(
     config: D::Config,
@@ -237,7 +237,7 @@ fn compare_steps<D, const K: usize, const O: usize>(
 ) where
     D: Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
 {
-    const STEPS: usize = 1_000_000;
+    const STEPS: usize = 200_000;
     const N: usize = 1000;
     let dynamics = D::new(config).unwrap();
     let mut envs = NativeVectorEnv::new(dynamics.clone(), N, Some(150), Autoreset::NextStep).unwrap();

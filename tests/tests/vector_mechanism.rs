@@ -10,7 +10,7 @@ use gym::rendering::RecordVectorVideo;
 use gym::spaces::BoxSpace;
 use gym::vector::wrappers::*;
 use gym::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
-use gym::{BoxEnv, DType, Error, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
+use gym::{BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
 
 const N: usize = 3;
 
@@ -151,11 +151,14 @@ impl<V: VectorEnv> gym::vector::VectorWrapper for Idle<V> {
 
 type Wrap = fn(Box<dyn VectorEnv>) -> Box<dyn VectorEnv>;
 
+fn videos() -> std::path::PathBuf {
+    std::env::temp_dir().join(format!("gym-spy-{}", std::process::id()))
+}
+
 /// Every wrapper, and whether it changes the spaces of observations and of actions.
 fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     fn video(envs: Box<dyn VectorEnv>) -> Box<dyn VectorEnv> {
-        let folder = std::env::temp_dir().join(format!("gym-spy-{}", std::process::id()));
-        Box::new(RecordVectorVideo::new(envs, folder).unwrap().video_length(1).step_trigger(|_| true))
+        Box::new(RecordVectorVideo::new(envs, videos()).unwrap().video_length(1).step_trigger(|_| true))
     }
     vec![
         ("Idle", [false, false], |envs| Box::new(Idle { envs })),
@@ -263,6 +266,7 @@ fn every_method_reaches_the_vector_within() {
         reached.extend(MADE_OF_OTHERS.map(str::to_owned));
         assert_eq!(reached, methods(), "{name}");
     }
+    std::fs::remove_dir_all(videos()).unwrap();
 }
 
 /// Steps the first sub-environment, and fails in the second.
@@ -330,8 +334,8 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     assert_eq!(step(&mut envs).observations.as_slice::<f32>().unwrap(), [5.0, -5.0, 0.0, 0.0]);
     let mut envs = RecordEpisodeStatistics::new(halfway());
     step(&mut envs);
-    let mut snapshot = serde_json::to_value(envs.snapshot().err().map(|e| e.to_string())).unwrap();
-    assert!(snapshot.take().as_str().unwrap().contains("HalfWay(num_envs=2) has no snapshots"));
+    let error = envs.snapshot().unwrap_err().to_string();
+    assert!(error.contains("HalfWay(num_envs=2) has no snapshots"), "{error}");
     let mut envs = NormalizeReward::new(halfway(), 0.5).unwrap();
     let columns = step(&mut envs);
     assert_eq!((envs.statistics().count() - 1e-4).round(), 1.0, "one reward was taken in");

@@ -252,7 +252,7 @@ fn a_refused_snapshot_changes_nothing() {
         let others = [
             spec("Pendulum-v1", kind, mode, &wrappers),
             spec("CartPole-v1", kind, mode, &json!([])),
-            VectorSpec { ..builder("CartPole-v1").vector(N + 1).kind(kind).autoreset(mode).spec().unwrap() },
+            builder("CartPole-v1").vector(N + 1).kind(kind).autoreset(mode).spec().unwrap(),
             spec(
                 "CartPole-v1",
                 kind,

@@ -25,12 +25,12 @@ fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> Ve
 type Seen = (Columns, Info);
 
 fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
+    let mut infos = envs.infos(columns);
     let mut columns = columns.clone();
-    // the rows that mean nothing may hold anything
-    if !columns.has_final.contains(&true) {
-        columns.final_observations = Value::Null;
-    }
-    let mut infos = envs.infos(&columns);
+    // the other rows may hold anything
+    let finals = envs.single_observation_space().iterate(&columns.final_observations).unwrap();
+    let finals = finals.zip(&columns.has_final).filter(|(_, there)| **there).map(|(row, _)| row);
+    columns.final_observations = Value::Tuple(finals.collect());
     if let Some(Value::Dict(entries)) = infos.get_mut("episode") {
         entries.retain(|(key, _)| key != "t");
     }
@@ -61,6 +61,23 @@ fn stored(envs: &dyn VectorEnv) -> Snapshot {
     serde_json::from_str(&text).unwrap()
 }
 
+/// A snapshot without the wall-clock time of episodes.
+fn without_clock(snapshot: &Snapshot) -> Json {
+    fn clean(json: &mut Json) {
+        match json {
+            Json::Object(entries) => {
+                entries.remove("t");
+                entries.values_mut().for_each(clean);
+            }
+            Json::Array(items) => items.iter_mut().for_each(clean),
+            _ => {}
+        }
+    }
+    let mut json = json!(snapshot);
+    clean(&mut json);
+    json
+}
+
 fn continues(spec: &VectorSpec, steps: usize) {
     let what = json!(spec).to_string();
     let mut envs = spec.make().unwrap();
@@ -80,7 +97,7 @@ fn continues(spec: &VectorSpec, steps: usize) {
     for (step, (answered, expected)) in answered.iter().zip(&expected).enumerate() {
         assert_eq!(answered, expected, "{what}: {step}");
     }
-    assert_eq!(stored(&*restored), stored(&*envs), "{what}");
+    assert_eq!(without_clock(&stored(&*restored)), without_clock(&stored(&*envs)), "{what}");
 }
 
 fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
@@ -273,8 +290,10 @@ fn a_refused_snapshot_changes_nothing() {
                 refused += 1;
                 assert_eq!(envs.snapshot().unwrap(), now, "{spoilt}");
             } else {
-                // it could be the state of such a vector: go on, then back
-                play(&mut *envs, &mut columns, &mut actions.clone(), 3);
+                // it is a state of such a vector, such as that before the first reset: go on, then back
+                for _ in 0..3 {
+                    let _ = envs.step_into(&actions.clone().sample(), &mut columns);
+                }
                 envs.restore(&now).unwrap();
             }
         }

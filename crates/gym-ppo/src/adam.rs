@@ -54,7 +54,8 @@ impl Adam {
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
         let numbers = |tensors: &[Tensor]| tensors.iter().map(store::numbers).collect::<Result<Vec<_>>>();
-        let variables: Vec<Tensor> = self.variables.iter().map(|variable| variable.as_tensor().clone()).collect();
+        let variables: Vec<Tensor> =
+            self.variables.iter().map(|variable| variable.as_tensor().clone()).collect();
         Ok(StoredAdam {
             variables: numbers(&variables)?,
             first: numbers(&self.first)?,
@@ -67,8 +68,16 @@ impl Adam {
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         let tensors = |all: &[Numbers]| {
             let fits = all.len() == self.variables.len();
-            anyhow::ensure!(fits, "the checkpoint has {} variables, and the agent {}", all.len(), self.variables.len());
-            all.iter().zip(&self.variables).map(|(numbers, variable)| store::tensor(numbers, variable)).collect()
+            anyhow::ensure!(
+                fits,
+                "the checkpoint has {} variables, and the agent {}",
+                all.len(),
+                self.variables.len()
+            );
+            all.iter()
+                .zip(&self.variables)
+                .map(|(numbers, variable)| store::tensor(numbers, variable))
+                .collect()
         };
         let (variables, first, second): (Vec<Tensor>, _, _) =
             (tensors(&stored.variables)?, tensors(&stored.first)?, tensors(&stored.second)?);

@@ -46,7 +46,9 @@ impl Agent {
                 let log_std = Var::zeros(space.shape()[0], DType::F32, &Device::Cpu)?;
                 (space.shape()[0], Head::Gaussian { log_std })
             }
-            other => bail!("the actions are {other}: this example needs a Discrete or a row of float32 numbers"),
+            other => {
+                bail!("the actions are {other}: this example needs a Discrete or a row of float32 numbers")
+            }
         };
         // a policy that begins without preferences explores
         let policy = Network::new([observation, HIDDEN, HIDDEN, outputs], 0.01, rng)?;

@@ -15,7 +15,8 @@ use crate::train::width;
 
 pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
     let Evaluation { checkpoint: folder, episodes, seed, video } = evaluation;
-    let checkpoint = Checkpoint::find(folder)?.with_context(|| format!("{}: no checkpoint", folder.display()))?;
+    let checkpoint =
+        Checkpoint::find(folder)?.with_context(|| format!("{}: no checkpoint", folder.display()))?;
     let mut vector = checkpoint.spec.make()?;
     vector.restore(&checkpoint.envs)?;
 
@@ -32,7 +33,8 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         env = BoxEnv::new(normalized);
     }
 
-    let mut agent = Agent::new(width(&env.observation_space())?, &env.action_space(), &mut Generator::from(0))?;
+    let mut agent =
+        Agent::new(width(&env.observation_space())?, &env.action_space(), &mut Generator::from(0))?;
     agent.restore(&checkpoint.agent)?;
     let mut returns = Vec::new();
     for episode in 0..*episodes {
@@ -54,6 +56,10 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
     }
     env.close();
     let mean = returns.iter().sum::<f64>() / returns.len().max(1) as f64;
-    println!("{}: mean return {mean:.1} over {episodes} episodes; videos: {}", checkpoint.spec.env.id, video.display());
+    println!(
+        "{}: mean return {mean:.1} over {episodes} episodes; videos: {}",
+        checkpoint.spec.env.id,
+        video.display()
+    );
     Ok(())
 }

@@ -123,7 +123,10 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
     let mut run = match found {
         Some(checkpoint) => {
             let (made, with) = (&checkpoint.spec.env.id, checkpoint.seed);
-            ensure!(made == id && with == *seed, "the checkpoint is of {made} with seed {with}: choose another folder");
+            ensure!(
+                made == id && with == *seed,
+                "the checkpoint is of {made} with seed {with}: choose another folder"
+            );
             println!("resumes after {} steps", checkpoint.steps);
             Run::resume(checkpoint)?
         }

@@ -221,8 +221,7 @@ pub trait VectorEnv: Any + Send {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// The vector within, of a wrapper; [`wrapper`](trait.VectorEnv.html#method.wrapper) of `dyn
-    /// VectorEnv` finds one by its type.
+    /// The vector within, of a wrapper. The method `wrapper` of `dyn VectorEnv` finds one by its type.
     fn within(&self) -> Option<&dyn VectorEnv> {
         None
     }

@@ -22,8 +22,9 @@ impl<V: VectorEnv> RescaleAction<V> {
     /// # Errors
     /// As [`wrappers::RescaleAction::new`](crate::wrappers::RescaleAction::new).
     pub fn new(envs: V, min_action: impl Into<Bound>, max_action: impl Into<Bound>) -> Result<Self> {
-        let bounds = [min_action.into(), max_action.into()];
-        let (map, space) = affine_map(&envs.single_action_space(), &bounds[0], &bounds[1])?;
+        let inner = envs.single_action_space();
+        let bounds = [min_action.into(), max_action.into()].map(|bound| bound.in_type_of(&inner));
+        let (map, space) = affine_map(&inner, &bounds[0], &bounds[1])?;
         Ok(Self { envs, space: space.into(), bounds, map, inner: Value::Null })
     }
 }

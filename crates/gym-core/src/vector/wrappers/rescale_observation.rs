@@ -23,8 +23,8 @@ impl<V: VectorEnv> RescaleObservation<V> {
     /// As [`wrappers::RescaleObservation::new`](crate::wrappers::RescaleObservation::new).
     pub fn new(envs: V, min_obs: impl Into<Bound>, max_obs: impl Into<Bound>) -> Result<Self> {
         let inner = envs.single_observation_space();
+        let bounds = [min_obs.into(), max_obs.into()].map(|bound| bound.in_type_of(&inner));
         let inner = expect_box("RescaleObservation", "observation", &inner)?;
-        let bounds = [min_obs.into(), max_obs.into()];
         let (map, space) = Affine::new(inner, &bounds[0], &bounds[1])
             .map_err(|error| Error::argument("RescaleObservation", error.to_string()))?;
         Ok(Self { envs, space: space.into(), bounds, map, inner: Inner::default() })

@@ -4,8 +4,8 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, observations, panics, registered,
-    seeding, spaces, threads,
+    actions, allocations, arguments, copies, drawing, episodes, info, observations, panics, pictures,
+    registered, seeding, spaces, threads,
 };
 
 /// One rule.
@@ -165,6 +165,13 @@ pub const CHECKS: &[Check] = &[
         "show each entry of `info` once, from the state alone",
     ),
     error!(
+        "info-constant",
+        info::constant,
+        EPISODES,
+        "a vector gathers each entry in a column of one type, and loggers read it after every step",
+        "show the same entries with the same types after every step, and after every reset",
+    ),
+    error!(
         "reset-needed",
         episodes::reset_needed,
         ["constructs"],
@@ -263,6 +270,13 @@ pub const CHECKS: &[Check] = &[
         "return Err(Error::Snapshot(..)) for what `snapshot` cannot have written, before anything changes",
     ),
     error!(
+        "snapshot-legal",
+        copies::snapshot_legal,
+        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "observation-in-space"],
+        "a damaged file must not become a state that no episode reaches",
+        "check in `restore` that each field is in its range, and return Err(Error::Snapshot(..)) where it is not",
+    ),
+    error!(
         "any-thread",
         threads::any_thread,
         ["same-seed-same-episode", "reset-forgets", "clone-continues"],
@@ -305,6 +319,20 @@ pub const CHECKS: &[Check] = &[
         "implement `draw` for the modes human and rgb_array and `ansi` for ansi, or do not name them",
     ),
     error!(
+        "drawing-visible",
+        pictures::visible,
+        ["render-modes"],
+        "a picture of one colour shows nothing",
+        "draw within the canvas, from (0, 0) to `render_size`, in a colour other than the background",
+    ),
+    error!(
+        "drawing-follows",
+        pictures::follows,
+        ["render-modes", "drawing-visible"],
+        "a picture that never changes does not show the state",
+        "draw what the observation tells",
+    ),
+    error!(
         "arguments-round-trip",
         arguments::round_trip,
         REPEATABLE,
@@ -317,6 +345,13 @@ pub const CHECKS: &[Check] = &[
         ["constructs", "arguments-round-trip"],
         "a misspelt argument that is ignored costs a day of training",
         "put #[serde(default, deny_unknown_fields)] on the `Config`",
+    ),
+    error!(
+        "arguments-matter",
+        arguments::matter,
+        ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],
+        "an experiment over an argument that is ignored compares nothing",
+        "use the argument, or remove it",
     ),
     error!(
         "no-allocation",

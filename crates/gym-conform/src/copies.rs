@@ -2,6 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
+use crate::damage::{damaged, difference};
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{BoxEnv, Env, Error, Result, Snapshot};
@@ -17,7 +18,12 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
         let what = "an environment whose clone was used";
         same(&carry_on(&mut other, seed, STEPS)?, &carry_on(&mut env, seed, STEPS)?, what)?;
     }
-    Ok(())
+    // what clones share may matter late
+    let (seed, long) = (SEEDS[0], subject.long()?);
+    let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+    carry_on(&mut env.clone(), seed + 1, long)?;
+    let what = "an environment whose clone was used for long";
+    same(&carry_on(&mut other, seed, long)?, &carry_on(&mut env, seed, long)?, what)
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
@@ -70,18 +76,18 @@ fn unused(subject: &Subject<'_>) -> Verdict {
 
 /// Whether a copy taken in the middle of an episode goes on as an original of which none was taken.
 fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result<BoxEnv>) -> Verdict {
-    for seed in SEEDS {
-        let mut env = subject.midway(seed)?;
-        let mut copied = match copy(&env) {
+    let long = subject.long()?;
+    let [early, other, late] = SEEDS;
+    // a copy taken early that goes on for long, and one taken late
+    for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
+        let mut env = subject.after(seed, before)?;
+        let copied = copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after));
+        let copied = match copied {
             Ok(copied) => copied,
             Err(error) => return broken(format!("{what}: {error}")),
         };
-        let copied = match carry_on(&mut copied, seed, STEPS) {
-            Ok(copied) => copied,
-            Err(error) => return broken(format!("{what}: {error}")),
-        };
-        let left = carry_on(&mut env, seed, STEPS)?;
-        let untouched = carry_on(&mut subject.midway(seed)?, seed, STEPS)?;
+        let left = carry_on(&mut env, seed, after)?;
+        let untouched = carry_on(&mut subject.after(seed, before)?, seed, after)?;
         same(&untouched, &copied, what)?;
         same(&untouched, &left, &format!("beside {what} the original"))?;
     }
@@ -119,40 +125,32 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     same(&carry_on(&mut midway()?, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)
 }
 
-/// Copies of a snapshot, each with one part that it should not have.
-pub(crate) fn damaged(good: &Json) -> Vec<Json> {
-    /// A picture or a track has thousands of parts, all much alike.
-    const MAX: usize = 150;
-    let bad = [json!(null), json!("x"), json!(-1), json!(1e300), json!([]), json!({}), json!(u64::MAX)];
-    let all = count(good) * bad.len();
-    // no multiple of the number of bad parts, so that each of them has its turn
-    let stride = all.div_ceil(MAX).max(1);
-    let stride = stride + usize::from(stride > 1 && stride.is_multiple_of(bad.len()));
-    let copies = (0..all).step_by(stride).filter_map(|i| {
-        let mut copy = good.clone();
-        *part(&mut copy, &mut { i / bad.len() })? = bad[i % bad.len()].clone();
-        Some(copy)
-    });
-    copies.collect()
-}
-
-fn count(json: &Json) -> usize {
-    1 + match json {
-        Json::Array(items) => items.iter().map(count).sum(),
-        Json::Object(map) => map.values().map(count).sum(),
-        _ => 0,
+/// What `restore` accepts is a state that the environment can be in.
+pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
+    const STEPS: usize = 20;
+    let env = subject.after(SEEDS[0], 5)?;
+    let space = env.observation_space();
+    let good = env.snapshot()?.get::<Json>()?;
+    for json in damaged(&good) {
+        let mut env = env.clone();
+        if env.restore(&Snapshot::of(&json)?).is_err() {
+            continue;
+        }
+        let place = || format!("after `restore` accepts a snapshot with {}", difference(&good, &json));
+        let mut actions = env.action_sampler(0)?;
+        for _ in 0..STEPS {
+            // a state in which no step can be taken does no harm
+            let Ok(step) = env.step(&actions.sample()) else { break };
+            if let Err(error) = space.check(&step.observation) {
+                return broken(format!("{}: {error}", place()));
+            }
+            if !step.reward.is_finite() {
+                return broken(format!("{}: the reward is {}", place(), step.reward));
+            }
+            if step.done() {
+                break;
+            }
+        }
     }
-}
-
-/// The part of an index in the order of reading.
-fn part<'a>(json: &'a mut Json, index: &mut usize) -> Option<&'a mut Json> {
-    if *index == 0 {
-        return Some(json);
-    }
-    *index -= 1;
-    match json {
-        Json::Array(items) => items.iter_mut().find_map(|item| part(item, index)),
-        Json::Object(map) => map.values_mut().find_map(|value| part(value, index)),
-        _ => None,
-    }
+    Ok(())
 }

@@ -130,15 +130,15 @@ fn is_drawn(env: &BoxEnv) -> bool {
 
 /// The calls of a drawing, exactly.
 #[derive(Default)]
-struct Calls {
-    text: String,
+pub(crate) struct Calls {
+    pub(crate) text: String,
     count: usize,
     depth: usize,
     fault: Option<String>,
 }
 
 impl Calls {
-    fn of(env: &BoxEnv) -> Self {
+    pub(crate) fn of(env: &BoxEnv) -> Self {
         let mut calls = Self::default();
         env.draw(&mut calls);
         calls

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde_json::{Value as Json, json};
 
 use crate::arguments::effective;
-use crate::copies::damaged;
+use crate::damage::damaged;
 use crate::inputs::{corners, huge, invalid, uniform};
 use crate::look::look;
 use crate::subject::{Subject, carry_on};

@@ -37,6 +37,8 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
 
 /// The findings, and what was not checked for which reason.
 fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
+    // a panic shows again, and is told, in the check of equal seeds
+    let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
     let (mut findings, mut skipped, mut passed) = (Vec::new(), Vec::new(), Vec::new());
     let (mut errors, mut panics) = (Vec::new(), Vec::new());
     let finding = |check: &Check, message: String| {

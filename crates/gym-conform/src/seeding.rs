@@ -33,7 +33,9 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
         same(&roll(seed)?, &roll(seed)?, "a second environment with the same seed and actions")?;
         let what = "a second environment with resets in the middle of an episode, seeded once,";
         same(&interrupted(subject, seed)?, &interrupted(subject, seed)?, what)
-    })
+    })?;
+    let again = roll_out(&mut subject.make()?, SEEDS[0], subject.long()?)?;
+    same(subject.first_run()?, &again, "a later environment with the same seed and actions, in a long run,")
 }
 
 /// Episodes that follow a seeded one that was left, and one that was not begun.

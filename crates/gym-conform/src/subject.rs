@@ -4,7 +4,9 @@ use std::cell::OnceCell;
 
 use crate::long::LongRuns;
 use crate::verdict::{Trouble, Verdict, broken};
-use gym_core::{BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Step, Value, registry};
+use gym_core::{
+    BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Space, Step, Value, registry,
+};
 
 /// Episodes are compared over this many steps, through several resets where they are short.
 pub(crate) const STEPS: usize = 150;
@@ -13,6 +15,8 @@ pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 /// The environment under test.
 pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
+    /// A long run, played before anything else is.
+    first_run: OnceCell<Vec<Shown>>,
     /// An episode for each seed, played once for all checks that only look.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// What longer runs show, played once as well.
@@ -28,13 +32,22 @@ impl<'a> Subject<'a> {
         let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
         let spec = made.ok().flatten();
         let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
-        Self { make, events: OnceCell::new(), long_runs: OnceCell::new(), spec, registration }
+        Self::with(make, spec, registration)
     }
 
     /// What `make` makes of a spec, which may fail.
     pub(crate) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
-        Self { make, events: OnceCell::new(), long_runs: OnceCell::new(), spec: Some(spec), registration }
+        Self::with(make, Some(spec), registration)
+    }
+
+    fn with(
+        make: &'a dyn Fn() -> Result<BoxEnv>,
+        spec: Option<EnvSpec>,
+        registration: Option<Registration>,
+    ) -> Self {
+        let (first_run, events, long_runs) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Self { make, first_run, events, long_runs, spec, registration }
     }
 
     /// A fresh environment.
@@ -61,9 +74,36 @@ impl<'a> Subject<'a> {
 
     /// A fresh environment some steps into an episode.
     pub(crate) fn midway(&self, seed: u64) -> Result<BoxEnv> {
+        self.after(seed, 5)
+    }
+
+    /// A fresh environment that many steps after its first reset, through other resets where episodes end.
+    pub(crate) fn after(&self, seed: u64, steps: usize) -> Result<BoxEnv> {
         let mut env = self.make()?;
-        roll_out(&mut env, seed, 5)?;
+        roll_out(&mut env, seed, steps)?;
         Ok(env)
+    }
+
+    /// The steps of a comparison that sees what matters late: to the time limit, within reason.
+    pub(crate) fn long(&self) -> Result<usize> {
+        /// Hundreds of pictures fill the memory.
+        const PICTURE: usize = 10_000;
+        let elements = match self.make()?.observation_space() {
+            Space::Box(space) => space.shape().iter().product(),
+            _ => 0,
+        };
+        let limit = self.spec.as_ref().and_then(|spec| spec.max_episode_steps).unwrap_or(1000);
+        Ok(if elements > PICTURE { 400 } else { limit.clamp(400, 1600) as usize })
+    }
+
+    /// A long run of the first seed, which is played before anything else is: what counts steps beyond the
+    /// environment has counted none then.
+    pub(crate) fn first_run(&self) -> Result<&[Shown]> {
+        if let Some(run) = self.first_run.get() {
+            return Ok(run);
+        }
+        let run = roll_out(&mut self.make()?, SEEDS[0], self.long()?)?;
+        Ok(self.first_run.get_or_init(|| run))
     }
 
     /// What happens in an episode of each seed.

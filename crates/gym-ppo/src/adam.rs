@@ -66,7 +66,7 @@ impl Adam {
 
     /// Continues from what was stored of an agent of the same form.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
-        let tensors = |all: &[Numbers]| {
+        let tensors = |all: &[Numbers]| -> anyhow::Result<Vec<Tensor>> {
             let fits = all.len() == self.variables.len();
             anyhow::ensure!(
                 fits,
@@ -79,7 +79,7 @@ impl Adam {
                 .map(|(numbers, variable)| store::tensor(numbers, variable))
                 .collect()
         };
-        let (variables, first, second): (Vec<Tensor>, _, _) =
+        let (variables, first, second) =
             (tensors(&stored.variables)?, tensors(&stored.first)?, tensors(&stored.second)?);
         for (variable, tensor) in self.variables.iter().zip(&variables) {
             variable.set(tensor)?;

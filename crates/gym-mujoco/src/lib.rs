@@ -1,0 +1,15 @@
+//! MuJoCo's physics, and the environments that Gymnasium makes of it, in Rust alone.
+//!
+//! The engine repeats libmujoco 3.12.0 to rounding for models within the subset that [`Model`] describes. It knows nothing
+//! of reinforcement learning: a [`Model`] is what never changes, a [`Data`] is a state and everything computed from it,
+//! [`physics::step`] advances one by a timestep of the other.
+
+pub mod data;
+mod error;
+pub mod model;
+pub mod physics;
+
+pub use data::{Contact, Data};
+pub use error::{Error, Result};
+pub use model::{CompiledModel, Model};
+pub use physics::{forward, step};

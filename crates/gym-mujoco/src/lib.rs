@@ -6,6 +6,7 @@
 
 pub mod data;
 mod error;
+mod mjcf;
 pub mod model;
 pub mod physics;
 

@@ -307,13 +307,15 @@ fn add_subtree_masses(m: &mut CompiledModel) {
     }
 }
 
-/// Marks bodies whose part of the inertia matrix is diagonal: children of the world without children, with the inertial
-/// frame in the body's, moved along coordinate axes and then turned about at most one.
+/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the world or in a fixed child of
+/// it, with the inertial frame in the body's, moved along coordinate axes and then turned about at most one.
 fn mark_simple(m: &mut CompiledModel) {
     for b in 0..m.nbody() {
         let own_frame = norm(&m.body_ipos[b]) < EPS && norm(&m.body_iquat[b][1..]) < EPS;
-        m.body_simple.push(u8::from(own_frame && m.body_rootid[b] == b));
-        m.body_simple[m.body_parentid[b]] &= u8::from(m.body_parentid[b] == 0);
+        let parent = m.body_parentid[b];
+        let rooted = parent == 0 || (m.body_parentid[parent] == 0 && m.body_jntnum[parent] == 0);
+        m.body_simple.push(u8::from(own_frame && rooted));
+        m.body_simple[parent] &= u8::from(parent == 0);
         let (mut turns, mut slides) = (false, 0);
         let first = usize::try_from(m.body_jntadr[b]).unwrap_or(0);
         for j in first..first + m.body_jntnum[b] {

@@ -6,6 +6,7 @@
 
 pub mod data;
 mod error;
+mod libm;
 pub mod model;
 pub mod physics;
 

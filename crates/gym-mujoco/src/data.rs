@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::spatial::IDENTITY;
+use crate::physics::{Constraints, Work};
 use crate::Model;
 
 /// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
@@ -13,7 +15,7 @@ use crate::Model;
 /// translation, about the centre of mass of the kinematic tree (`subtree_com` of the body's root).
 ///
 /// A clone, or data that was serialised and read again, continues bit for bit.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Data {
     /// Time, in seconds.
     pub time: f64,
@@ -81,8 +83,25 @@ pub struct Data {
     /// External force on each body by contacts; current after [`rne_post_constraint`](crate::physics::rne_post_constraint).
     pub cfrc_ext: Vec<[f64; 6]>,
 
+    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own.
+    pub qm: Vec<f64>,
+    /// Factors of the inertia matrix, `L' D L`, with the same structure.
+    pub qld: Vec<f64>,
+    /// Inverse of the factors' diagonal.
+    pub qld_diag_inv: Vec<f64>,
+    /// Clamped controls: forces of the motors, before gears.
+    pub actuator_force: Vec<f64>,
+
     /// Contacts.
     pub contact: Vec<Contact>,
+    /// Rows of the constraints.
+    pub efc: Constraints,
+    /// Iterations of the solver, by island.
+    pub solver_niter: Vec<usize>,
+
+    /// Buffers.
+    #[serde(skip)]
+    pub(crate) work: Work,
 }
 
 /// A contact of two geoms: MuJoCo's `mjContact`.
@@ -111,6 +130,8 @@ pub struct Contact {
     pub geom: [usize; 2],
     /// First constraint row; -1 if it has none.
     pub efc_address: i32,
+    /// The pair of geoms, by the model's order.
+    pub(crate) pair: usize,
 }
 
 impl Data {
@@ -127,29 +148,64 @@ impl Data {
 
     /// Back to the initial configuration: MuJoCo's `mj_resetData`.
     pub fn reset(&mut self, m: &Model) {
+        self.fit(m);
         self.time = 0.0;
-        self.qpos.clone_from(&m.qpos0);
-        fill(&mut self.qvel, m.nv());
-        fill(&mut self.ctrl, m.nu());
-        fill(&mut self.qacc_warmstart, m.nv());
-        fill(&mut self.cfrc_ext, m.nbody());
+        self.qpos.copy_from_slice(&m.qpos0);
+        for vector in [
+            &mut self.qvel, &mut self.ctrl, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
+            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
+            &mut self.actuator_force, &mut self.ten_length, &mut self.ten_velocity,
+        ] {
+            vector.fill(0.0);
+        }
+        self.cfrc_ext.fill([0.0; 6]);
+        self.contact.clear();
+        self.efc = Constraints::default();
+        self.solver_niter.clear();
     }
-}
 
-/// Makes a vector have so many zeros.
-fn fill<T: Copy + Zero>(vector: &mut Vec<T>, length: usize) {
-    vector.clear();
-    vector.resize(length, T::ZERO);
-}
-
-trait Zero {
-    const ZERO: Self;
-}
-
-impl Zero for f64 {
-    const ZERO: Self = 0.0;
-}
-
-impl<const N: usize> Zero for [f64; N] {
-    const ZERO: Self = [0.0; N];
+    /// Makes every array as long as the model needs it; does nothing to those that are.
+    pub(crate) fn fit(&mut self, m: &Model) {
+        if self.work.fits(m) {
+            return;
+        }
+        let (nv, nbody) = (m.nv(), m.nbody());
+        self.qpos.resize(m.nq(), 0.0);
+        for vector in [
+            &mut self.qvel, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
+            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
+            &mut self.qld_diag_inv,
+        ] {
+            vector.resize(nv, 0.0);
+        }
+        self.ctrl.resize(m.nu(), 0.0);
+        self.actuator_force.resize(m.nu(), 0.0);
+        self.ten_length.resize(m.ntendon(), 0.0);
+        self.ten_velocity.resize(m.ntendon(), 0.0);
+        for matrix in [&mut self.qm, &mut self.qld] {
+            matrix.resize(m.plan().m_colind.len(), 0.0);
+        }
+        for positions in [&mut self.xpos, &mut self.xipos, &mut self.subtree_com] {
+            positions.resize(nbody, [0.0; 3]);
+        }
+        for rotations in [&mut self.xmat, &mut self.ximat] {
+            rotations.resize(nbody, IDENTITY);
+        }
+        self.xquat.resize(nbody, [1.0, 0.0, 0.0, 0.0]);
+        for axes in [&mut self.xanchor, &mut self.xaxis] {
+            axes.resize(m.njnt(), [0.0; 3]);
+        }
+        self.geom_xpos.resize(m.ngeom(), [0.0; 3]);
+        self.geom_xmat.resize(m.ngeom(), IDENTITY);
+        self.site_xpos.resize(m.nsite(), [0.0; 3]);
+        self.site_xmat.resize(m.nsite(), IDENTITY);
+        self.cinert.resize(nbody, [0.0; 10]);
+        for axes in [&mut self.cdof, &mut self.cdof_dot] {
+            axes.resize(nv, [0.0; 6]);
+        }
+        for vectors in [&mut self.cvel, &mut self.cfrc_ext] {
+            vectors.resize(nbody, [0.0; 6]);
+        }
+        self.work = Work::new(m);
+    }
 }

@@ -17,7 +17,7 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     com_pos(&general, &mut d);
     crb(&general, &mut d);
     for i in 0..m.nv() {
-        m.dof_m0[i] = d.m_diagonal(&general, i);
+        m.dof_m0[i] = d.qm[general.plan().m_row(i).end - 1];
     }
 
     // again, with the simple bodies' diagonals

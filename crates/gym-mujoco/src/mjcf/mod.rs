@@ -22,6 +22,7 @@
 //! MuJoCo takes from them; `visual`, `custom`, `user` and `group` are read and ignored.
 
 mod compile;
+mod constants;
 mod defaults;
 mod inertia;
 mod orientation;
@@ -31,7 +32,7 @@ mod xml;
 
 use std::path::Path;
 
-use crate::{CompiledModel, Error, Model, Result};
+use crate::{Error, Model, Result};
 
 impl Model {
     /// Compiles a model from a text in MJCF.
@@ -41,7 +42,7 @@ impl Model {
     /// makes no sense, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
         let spec = reader::read(text)?;
-        Self::new(compiled(&spec)?)
+        constants::add_constants(compile::compile(&spec)?, &spec.statistic)
     }
 
     /// Compiles a model from a file in MJCF.
@@ -54,8 +55,4 @@ impl Model {
         let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
         Self::from_xml(&text).map_err(|error| in_file(error.to_string()))
     }
-}
-
-fn compiled(spec: &spec::Spec) -> Result<CompiledModel> {
-    compile::compile(spec)
 }

@@ -12,7 +12,7 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
-pub(crate) use plan::Plan;
+pub(crate) use plan::{Pair, Plan, Softness};
 pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
 
 /// A checked [`CompiledModel`], and what the engine precomputes from it.
@@ -34,7 +34,7 @@ impl Model {
     /// outside of what the engine supports; the text names the array and the element.
     pub fn new(compiled: CompiledModel) -> Result<Self> {
         check::check(&compiled)?;
-        let plan = Plan::new(&compiled);
+        let plan = Plan::new(&compiled)?;
         Ok(Self { compiled, plan })
     }
 

@@ -4,9 +4,8 @@ use std::fmt;
 
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
-use gym_core::{
-    Array, Configure, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
-};
+use gym_core::spaces::BoxSpace;
+use gym_core::{Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::arguments::{Arguments, TaskArguments};
@@ -56,6 +55,8 @@ pub struct MujocoEnv<T: Task, const VERSION: u8 = 5> {
     arguments: Arguments<T::Config, VERSION>,
     task: T,
     simulation: Simulation,
+    observation_space: Space,
+    action_space: Space,
     observations: usize,
     episode: Option<Box<Episode<T::Step>>>,
 }
@@ -79,7 +80,11 @@ impl<T: Task, const VERSION: u8> MujocoEnv<T, VERSION> {
         let mut data = Data::new(&simulation.model);
         simulation.start(&mut data);
         let observations = task.observe(&simulation, &data).count();
-        Ok(Self { arguments: Arguments(config), task, simulation, observations, episode: None })
+        let observation_space =
+            BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [observations], DType::F64)?.into();
+        let action_space = simulation.action_space()?;
+        let arguments = Arguments(config);
+        Ok(Self { arguments, task, simulation, observation_space, action_space, observations, episode: None })
     }
 
     /// The model, and how it is stepped.
@@ -111,12 +116,11 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
     type Action = Array;
 
     fn observation_space(&self) -> Space {
-        let unbounded = vec![f64::INFINITY; self.observations];
-        Space::boxed(unbounded.iter().map(|x| -x).collect::<Vec<_>>(), unbounded)
+        self.observation_space.clone()
     }
 
     fn action_space(&self) -> Space {
-        self.simulation.action_space()
+        self.action_space.clone()
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
@@ -138,7 +142,7 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
             numbers.len() == self.simulation.model.nu() && numbers.iter().all(|a| a.is_finite())
         });
         let Some(numbers) = numbers else {
-            return Err(Error::action(action, &self.simulation.action_space()));
+            return Err(Error::action(action, &self.action_space));
         };
         let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, numbers);
         episode.step = Some(step);

@@ -46,10 +46,10 @@ macro_rules! register {
                 .max_episode_steps($steps)
                 $(.reward_threshold($threshold))?
         );
-        register!(@rest $task, $about, $steps, [$($threshold)?], $($version)+);
+        $crate::tasks::register!(@rest $task, $about, $steps, [$($threshold)?], $($version)+);
     };
     (@rest $task:ident, $about:literal, $steps:literal, $threshold:tt, $($version:literal)+) => {
-        $(register!(@one $task, $about, $steps, $threshold, $version);)+
+        $($crate::tasks::register!(@one $task, $about, $steps, $threshold, $version);)+
     };
     (@one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], $version:literal) => {
         gym_core::register!(

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use gym_core::spaces::BoxSpace;
 use gym_core::{Error, Generator, Result, Space};
 
 use super::arguments::Common;
@@ -51,9 +52,9 @@ impl Simulation {
     }
 
     /// The ranges of the controls.
-    pub(super) fn action_space(&self) -> Space {
+    pub(super) fn action_space(&self) -> Result<Space> {
         let bounds = |k: usize| self.model.actuator_ctrlrange.iter().map(|range| range[k] as f32).collect::<Vec<_>>();
-        Space::boxed(bounds(0), bounds(1))
+        Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
     }
 
     /// Frames per second at natural speed.

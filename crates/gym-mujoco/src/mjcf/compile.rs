@@ -22,7 +22,7 @@ pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
     check_mass(&m, spec)?;
     add_subtree_masses(&mut m);
     mark_simple(&mut m);
-    add_cameras(&mut m, spec)?;
+    add_looks(&mut m, spec)?;
     add_excludes(&mut m, spec)?;
     add_tendons(&mut m, spec)?;
     add_motors(&mut m, spec)?;
@@ -58,7 +58,9 @@ fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Resul
     for geom in &body.geoms {
         parts.push(add_geom(m, spec, id, geom)?);
     }
-    let inertia = if id == 0 { Inertia::NONE } else { inertia_of(body, spec, &parts)? };
+    // the world has no mass
+    parts.truncate(if id == 0 { 0 } else { parts.len() });
+    let inertia = inertia_of(body, degree, spec.compiler.inertia_from_geom, &parts)?;
     m.body_mass.push(inertia.mass);
     m.body_ipos.push(inertia.pos);
     m.body_iquat.push(inertia.quat);
@@ -96,16 +98,14 @@ fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
 fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, joint: &Joint) -> Result<()> {
     let Joint { place, kind, .. } = joint;
     let free = *kind == JointType::Free;
-    let limited = limited(joint.limited, joint.range, spec.compiler.autolimits)
-        .ok_or_else(|| place.attribute("range", "needs limited=\"true\" here, where autolimits is false"))?;
+    let limited = !free
+        && limited(joint.limited, joint.range, spec.compiler.autolimits)
+            .ok_or_else(|| place.attribute("range", "needs limited=\"true\" here, where autolimits is false"))?;
     if free && body.parent != 0 {
         return Err(place.attribute("type", "a free joint belongs to a body directly in the world"));
     }
     if free && body.joints.len() > 1 {
         return Err(place.attribute("type", "a free joint must be the only joint of its body"));
-    }
-    if free && limited {
-        return Err(place.attribute("range", "a free joint has no limits"));
     }
     if limited && joint.range[0] >= joint.range[1] {
         return Err(place.attribute("range", "the lower limit must be less than the upper one"));
@@ -161,10 +161,13 @@ fn limited(stated: Option<bool>, range: [f64; 2], autolimits: bool) -> Option<bo
 /// Adds a geom and returns its mass and where it is in its body.
 fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Result<Inertia> {
     let Geom { place, shape, .. } = geom;
-    let (mut size, mut pos, mut quat) = (geom.size, geom.pos, geom.orientation.resolve(spec.compiler.degree));
+    let (mut size, mut pos, mut quat) = (geom.size, geom.pos.unwrap_or_default(), geom.orientation.resolve(spec.compiler.degree));
     if let Some([x0, y0, z0, x1, y1, z1]) = geom.fromto {
         if !matches!(shape, GeomType::Capsule | GeomType::Cylinder) {
             return Err(place.attribute("fromto", "only capsules and cylinders have ends: give type=\"capsule\""));
+        }
+        if geom.pos.is_some() {
+            return Err(place.attribute("fromto", "does not go with pos, which it implies"));
         }
         let along = [x0 - x1, y0 - y1, z0 - z1];
         size[1] = norm(&along) / 2.0;
@@ -241,20 +244,19 @@ fn single(rgba: [f64; 4]) -> [f64; 4] {
 }
 
 /// The mass of a body: what is written, or that of its geoms.
-fn inertia_of(body: &Body, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
-    let from_geoms = match spec.compiler.inertia_from_geom {
-        Some(from_geoms) => from_geoms,
-        None => body.inertial.is_none(),
-    };
-    let (inertia, place) = match &body.inertial {
-        _ if from_geoms => {
-            let combined = inertia::combine(parts).ok_or_else(|| {
-                body.place.error("its geoms have no mass, so that there is no centre of it")
-            })?;
-            (combined, &body.place)
+///
+/// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and so does this.
+fn inertia_of(body: &Body, degree: bool, from_geoms: Option<bool>, parts: &[Inertia]) -> Result<Inertia> {
+    let heavy: Vec<Inertia> = parts.iter().copied().filter(|part| part.mass > EPS).collect();
+    let from_geoms = from_geoms.unwrap_or(body.inertial.is_none());
+    let combined = if from_geoms { inertia::combine(&heavy) } else { None };
+    let (inertia, place) = match (combined, &body.inertial) {
+        (Some(combined), _) => (combined, &body.place),
+        (None, Some(inertial)) => (explicit(inertial, degree), &inertial.place),
+        (None, None) => {
+            let (pos, quat) = (body.pos, body.orientation.resolve(degree));
+            (Inertia { mass: 0.0, pos, quat, moments: [0.0; 3] }, &body.place)
         }
-        Some(inertial) => (explicit(inertial, spec.compiler.degree), &inertial.place),
-        None => (Inertia::NONE, &body.place),
     };
     let [a, b, c] = inertia.moments;
     if inertia.moments.iter().any(|x| *x < 0.0) {
@@ -338,7 +340,7 @@ fn mark_simple(m: &mut CompiledModel) {
     }
 }
 
-fn add_cameras(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
+fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for (id, body) in spec.bodies.iter().enumerate() {
         for camera in &body.cameras {
             let target = match &camera.target {
@@ -356,6 +358,11 @@ fn add_cameras(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             m.cam_quat.push(camera.orientation.resolve(spec.compiler.degree));
             m.cam_fovy.push(camera.fovy);
         }
+    }
+    for light in spec.bodies.iter().flat_map(|body| &body.lights) {
+        m.light_type.push(u8::from(light.directional));
+        m.light_pos.push(light.pos);
+        m.light_dir.push(light.dir);
     }
     m.mat_rgba = spec.materials.iter().map(|material| single(material.rgba)).collect();
     Ok(())

@@ -116,7 +116,7 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
         let plane = m.geom_rbound[g] == 0.0;
         let radius = match x.max(y) {
             _ if !plane => m.geom_rbound[g],
-            infinite if infinite <= 0.0 => 1.0,
+            infinite if infinite <= 0.0 => 0.01,
             half => half * 0.1,
         };
         cover(d.geom_xpos[g], radius);
@@ -125,14 +125,19 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
             size[b] = size[b].max(distance(d.geom_xpos[g], d.xipos[b]) + radius);
         }
     }
-    let extent = (0..3).map(|k| max[k] - min[k]).fold(LEAST, f64::max);
-    if min[0] <= max[0] {
-        m.stat.extent = extent;
-        m.stat.center = std::array::from_fn(|k| (min[k] + max[k]) / 2.0);
-    }
-    let bodies = (m.nbody() - 1).max(1) as f64;
-    m.stat.meansize = size[1..].iter().map(|s| s.max(LEAST)).sum::<f64>() / bodies;
-    m.stat.meanmass = m.body_mass[1..].iter().sum::<f64>() / bodies;
+    (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
+        0 => (0.2, 1.0),
+        n => {
+            let sizes = size[1..].iter().map(|s| s.max(LEAST)).sum::<f64>();
+            (sizes / n as f64, m.body_mass[1..].iter().sum::<f64>() / n as f64)
+        }
+    };
+    (m.stat.extent, m.stat.center) = if min[0] <= max[0] {
+        let extent = (0..3).map(|k| max[k] - min[k]).fold(2.0 * m.stat.meansize, f64::max);
+        (extent, std::array::from_fn(|k| (min[k] + max[k]) / 2.0))
+    } else {
+        (2.0, [0.0; 3])
+    };
 }
 
 /// What the model states goes before what was computed.

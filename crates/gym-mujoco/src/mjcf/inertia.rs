@@ -17,12 +17,6 @@ pub(super) struct Inertia {
     pub(super) moments: [f64; 3],
 }
 
-impl Inertia {
-    /// Of nothing.
-    pub(super) const NONE: Self =
-        Self { mass: 0.0, pos: [0.0; 3], quat: [1.0, 0.0, 0.0, 0.0], moments: [0.0; 3] };
-}
-
 /// The volume of a shape.
 pub(super) fn volume(shape: GeomType, [r, half, _]: [f64; 3]) -> f64 {
     let height = 2.0 * half;
@@ -59,17 +53,14 @@ pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f6
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 type Symmetric = [f64; 6];
 
-/// The inertia of several parts as one; `None` if they have no mass, so that there is no centre of it.
+/// The inertia of several parts as one; `None` if there are none.
 pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     match parts {
-        [] => return Some(Inertia::NONE),
+        [] => return None,
         [one] => return Some(*one),
         _ => {}
     }
     let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    if mass < MINVAL {
-        return None;
-    }
     let pos = std::array::from_fn(|i| parts.iter().map(|part| part.mass * part.pos[i]).sum::<f64>() / mass);
     let mut total = [0.0; 6];
     for part in parts {

@@ -24,6 +24,7 @@
 mod compile;
 mod constants;
 mod defaults;
+mod figures;
 mod inertia;
 mod orientation;
 mod reader;

@@ -3,7 +3,7 @@
 use roxmltree::{Document, ParsingOptions};
 
 use super::defaults::Classes;
-use super::spec::{Body, Camera, Exclude, Geom, Inertial, Joint, Key, Material, Motor, Site, Spec, Tendon, read_light};
+use super::spec::{Body, Camera, Exclude, Geom, Inertial, Joint, Key, Material, Light, Motor, Site, Spec, Tendon};
 use super::xml::Element;
 use crate::model::{Integrator, Solver};
 use crate::{Error, Result};
@@ -115,7 +115,9 @@ impl Reader<'_> {
         }
         element.keyword("cone", &[("pyramidal", ())])?;
         // how the Jacobian is stored in MuJoCo; the results are the same
-        element.keyword("jacobian", &[("dense", ()), ("sparse", ()), ("auto", ())])?;
+        if let Some(jacobian) = element.keyword("jacobian", &[("dense", 0), ("sparse", 1), ("auto", 2)])? {
+            option.jacobian = jacobian;
+        }
         if element.number("impratio")?.is_some_and(|ratio| ratio != 1.0) {
             return Err(place.attribute("impratio", "only 1 is supported"));
         }
@@ -223,7 +225,10 @@ impl Reader<'_> {
                     let camera = Camera::read(child)?;
                     self.spec.bodies[id].cameras.push(camera);
                 }
-                _ => read_light(child)?,
+                _ => {
+                    let light = Light::read(child)?;
+                    self.spec.bodies[id].lights.push(light);
+                }
             }
         }
         element.finish()

@@ -85,6 +85,7 @@ pub(super) struct Body {
     pub(super) geoms: Vec<Geom>,
     pub(super) sites: Vec<Site>,
     pub(super) cameras: Vec<Camera>,
+    pub(super) lights: Vec<Light>,
 }
 
 /// The mass of a body as it is written.
@@ -218,7 +219,7 @@ pub(super) struct Geom {
     pub(super) name: Option<String>,
     pub(super) shape: GeomType,
     pub(super) size: [f64; 3],
-    pub(super) pos: [f64; 3],
+    pub(super) pos: Option<[f64; 3]>,
     pub(super) orientation: Orientation,
     pub(super) fromto: Option<[f64; 6]>,
     pub(super) density: f64,
@@ -246,7 +247,7 @@ impl Default for Geom {
             name: None,
             shape: GeomType::Sphere,
             size: [0.0; 3],
-            pos: [0.0; 3],
+            pos: None,
             orientation: Orientation::default(),
             fromto: None,
             density: 1000.0,
@@ -278,7 +279,7 @@ impl Geom {
         ];
         replace(&mut self.shape, element.keyword("type", &shapes)?);
         element.up_to("size", &mut self.size)?;
-        replace(&mut self.pos, element.numbers("pos")?);
+        replace_some(&mut self.pos, element.numbers("pos")?);
         self.orientation.read(element)?;
         replace_some(&mut self.fromto, element.numbers("fromto")?);
         replace(&mut self.density, element.non_negative("density")?);
@@ -293,8 +294,9 @@ impl Geom {
             }
             self.condim = condim;
         }
-        replace(&mut self.contype, element.integer("contype")?);
-        replace(&mut self.conaffinity, element.integer("conaffinity")?);
+        // bits, which may be written as a negative number
+        replace(&mut self.contype, element.integer::<i32>("contype")?.map(|bits| bits as u32));
+        replace(&mut self.conaffinity, element.integer::<i32>("conaffinity")?.map(|bits| bits as u32));
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
         replace(&mut self.priority, element.integer("priority")?);
@@ -383,13 +385,34 @@ impl Camera {
     }
 }
 
-/// Reads a light, of which nothing is kept: pictures have one of their own.
-pub(super) fn read_light(mut element: Element<'_, '_>) -> Result<()> {
-    element.ignore(&[
-        "name", "mode", "target", "pos", "dir", "directional", "type", "castshadow", "active", "ambient", "diffuse",
-        "specular", "attenuation", "cutoff", "exponent", "bulbradius", "intensity", "range", "texture",
-    ]);
-    element.finish_without_children()
+/// A light. Its colours are ignored: pictures have a light of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Light {
+    pub(super) directional: bool,
+    pub(super) pos: [f64; 3],
+    pub(super) dir: [f64; 3],
+}
+
+impl Light {
+    pub(super) fn read(mut element: Element<'_, '_>) -> Result<Self> {
+        let kind = element.keyword("type", &[("spot", false), ("directional", true)])?;
+        let mut light = Self {
+            directional: element.flag("directional")?.or(kind).unwrap_or(false),
+            pos: element.numbers("pos")?.unwrap_or_default(),
+            dir: element.numbers("dir")?.unwrap_or([0.0, 0.0, -1.0]),
+        };
+        let length = norm(&light.dir);
+        if length < EPS {
+            return Err(element.place().attribute("dir", "the direction is zero"));
+        }
+        light.dir = light.dir.map(|x| x / length);
+        element.ignore(&[
+            "name", "class", "mode", "target", "castshadow", "active", "ambient", "diffuse", "specular", "attenuation",
+            "cutoff", "exponent", "bulbradius", "intensity", "range",
+        ]);
+        element.finish_without_children()?;
+        Ok(light)
+    }
 }
 
 /// A pair of bodies that do not collide.

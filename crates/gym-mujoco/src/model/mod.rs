@@ -241,6 +241,13 @@ pub struct CompiledModel {
     /// Vertical field of view in degrees.
     pub cam_fovy: Vec<f64>,
 
+    /// 0 spot, 1 directional.
+    pub light_type: Vec<u8>,
+    /// Position in the body's frame.
+    pub light_pos: Vec<[f64; 3]>,
+    /// Direction in the body's frame, of length 1.
+    pub light_dir: Vec<[f64; 3]>,
+
     /// Colours of the materials: red, green, blue, opacity.
     pub mat_rgba: Vec<[f64; 4]>,
 

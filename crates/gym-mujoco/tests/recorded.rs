@@ -1,5 +1,7 @@
 //! Steps and forward calls of libmujoco 3.12.0, repeated.
 
+#![recursion_limit = "256"]
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
-use super::spatial::{add, add_scaled, column, cross, inertia_at, join, scale, sub, MINVAL};
+use super::spatial::{add, column, cross, inertia_at, join, scale, sub, MINVAL};
 use crate::model::JointType;
 use crate::{Data, Model};
 
@@ -58,12 +58,4 @@ pub fn tendon_velocity(m: &Model, d: &mut Data) {
 /// The joints of a tendon and their coefficients.
 fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon]).map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
-}
-
-/// The linear part of the Jacobian of a point, at one degree of freedom: how the point moves with it.
-#[inline]
-pub(crate) fn jac_point(d: &Data, dof: usize, offset: [f64; 3]) -> [f64; 3] {
-    let c = &d.cdof[dof];
-    let w = [c[0], c[1], c[2]];
-    add_scaled(cross(w, offset), [c[3], c[4], c[5]], 1.0)
 }

@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::spatial::{add, cross, dot, rotate, sub, Vec3};
+use crate::libm;
 use crate::model::{Pair, Softness};
 use crate::{Data, Model};
 
@@ -35,7 +36,7 @@ pub struct Constraints {
     pub r: Vec<f64>,
     /// Stiffness that the solver sees.
     pub d: Vec<f64>,
-    /// Stiffness, damping, impedance, derivative of the impedance (always 0): MuJoCo's `efc_KBIP`.
+    /// Stiffness, damping, impedance, derivative of the impedance: MuJoCo's `efc_KBIP`.
     pub kbip: Vec<[f64; 4]>,
     /// Velocity in the space of the constraints: `J qvel`.
     pub vel: Vec<f64>,
@@ -141,15 +142,6 @@ impl Constraints {
             sum[2] += t2 * x;
         }
         sum
-    }
-
-    /// `out = J x`.
-    pub(crate) fn mul_jac(&self, blocks: impl IntoIterator<Item = usize>, x: &[f64], out: &mut [f64]) {
-        for index in blocks {
-            let block = &self.blocks[index];
-            let along = self.along(block, x);
-            put_rows(block, along, out);
-        }
     }
 
     /// `out += J' force`, for one block.
@@ -300,14 +292,14 @@ fn contact_jacobian(pair: &Pair, cdof: &[[f64; 6]], com: &[Vec3], pos: Vec3, fra
 
 /// A row at some distance: MuJoCo's `mj_makeImpedance`.
 fn push_row(efc: &mut Constraints, softness: &Softness, pos: f64, margin: f64, diag: f64) {
-    let impedance = softness.impedance(pos, margin);
+    let (impedance, slope) = softness.impedance(pos, margin);
     let r = f64::max(1e-15, (1.0 - impedance) * diag / impedance);
     efc.pos.push(pos);
     efc.margin.push(margin);
     efc.diag_approx.push(diag);
     efc.r.push(r);
     efc.d.push(1.0 / r);
-    efc.kbip.push([softness.stiffness, softness.damping, impedance, 0.0]);
+    efc.kbip.push([softness.stiffness, softness.damping, impedance, slope]);
     efc.vel.push(0.0);
     efc.aref.push(0.0);
     efc.force.push(0.0);
@@ -315,29 +307,33 @@ fn push_row(efc: &mut Constraints, softness: &Softness, pos: f64, margin: f64, d
 }
 
 impl Softness {
-    /// How much of the acceleration wanted a constraint gives, as a function of its position: MuJoCo's `getimpedance`.
-    fn impedance(&self, pos: f64, margin: f64) -> f64 {
+    /// How much of the acceleration wanted a constraint gives, as a function of its position, and the derivative: MuJoCo's
+    /// `getimpedance`.
+    fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
         let &Self { dmin, dmax, width, midpoint, power, .. } = self;
         if dmin == dmax || width <= 1e-15 {
-            return 0.5 * (dmin + dmax);
+            return (0.5 * (dmin + dmax), 0.0);
         }
-        let x = (pos - margin).abs() / width;
+        let signed = (pos - margin) / width;
+        let x = signed.abs();
         if x >= 1.0 {
-            return dmax;
+            return (dmax, 0.0);
         }
         if x == 0.0 {
-            return dmin;
+            return (dmin, 0.0);
         }
-        let y = if power == 1.0 {
-            x
+        // x^power / midpoint^(power - 1) below the midpoint, and the same turned around above
+        let (x, end, turned) = if x <= midpoint { (x, midpoint, false) } else { (1.0 - x, 1.0 - midpoint, true) };
+        let (y, slope) = if power == 1.0 {
+            (x, 1.0)
         } else if power == 2.0 {
-            if x <= midpoint { x * x / midpoint } else { 1.0 - (1.0 - x) * (1.0 - x) / (1.0 - midpoint) }
-        } else if x <= midpoint {
-            crate::libm::pow(x, power) / crate::libm::pow(midpoint, power - 1.0)
+            (x * x / end, 2.0 * x / end)
         } else {
-            1.0 - crate::libm::pow(1.0 - x, power) / crate::libm::pow(1.0 - midpoint, power - 1.0)
+            let end = libm::pow(end, power - 1.0);
+            (libm::pow(x, power) / end, power * libm::pow(x, power - 1.0) / end)
         };
-        dmin + y * (dmax - dmin)
+        let y = if turned { 1.0 - y } else { y };
+        (dmin + y * (dmax - dmin), signed.signum() * slope * (dmax - dmin) / width)
     }
 }
 

@@ -4,7 +4,7 @@
 //! triangle, each with the columns of that way, root first and diagonal last. The columns of an ancestor are then the first
 //! columns of a descendant, and factors `L' D L`, made from the last row on, fill in nothing.
 
-use super::spatial::{add_to, dot6, mul_inertia};
+use super::spatial::{dot6, mul_inertia};
 use crate::{Data, Model};
 
 /// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
@@ -118,10 +118,4 @@ pub fn full_m(m: &Model, d: &Data) -> Vec<f64> {
         }
     }
     full
-}
-
-/// Adds `s b` to each element of `a`, a force on a body.
-#[inline]
-pub(crate) fn add_force(a: &mut [f64; 6], b: &[f64; 6]) {
-    add_to(a, b, 1.0);
 }

@@ -288,7 +288,7 @@ fn search(m: &Model, d: &Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize]
             alpha,
             cost: alpha * alpha * quad[2] + alpha * quad[1] + quad[0],
             slope: 2.0 * alpha * quad[2] + quad[1],
-            curvature: (2.0 * quad[2]).max(MINVAL),
+            curvature: if quad[2] > 0.0 { 2.0 * quad[2] } else { MINVAL },
         }
     };
     line_search(evaluate, flat, m.opt.ls_iterations)

@@ -23,7 +23,6 @@ pub(crate) struct Buffers {
     force: Vec<f64>,
     before: Vec<f64>,
     momentum: Vec<f64>,
-    residual: Vec<f64>,
     diag_inv: Vec<f64>,
     order: Vec<usize>,
     jar: Vec<f64>,

@@ -8,6 +8,7 @@ mod gif;
 mod heuristic;
 mod keys;
 mod list;
+mod mjcf;
 mod new;
 mod play;
 mod plots;
@@ -42,6 +43,8 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
+    /// Compiles a model in MJCF and prints its sizes.
+    Mjcf(mjcf::Arguments),
     /// Writes the pages about the environments, and checks the book.
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
         Command::Docs(arguments) => docs::docs(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Conform(arguments) => conform::conform(&arguments),

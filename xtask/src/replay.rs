@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use gym::box2d::CarRacing;
 use gym::file;
+use gym::mujoco::{self, recording};
 use gym::trace::Trace;
 use gym::{BoxEnv, Env, Error, Result};
-use serde_json::{Map, Value as Json};
+use serde_json::{Map, Value as Json, json};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -40,8 +41,11 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// What a trace of CarRacing pins down beside the picture.
+/// What a trace pins down beside the observation: of CarRacing the bodies, of the MuJoCo tasks positions and velocities.
 fn state(env: &BoxEnv) -> Option<Json> {
+    if let Some((_, data)) = mujoco::model_and_data(env.base()) {
+        return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));
+    }
     env.unwrapped::<CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
 }
 
@@ -67,17 +71,25 @@ fn compare(path: &Path) -> Result<()> {
 /// Keeps what else the file says, such as its policy, and replaces the answers.
 fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
-    let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
-    let answers = parse(&text)?.replay(state)?;
+    let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
-    rest.remove("events");
-    #[derive(serde::Serialize)]
-    struct File<'a> {
-        #[serde(flatten)]
-        rest: Map<String, Json>,
-        events: &'a [gym::trace::Event],
-    }
-    let json = serde_json::to_vec(&File { rest, events: &answers.events }).map_err(not_json)?;
+    let json = if recording::is_of_engine(&rest) {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let answer = recording::answer(&rest, folder).map_err(|error| Error::custom(error.to_string()))?;
+        serde_json::to_vec(&answer)
+    } else {
+        let answers = parse(&text)?.replay(state)?;
+        rest.remove("events");
+        serde_json::to_vec(&File { rest, events: &answers.events })
+    };
     let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
-    file::write(out.join(name), &json)
+    file::write(out.join(name), &json.map_err(not_json)?)
+}
+
+/// A trace and what else its file says.
+#[derive(serde::Serialize)]
+struct File<'a> {
+    #[serde(flatten)]
+    rest: Map<String, Json>,
+    events: &'a [gym::trace::Event],
 }

@@ -69,7 +69,7 @@ pub struct Config {
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
         Self {
-            common: Common::new("ant.xml", 5, CameraConfig { distance: Some(4.0), ..CameraConfig::default() }),
+            common: Common::new("ant.xml", 5, CameraConfig::following(1, 3.6, 60.0, -24.0, 0.4)),
             forward_reward_weight: 1.0,
             ctrl_cost_weight: 0.5,
             contact_cost_weight: 5e-4,
@@ -233,10 +233,6 @@ impl env::Task for Task {
             visit("reward_contact", -step.contact);
         }
         visit("reward_survive", step.survive);
-    }
-
-    fn followed(&self, _simulation: &Simulation) -> Option<usize> {
-        Some(self.main_body)
     }
 }
 

@@ -41,7 +41,7 @@ pub struct Config {
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
         Self {
-            common: Common::new("half_cheetah.xml", 5, CameraConfig { distance: Some(4.0), ..CameraConfig::default() }),
+            common: Common::new("half_cheetah.xml", 5, CameraConfig::following(1, 3.2, 90.0, -12.0, 0.5)),
             forward_reward_weight: 1.0,
             ctrl_cost_weight: 0.1,
             reset_noise_scale: 0.1,
@@ -121,10 +121,6 @@ impl env::Task for Task {
         }
         visit(if self.version >= 5 { "reward_forward" } else { "reward_run" }, step.forward);
         visit("reward_ctrl", -step.ctrl);
-    }
-
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        simulation.model.body_id("torso")
     }
 }
 

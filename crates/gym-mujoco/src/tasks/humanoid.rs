@@ -102,13 +102,7 @@ impl Observed {
 
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig {
-            trackbodyid: Some(1),
-            distance: Some(4.0),
-            lookat: Some([0.0, 0.0, 2.0]),
-            elevation: Some(-20.0),
-            ..CameraConfig::default()
-        };
+        let camera = CameraConfig::following(1, 3.6, 120.0, -14.0, 0.9);
         Self {
             common: Common::new("humanoid.xml", 5, camera),
             forward_reward_weight: 1.25,
@@ -250,10 +244,6 @@ impl env::Task for Task {
         if self.version >= 3 {
             visit("forward_reward", step.forward);
         }
-    }
-
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        simulation.model.body_id("torso")
     }
 
     fn tells_tendons(&self) -> bool {

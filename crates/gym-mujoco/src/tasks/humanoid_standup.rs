@@ -47,13 +47,7 @@ pub struct Config {
 
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig {
-            trackbodyid: Some(1),
-            distance: Some(4.0),
-            lookat: Some([0.0, 0.0, 0.8925]),
-            elevation: Some(-20.0),
-            ..CameraConfig::default()
-        };
+        let camera = CameraConfig::following(1, 3.6, 120.0, -20.0, 0.5);
         Self {
             common: Common::new("humanoidstandup.xml", 5, camera),
             uph_cost_weight: 1.0,
@@ -134,10 +128,6 @@ impl env::Task for Task {
             visit("reward_quadctrl", -step.ctrl);
             visit("reward_impact", -step.impact);
         }
-    }
-
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        simulation.model.body_id("torso")
     }
 
     fn tells_tendons(&self) -> bool {

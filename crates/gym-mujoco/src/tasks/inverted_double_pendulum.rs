@@ -36,14 +36,8 @@ pub struct Config {
 }
 
 impl TaskArguments for Config {
-    fn defaults(version: u8) -> Self {
-        let camera = CameraConfig {
-            trackbodyid: Some(0),
-            distance: Some(4.1225),
-            lookat: Some([0.0, 0.0, 0.122_500_000_000_000_05]),
-            ..CameraConfig::default()
-        };
-        let camera = if version >= 5 { CameraConfig::default() } else { camera };
+    fn defaults(_version: u8) -> Self {
+        let camera = CameraConfig::at([0.0, 0.0, 0.45], 2.9, 90.0, -8.0);
         Self {
             common: Common::new("inverted_double_pendulum.xml", 5, camera),
             healthy_reward: 10.0,

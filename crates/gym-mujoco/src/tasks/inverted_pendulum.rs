@@ -35,7 +35,7 @@ pub struct Config {
 
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig { trackbodyid: Some(0), distance: Some(2.04), ..CameraConfig::default() };
+        let camera = CameraConfig::at([0.0, 0.0, 0.15], 2.0, 90.0, -12.0);
         Self { common: Common::new("inverted_pendulum.xml", 2, camera), reset_noise_scale: 0.01 }
     }
 

@@ -43,7 +43,7 @@ pub struct Config {
 
 impl TaskArguments for Config {
     fn defaults(version: u8) -> Self {
-        let camera = CameraConfig { trackbodyid: Some(-1), distance: Some(4.0), ..CameraConfig::default() };
+        let camera = CameraConfig::at([0.25, -0.15, -0.2], 2.1, 130.0, -38.0);
         Self {
             common: Common::new(if version >= 5 { "pusher_v5.xml" } else { "pusher.xml" }, 5, camera),
             reward_near_weight: 0.5,

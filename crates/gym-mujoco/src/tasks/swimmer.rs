@@ -42,7 +42,7 @@ pub struct Config {
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
         Self {
-            common: Common::new("swimmer.xml", 4, CameraConfig::default()),
+            common: Common::new("swimmer.xml", 4, CameraConfig::following(1, 5.5, 90.0, -90.0, 0.0)),
             forward_reward_weight: 1.0,
             ctrl_cost_weight: 1e-4,
             reset_noise_scale: 0.1,
@@ -128,10 +128,6 @@ impl env::Task for Task {
             visit("forward_reward", step.forward);
         }
         visit("reward_ctrl", -step.ctrl);
-    }
-
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        simulation.model.body_id("torso")
     }
 }
 

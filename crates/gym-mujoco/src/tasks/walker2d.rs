@@ -48,13 +48,7 @@ pub struct Config {
 
 impl TaskArguments for Config {
     fn defaults(version: u8) -> Self {
-        let camera = CameraConfig {
-            trackbodyid: Some(2),
-            distance: Some(4.0),
-            lookat: Some([0.0, 0.0, 1.15]),
-            elevation: Some(-20.0),
-            ..CameraConfig::default()
-        };
+        let camera = CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8);
         Self {
             common: Common::new(if version >= 5 { "walker2d_v5.xml" } else { "walker2d.xml" }, 4, camera),
             forward_reward_weight: 1.0,

@@ -8,11 +8,6 @@ use std::path::{Path, PathBuf};
 use gym_mujoco::{forward, physics, step, Data, Model};
 use serde_json::{json, Value};
 
-const MODELS: [&str; 13] = [
-    "inverted_pendulum", "inverted_double_pendulum", "reacher", "pusher", "pusher_v5", "swimmer", "half_cheetah", "hopper", "walker2d",
-    "walker2d_v5", "ant", "humanoid", "humanoidstandup",
-];
-
 fn folder() -> Option<PathBuf> {
     std::env::var_os("GYM_REFERENCE").map(PathBuf::from)
 }
@@ -130,9 +125,13 @@ fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Va
 fn all(kind: &str, side: &str, run: fn(&Model, &mut Data) -> Value) {
     let Some(folder) = folder() else { return };
     let mut failed = Vec::new();
-    for name in MODELS {
-        let m = model(&folder, name);
-        let file = read(&folder.join("traces_mujoco").join(format!("{kind}.{name}.json")));
+    let files = std::fs::read_dir(folder.join("traces_mujoco")).unwrap().map(|entry| entry.unwrap().path());
+    let is_kind = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().starts_with(&format!("{kind}."));
+    let mut files: Vec<PathBuf> = files.filter(is_kind).collect();
+    files.sort();
+    for path in files {
+        let file = read(&path);
+        let m = model(&folder, file["model"].as_str().unwrap());
         if let Err(e) = std::panic::catch_unwind(|| compare(&file, &m, side, run)) {
             failed.push(e.downcast_ref::<String>().cloned().unwrap_or_default());
         }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::spatial::IDENTITY;
 use crate::physics::{Constraints, Work};
-use crate::Model;
+use crate::{Error, Model, Result};
 
 /// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
 ///
@@ -162,6 +162,29 @@ impl Data {
         self.contact.clear();
         self.efc = Constraints::default();
         self.solver_niter.clear();
+    }
+
+    /// Whether this is data of a model, such as what a snapshot holds.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if an array has another length than the model's, or a number of the state is not finite.
+    pub fn check(&self, m: &Model) -> Result<()> {
+        let fresh = Self::new(m);
+        macro_rules! lengths {
+            ($($field:ident)+) => {
+                [$((stringify!($field), self.$field.len(), fresh.$field.len())),+]
+            };
+        }
+        let lengths = lengths!(
+            qpos qvel ctrl qacc_warmstart qacc xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos
+            site_xmat subtree_com cinert cdof cvel cdof_dot ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator
+            qfrc_smooth qacc_smooth qfrc_constraint cfrc_ext qm qld qld_diag_inv actuator_force
+        );
+        if let Some((name, have, need)) = lengths.into_iter().find(|(_, have, need)| have != need) {
+            return Err(Error::Data(format!("{name} has {have} elements, the model needs {need}")));
+        }
+        let mut state = self.qpos.iter().chain(&self.qvel).chain(&self.ctrl).chain(&self.qacc_warmstart);
+        if state.all(|x| x.is_finite()) { Ok(()) } else { Err(Error::Data("the state is not finite".into())) }
     }
 
     /// Makes every array as long as the model needs it; does nothing to those that are.

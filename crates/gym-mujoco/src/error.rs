@@ -10,6 +10,26 @@ pub enum Error {
     /// A compiled model whose parts do not fit together, or which is outside of what the engine supports.
     #[error("the compiled model is not valid: {0}")]
     Model(String),
+    /// A text that is not a model, or is outside of the supported part of MJCF.
+    #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
+    Mjcf {
+        /// The line of the text, from 1.
+        line: u32,
+        /// The element.
+        element: String,
+        /// The attribute, if one is at fault.
+        attribute: Option<String>,
+        /// What is wrong, and what is supported.
+        reason: String,
+    },
+    /// A file that cannot be read.
+    #[error("{path}: {reason}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system, or the reader of models, answered.
+        reason: String,
+    },
     /// The state of another model.
     #[error("the data does not fit the model: {0}")]
     Data(String),

@@ -7,10 +7,17 @@
 pub mod data;
 mod error;
 mod libm;
+mod mjcf;
 pub mod model;
 pub mod physics;
+pub mod tasks;
+pub mod view;
 
 pub use data::{Contact, Data};
 pub use error::{Error, Result};
 pub use model::{CompiledModel, Model};
 pub use physics::{forward, step};
+pub use tasks::{
+    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher, Reacher, Swimmer,
+    Walker2d, model_and_data,
+};

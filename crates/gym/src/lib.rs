@@ -28,6 +28,8 @@ pub use gym_box2d as box2d;
 #[cfg(feature = "classic")]
 pub use gym_classic as classic;
 pub use gym_core::*;
+#[cfg(feature = "mujoco")]
+pub use gym_mujoco as mujoco;
 #[cfg(feature = "render")]
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]

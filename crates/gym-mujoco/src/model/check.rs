@@ -45,8 +45,8 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(m, m.nv(), dof_jntid dof_parentid dof_treeid dof_simplenum dof_armature dof_damping dof_invweight0 dof_m0);
     same_length!(m, m.ngeom(), geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
         geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_rgba geom_matid);
-    same_length!(m, m.nsite(), site_pos site_quat);
-    same_length!(m, m.cam_bodyid.len(), cam_mode cam_pos cam_quat cam_fovy);
+    same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
+    same_length!(m, m.cam_bodyid.len(), cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy);
     same_length!(m, m.nu(), actuator_gear actuator_ctrllimited actuator_ctrlrange);
     same_length!(m, m.ntendon(), tendon_num);
     same_length!(m, m.wrap_objid.len(), wrap_prm);

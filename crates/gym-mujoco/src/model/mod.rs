@@ -221,17 +221,35 @@ pub struct CompiledModel {
     pub site_pos: Vec<[f64; 3]>,
     /// Orientation in the body's frame.
     pub site_quat: Vec<[f64; 4]>,
+    /// Shape, for drawing: 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box.
+    pub site_type: Vec<u8>,
+    /// Half sizes.
+    pub site_size: Vec<[f64; 3]>,
+    /// Colour: red, green, blue, opacity.
+    pub site_rgba: Vec<[f64; 4]>,
 
     /// 0 fixed, 1 track, 2 trackcom, 3 targetbody, 4 targetbodycom.
     pub cam_mode: Vec<u8>,
     /// The camera's body.
     pub cam_bodyid: Vec<usize>,
+    /// The body that it looks at, in the modes that have one; else -1.
+    pub cam_targetbodyid: Vec<i32>,
     /// Position in the body's frame.
     pub cam_pos: Vec<[f64; 3]>,
     /// Orientation in the body's frame.
     pub cam_quat: Vec<[f64; 4]>,
     /// Vertical field of view in degrees.
     pub cam_fovy: Vec<f64>,
+
+    /// 0 spot, 1 directional.
+    pub light_type: Vec<u8>,
+    /// Position in the body's frame.
+    pub light_pos: Vec<[f64; 3]>,
+    /// Direction in the body's frame, of length 1.
+    pub light_dir: Vec<[f64; 3]>,
+
+    /// Colours of the materials: red, green, blue, opacity.
+    pub mat_rgba: Vec<[f64; 4]>,
 
     /// The joint that the motor drives.
     pub actuator_trnid: Vec<[i32; 2]>,

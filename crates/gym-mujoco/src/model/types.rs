@@ -28,6 +28,8 @@ pub struct Options {
     pub tolerance: f64,
     /// Tolerance of the line search, relative to `tolerance`.
     pub ls_tolerance: f64,
+    /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 as it sees fit); without effect here.
+    pub jacobian: u8,
 }
 
 impl Default for Options {
@@ -44,6 +46,7 @@ impl Default for Options {
             ls_iterations: 50,
             tolerance: 1e-8,
             ls_tolerance: 0.01,
+            jacobian: 2,
         }
     }
 }

@@ -106,7 +106,10 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     for j in 0..m.njnt() {
         let b = m.jnt_bodyid[j];
         cover(d.xanchor[j], 0.0);
-        size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        // an anchor counts for both bodies that the joint connects
+        for b in [b, m.body_parentid[b]] {
+            size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        }
     }
     for s in 0..m.nsite() {
         cover(d.site_xpos[s], 0.0);

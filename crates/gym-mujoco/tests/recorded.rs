@@ -8,22 +8,24 @@ use std::path::{Path, PathBuf};
 use gym_mujoco::{forward, physics, step, Data, Model};
 use serde_json::{json, Value};
 
-const MODELS: [&str; 13] = [
-    "inverted_pendulum", "inverted_double_pendulum", "reacher", "pusher", "pusher_v5", "swimmer", "half_cheetah", "hopper", "walker2d",
-    "walker2d_v5", "ant", "humanoid", "humanoidstandup",
-];
-
-fn folder() -> Option<PathBuf> {
-    std::env::var_os("GYM_REFERENCE").map(PathBuf::from)
+/// The folders of recordings: the one in this crate, and the one that `GYM_REFERENCE` names.
+fn folders() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
+    let more = std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("traces_mujoco"));
+    std::iter::once(own).chain(more.filter(|folder| folder.is_dir())).collect()
 }
 
-fn read(path: &Path) -> Value {
-    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-fn model(folder: &Path, name: &str) -> Model {
-    serde_json::from_value(read(&folder.join("models_mujoco").join(name).with_extension("json"))).unwrap()
+/// The model of a recording: the text that it names, or a built-in one.
+fn model(path: &Path, file: &Value) -> Model {
+    let xml = match file["xml"].as_str() {
+        Some(xml) => path.with_file_name(xml),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(file["model"].as_str().unwrap()).with_extension("xml"),
+    };
+    Model::from_xml(&read(&xml)).unwrap_or_else(|e| panic!("{}: {e}", xml.display()))
 }
 
 /// A recorded number, list or list of lists as numbers.
@@ -86,8 +88,8 @@ fn after_forward(m: &Model, d: &mut Data) -> Value {
     })
 }
 
-/// Compares all cases of a file; panics with all that is off.
-fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Value) {
+/// Compares all cases of a file; tells the worst, and fails with all that is off.
+fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Value) -> Result<(), String> {
     let name = file["model"].as_str().unwrap();
     let (mut worst, mut bad, mut iterations, mut deep) = (BTreeMap::<String, f64>::new(), Vec::new(), 0, 0);
     for (i, case) in file["cases"].as_array().unwrap().iter().enumerate() {
@@ -124,18 +126,23 @@ fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Va
     }
     let worst: Vec<String> = worst.iter().filter(|(_, w)| **w > 0.0).map(|(k, w)| format!("{k} {w:.0e}")).collect();
     println!("{name} {side}: {} ; {deep} deep; iterations differ in {iterations}", worst.join("  "));
-    assert!(bad.is_empty(), "{name} {side}: {} off, first {:?}", bad.len(), &bad[..bad.len().min(12)]);
+    if bad.is_empty() { Ok(()) } else { Err(format!("{name} {side}: {} off, first {:?}", bad.len(), &bad[..bad.len().min(12)])) }
 }
 
 fn all(kind: &str, side: &str, run: fn(&Model, &mut Data) -> Value) {
-    let Some(folder) = folder() else { return };
+    let entries = folders().into_iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let is_kind = |path: &PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        name.starts_with(&format!("{kind}.")) && name.ends_with(".json")
+    };
+    let mut paths: Vec<PathBuf> = paths.filter(is_kind).collect();
+    paths.sort();
+    assert!(!paths.is_empty(), "there are no recordings of {kind}");
     let mut failed = Vec::new();
-    for name in MODELS {
-        let m = model(&folder, name);
-        let file = read(&folder.join("traces_mujoco").join(format!("{kind}.{name}.json")));
-        if let Err(e) = std::panic::catch_unwind(|| compare(&file, &m, side, run)) {
-            failed.push(e.downcast_ref::<String>().cloned().unwrap_or_default());
-        }
+    for path in paths {
+        let file: Value = serde_json::from_str(&read(&path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        failed.extend(compare(&file, &model(&path, &file), side, run).err());
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }

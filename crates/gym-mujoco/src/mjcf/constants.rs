@@ -94,7 +94,10 @@ pub(super) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
     let mut size = vec![LEAST; m.nbody()];
     for j in 0..m.njnt() {
         let b = m.jnt_bodyid[j];
-        size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        // an anchor counts for both bodies that the joint connects
+        for b in [b, m.body_parentid[b]] {
+            size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        }
     }
     for g in (0..m.ngeom()).filter(|g| m.geom_rbound[*g] > 0.0) {
         let b = m.geom_bodyid[g];

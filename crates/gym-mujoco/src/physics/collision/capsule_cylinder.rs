@@ -4,45 +4,48 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::spatial::{
-    add, add_scaled, axis_angle, column, cross, dot, norm, normalize, quat_to_mat, rotate, rotate_back, scale, sub, Vec3, MINVAL,
+    add, add_scaled, axis_angle, column, cross, dot, norm, normalize, quat_to_mat, rotate, rotate_back, scale, sub, Mat3, Vec3, MINVAL,
 };
 use super::gjk::{self, Distance};
-use super::{frame, Hit, Hits, Shape};
+use super::{frame, Hit, Shape};
 use crate::libm;
 
 /// By how much the shapes are turned to find further contacts, in radians.
 const TURN: f64 = 1e-3;
 
+/// Most contacts of the two shapes.
+const MOST: usize = 5;
+
 /// The contact of the two shapes, and up to four more, found with the shapes turned a little about it, as far as they are
 /// `apart` from those found before.
-pub(super) fn capsule_cylinder(capsule: &Shape, cylinder: &Shape, margin: f64, apart: f64, hits: &mut Hits) {
-    let Some(first) = one(capsule, cylinder, margin) else { return };
-    hits.push(first);
+pub(super) fn capsule_cylinder(a: Shape<'_>, b: Shape<'_>, margin: f64, apart: f64, push: &mut impl FnMut(Hit)) {
+    let Some(first) = one(a, b, margin) else { return };
+    push(first);
+    let mut kept = [first.pos; MOST];
+    let mut number = 1;
     let frame = frame(first.normal, [0.0; 3]);
     for tangent in [[frame[3], frame[4], frame[5]], [frame[6], frame[7], frame[8]]] {
         for angle in [-TURN, TURN] {
-            let (a, b) = (turned(capsule, first.pos, tangent, angle), turned(cylinder, first.pos, tangent, -angle));
-            if let Some(hit) = one(&a, &b, margin) {
-                if hits.as_slice().iter().all(|kept| norm(sub(hit.pos, kept.pos)) > apart) {
-                    hits.push(Hit { dist: first.dist, ..hit });
-                }
+            let (a_pos, a_mat) = turned(a, first.pos, tangent, angle);
+            let (b_pos, b_mat) = turned(b, first.pos, tangent, -angle);
+            let turned = one(Shape { pos: a_pos, mat: &a_mat, ..a }, Shape { pos: b_pos, mat: &b_mat, ..b }, margin);
+            if let Some(hit) = turned.filter(|hit| kept[..number].iter().all(|&pos| norm(sub(hit.pos, pos)) > apart)) {
+                push(Hit { dist: first.dist, ..hit });
+                kept[number] = hit.pos;
+                number += 1;
             }
         }
     }
 }
 
-/// A shape turned about a point.
-fn turned(shape: &Shape, about: Vec3, axis: Vec3, angle: f64) -> Shape {
+/// Position and orientation of a shape turned about a point.
+fn turned(shape: Shape<'_>, about: Vec3, axis: Vec3, angle: f64) -> (Vec3, Mat3) {
     let turn = quat_to_mat(axis_angle(axis, angle));
-    let columns = [0, 1, 2].map(|k| rotate(&turn, column(&shape.mat, k)));
-    Shape {
-        pos: add(about, rotate(&turn, sub(shape.pos, about))),
-        mat: std::array::from_fn(|k| columns[k % 3][k / 3]),
-        size: shape.size,
-    }
+    let columns = [0, 1, 2].map(|k| rotate(&turn, column(shape.mat, k)));
+    (add(about, rotate(&turn, sub(shape.pos, about))), std::array::from_fn(|k| columns[k % 3][k / 3]))
 }
 
-fn one(capsule: &Shape, cylinder: &Shape, margin: f64) -> Option<Hit> {
+fn one(capsule: Shape<'_>, cylinder: Shape<'_>, margin: f64) -> Option<Hit> {
     let grown = 0.5 * margin;
     let reach = capsule.size[0] + grown;
     let (axis, half) = (capsule.axis(), capsule.size[1]);
@@ -51,8 +54,8 @@ fn one(capsule: &Shape, cylinder: &Shape, margin: f64) -> Option<Hit> {
         add_scaled(capsule.pos, axis, end)
     };
     let rim = |direction: Vec3| {
-        let local = rotate_back(&cylinder.mat, direction);
-        add_scaled(add(cylinder.pos, rotate(&cylinder.mat, cylinder_support(cylinder, local))), direction, grown)
+        let local = rotate_back(cylinder.mat, direction);
+        add_scaled(add(cylinder.pos, rotate(cylinder.mat, cylinder_support(cylinder, local))), direction, grown)
     };
     let (w1, w2) = match gjk::distance(sub(capsule.pos, cylinder.pos), reach, segment_end, rim) {
         Distance::Beyond => return None,
@@ -70,8 +73,8 @@ fn one(capsule: &Shape, cylinder: &Shape, margin: f64) -> Option<Hit> {
 }
 
 /// The point of a cylinder furthest in a direction, both in the cylinder's frame.
-fn cylinder_support(cylinder: &Shape, direction: Vec3) -> Vec3 {
-    let [radius, half, _] = cylinder.size;
+fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> Vec3 {
+    let &[radius, half, _] = cylinder.size;
     let length = (direction[0] * direction[0] + direction[1] * direction[1]).sqrt();
     let s = if length > MINVAL { radius / length } else { 0.0 };
     [direction[0] * s, direction[1] * s, if direction[2] >= 0.0 { half } else { -half }]
@@ -83,9 +86,9 @@ fn cylinder_support(cylinder: &Shape, direction: Vec3) -> Vec3 {
 /// vector `n` until it leaves takes `depth(n) = s(n) - n.c + h |n.a|`, where `s` is how far the cylinder reaches. The least
 /// depth is found where `n` is the axis of the cylinder, or points from it to an end of the segment, or is at right angles to
 /// the segment (an edge against a side or a rim), which leaves one angle to be searched.
-fn within(capsule: &Shape, cylinder: &Shape, margin: f64) -> Hit {
-    let c = rotate_back(&cylinder.mat, sub(capsule.pos, cylinder.pos));
-    let a = rotate_back(&cylinder.mat, capsule.axis());
+fn within(capsule: Shape<'_>, cylinder: Shape<'_>, margin: f64) -> Hit {
+    let c = rotate_back(cylinder.mat, sub(capsule.pos, cylinder.pos));
+    let a = rotate_back(cylinder.mat, capsule.axis());
     let half = capsule.size[1];
     let depth = |n: Vec3| dot(cylinder_support(cylinder, n), n) - dot(n, c) + half * dot(n, a).abs();
 
@@ -119,8 +122,8 @@ fn within(capsule: &Shape, cylinder: &Shape, margin: f64) -> Hit {
     let middle = scale(add(add_scaled(near, n, -reach), add_scaled(far, n, 0.5 * margin)), 0.5);
     Hit {
         dist: -(depth + capsule.size[0]),
-        pos: add(cylinder.pos, rotate(&cylinder.mat, middle)),
-        normal: scale(rotate(&cylinder.mat, n), -1.0),
+        pos: add(cylinder.pos, rotate(cylinder.mat, middle)),
+        normal: scale(rotate(cylinder.mat, n), -1.0),
         tangent: [0.0; 3],
     }
 }
@@ -147,7 +150,7 @@ fn least(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// The point of the segment that leaves the cylinder last, and the point of the cylinder that it touches then.
-fn meeting(cylinder: &Shape, c: Vec3, a: Vec3, half: f64, n: Vec3, depth: f64) -> (Vec3, Vec3) {
+fn meeting(cylinder: Shape<'_>, c: Vec3, a: Vec3, half: f64, n: Vec3, depth: f64) -> (Vec3, Vec3) {
     const FLAT: f64 = 1e-9;
     let slope = dot(n, a);
     let along = if slope.abs() > FLAT {

@@ -11,20 +11,17 @@ use super::spatial::{add_scaled, column, cross, dot, norm, normalize, sub, Mat3,
 use crate::model::{GeomType, Pair};
 use crate::{Contact, Data, Model};
 
-/// Most contacts of two geoms.
-const MAX_HITS: usize = 5;
-
 /// A geom in the world.
 #[derive(Clone, Copy)]
-struct Shape {
+struct Shape<'a> {
     pos: Vec3,
-    mat: Mat3,
-    size: Vec3,
+    mat: &'a Mat3,
+    size: &'a Vec3,
 }
 
-impl Shape {
+impl Shape<'_> {
     fn axis(&self) -> Vec3 {
-        column(&self.mat, 2)
+        column(self.mat, 2)
     }
 }
 
@@ -39,24 +36,6 @@ struct Hit {
     tangent: Vec3,
 }
 
-/// The places where two geoms touch.
-#[derive(Default)]
-struct Hits {
-    hits: [Hit; MAX_HITS],
-    number: usize,
-}
-
-impl Hits {
-    fn push(&mut self, hit: Hit) {
-        self.hits[self.number] = hit;
-        self.number += 1;
-    }
-
-    fn as_slice(&self) -> &[Hit] {
-        &self.hits[..self.number]
-    }
-}
-
 /// Finds all contacts: MuJoCo's `mj_collision`.
 pub fn collision(m: &Model, d: &mut Data) {
     d.contact.clear();
@@ -64,23 +43,21 @@ pub fn collision(m: &Model, d: &mut Data) {
         if out_of_reach(d, pair) {
             continue;
         }
-        let [a, b] = pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: d.geom_xmat[g], size: m.geom_size[g] });
-        let mut hits = Hits::default();
+        let [a, b] = pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
+        let contacts = &mut d.contact;
+        let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
-            (GeomType::Plane, GeomType::Sphere) => primitive::plane_sphere(&a, &b, pair.margin, &mut hits),
-            (GeomType::Plane, GeomType::Capsule) => primitive::plane_capsule(&a, &b, pair.margin, &mut hits),
-            (GeomType::Plane, GeomType::Cylinder) => primitive::plane_cylinder(&a, &b, pair.margin, &mut hits),
-            (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(&a, &b, pair.margin, &mut hits),
-            (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(&a, &b, pair.margin, &mut hits),
-            (GeomType::Capsule, GeomType::Capsule) => primitive::capsule_capsule(&a, &b, pair.margin, &mut hits),
+            (GeomType::Plane, GeomType::Sphere) => primitive::plane_sphere(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Capsule) => primitive::plane_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Cylinder) => primitive::plane_cylinder(a, b, pair.margin, &mut push),
+            (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(a, b, pair.margin, &mut push),
+            (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Capsule, GeomType::Capsule) => primitive::capsule_capsule(a, b, pair.margin, &mut push),
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                capsule_cylinder::capsule_cylinder(&a, &b, pair.margin, apart, &mut hits);
+                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, &mut push);
             }
             _ => {} // refused by Model::new
-        }
-        for hit in hits.as_slice() {
-            d.contact.push(contact(pair, index, hit));
         }
     }
 }

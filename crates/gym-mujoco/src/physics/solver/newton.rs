@@ -22,6 +22,8 @@ pub(crate) struct Buffers {
     jar_smooth: Vec<f64>,
     jv: Vec<f64>,
     row_work: Vec<RowWork>,
+    /// Whether each row pushes.
+    pushes: Vec<bool>,
 }
 
 /// What a line search needs to know about a row.
@@ -42,6 +44,8 @@ impl Buffers {
         for vector in [&mut self.jar, &mut self.jar_smooth, &mut self.jv] {
             vector.resize(nefc, 0.0);
         }
+        self.pushes.clear();
+        self.pushes.resize(nefc, false);
     }
 }
 
@@ -83,7 +87,7 @@ fn solve_island(m: &Model, d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks
     let scale = 1.0 / dofs.iter().map(|&i| d.qm[plan.m_rowadr[i + 1] - 1]).sum::<f64>();
     let tolerance = m.opt.tolerance;
 
-    let mut cost = update(d, b, dofs, blocks);
+    let (mut cost, _) = update(d, b, dofs, blocks);
     let mut gradient = scale * norm(&b.grad, dofs);
     b.mgrad.copy_from_slice(&b.grad);
     solve_inertia(m, d, dofs, &mut b.mgrad);
@@ -112,13 +116,16 @@ fn solve_island(m: &Model, d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks
             }
         }
         let before = cost;
-        cost = update(d, b, dofs, blocks);
+        let changed;
+        (cost, changed) = update(d, b, dofs, blocks);
         gradient = scale * norm(&b.grad, dofs);
         let improvement = scale * (before - cost);
         if (improvement > 0.0 && improvement < tolerance) || gradient < tolerance || iteration == m.opt.iterations {
             return iteration;
         }
-        hessian(m, d, b, dofs, blocks);
+        if changed {
+            hessian(m, d, b, dofs, blocks);
+        }
         if 0.5 * scale * direction(b, dofs) < tolerance {
             return iteration;
         }
@@ -126,18 +133,21 @@ fn solve_island(m: &Model, d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks
     0
 }
 
-/// Forces of the rows, `qfrc_constraint`, the gradient, and the whole cost of the island: MuJoCo's `PrimalUpdateConstraint` and
-/// `PrimalUpdateGradient`.
-fn update(d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize]) -> f64 {
+/// Forces of the rows, `qfrc_constraint` and the gradient: MuJoCo's `PrimalUpdateConstraint` and `PrimalUpdateGradient`. Returns
+/// the whole cost of the island, and whether other rows push than before.
+fn update(d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize]) -> (f64, bool) {
     for &i in dofs {
         d.qfrc_constraint[i] = 0.0;
     }
     let mut cost = gauss(&b.ma, &d.qfrc_smooth, &d.qacc, &d.qacc_smooth, dofs);
     let efc = &mut d.efc;
+    let mut changed = false;
     for &index in blocks {
         let block = &efc.blocks[index];
         for row in block.row..block.row + block.rows() {
             let (jar, stiffness) = (b.jar[row], efc.d[row]);
+            changed |= b.pushes[row] != (jar < 0.0);
+            b.pushes[row] = jar < 0.0;
             if jar < 0.0 {
                 efc.force[row] = -stiffness * jar;
                 cost += 0.5 * stiffness * jar * jar;
@@ -150,7 +160,7 @@ fn update(d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize]) -> f6
     for &i in dofs {
         b.grad[i] = b.ma[i] - d.qfrc_smooth[i] - d.qfrc_constraint[i];
     }
-    cost
+    (cost, changed)
 }
 
 /// Makes and factors the Hessian of the cost, `M + J' D J` over the rows that push.

@@ -23,8 +23,10 @@ pub(crate) struct Buffers {
     force: Vec<f64>,
     before: Vec<f64>,
     momentum: Vec<f64>,
+    residual: Vec<f64>,
+    residual_before: Vec<f64>,
     diag_inv: Vec<f64>,
-    order: Vec<usize>,
+    order: Vec<u32>,
     jar: Vec<f64>,
     sqrt_diag_inv: Vec<f64>,
 }
@@ -198,39 +200,59 @@ fn iterate(m: &Model, s: &mut Buffers, part: usize) -> usize {
     let mut generator = Pcg32(0);
     generator.next();
     s.order.clear();
-    s.order.extend(0..n);
+    s.order.extend(0..n as u32);
     s.before.clear();
     s.before.extend_from_slice(force);
     s.diag_inv.clear();
     s.diag_inv.extend((0..n).map(|i| 1.0 / ar[i * n + i]));
+    // residuals `b + AR f`, kept up to date; the matrix is symmetric
+    s.residual.clear();
+    s.residual.extend((0..n).map(|i| b[i] + dot(&ar[i * n..(i + 1) * n], force)));
+    s.residual_before.clone_from(&s.residual);
 
     let mut k = 0.0;
     for iteration in 0..m.opt.iterations {
         let beta = if iteration > 0 { (k - 1.0) / (k + 2.0) } else { 0.0 };
-        for (f, before) in force.iter_mut().zip(&mut s.before) {
-            let now = *f;
-            if beta > 0.0 {
-                *f = (now + beta * (now - *before)).max(0.0);
+        if beta > 0.0 {
+            for (residual, before) in s.residual.iter_mut().zip(&mut s.residual_before) {
+                let now = *residual;
+                *residual = now + beta * (now - *before);
+                *before = now;
             }
-            *before = now;
+            for i in 0..n {
+                let now = force[i];
+                let moved = now + beta * (now - s.before[i]);
+                s.before[i] = now;
+                force[i] = moved.max(0.0);
+                if moved < 0.0 {
+                    add_scaled(&mut s.residual, &ar[i * n..(i + 1) * n], -moved);
+                }
+            }
+        } else {
+            s.before.copy_from_slice(force);
+            s.residual_before.copy_from_slice(&s.residual);
         }
         s.momentum.clear();
         s.momentum.extend_from_slice(force);
 
         for i in (1..n).rev() {
-            s.order.swap(i, generator.next() as usize % (i + 1));
+            s.order.swap(i, (generator.next() % (i as u32 + 1)) as usize);
         }
         let mut improvement = 0.0;
         for &i in &s.order {
-            let row = &ar[i * n..(i + 1) * n];
-            let residual = b[i] + dot(row, force);
-            let old = force[i];
+            let i = i as usize;
+            let (residual, old) = (s.residual[i], force[i]);
             let new = (old - residual * s.diag_inv[i]).max(0.0);
             let delta = new - old;
+            if delta == 0.0 {
+                continue;
+            }
+            let row = &ar[i * n..(i + 1) * n];
             let change = 0.5 * delta * delta * row[i] + delta * residual;
             if change <= 1e-10 {
                 force[i] = new;
                 improvement -= change;
+                add_scaled(&mut s.residual, row, delta);
             }
         }
         let turned: f64 = force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
@@ -240,6 +262,13 @@ fn iterate(m: &Model, s: &mut Buffers, part: usize) -> usize {
         }
     }
     m.opt.iterations
+}
+
+/// `a += s b`.
+fn add_scaled(a: &mut [f64], b: &[f64], s: f64) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += s * b;
+    }
 }
 
 /// The product of two vectors.

@@ -4,7 +4,6 @@
 
 use std::path::{Path, PathBuf};
 
-use gym_core::Env;
 use gym_core::trace::Trace;
 use gym_mujoco::model_and_data;
 use serde_json::{Value, json};
@@ -36,7 +35,7 @@ fn compare(path: &Path) -> Result<(usize, f64), String> {
     let limit = file["tolerance"].as_f64().unwrap_or(1e-9);
     trace.events.truncate(horizon);
     let state = |env: &gym_core::BoxEnv| {
-        model_and_data(env.base()).map(|(_, data)| json!({"qpos": data.qpos, "qvel": data.qvel}))
+        model_and_data(env).map(|(_, data)| json!({"qpos": data.qpos, "qvel": data.qvel}))
     };
     let answers = trace.replay(state).map_err(|error| error.to_string())?;
     let mut worst = 0.0_f64;

@@ -9,6 +9,12 @@
 //! | end | never |
 //! | limit | 1000 steps of 0.04 s |
 //!
+//! Versions: 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use gym_core::{Generator, Result};

@@ -47,6 +47,12 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
 #[derive(Clone, Debug)]
 pub struct MujocoEnv<T: Task, const VERSION: u8 = 5> {
     arguments: Arguments<T::Config, VERSION>,
+    inner: Inner<T>,
+}
+
+/// What does not depend on the version: the code of a task is compiled once.
+#[derive(Clone, Debug)]
+struct Inner<T: Task> {
     task: T,
     simulation: Simulation,
     observation_space: Space,
@@ -69,58 +75,41 @@ impl<T: Task, const VERSION: u8> MujocoEnv<T, VERSION> {
     /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks what the
     /// task needs.
     pub fn new(config: T::Config) -> Result<Self> {
-        let simulation = Simulation::new(config.common(), VERSION)?;
-        let task = T::new(&config, VERSION, &simulation)?;
+        let inner = Inner::new(&config, VERSION)?;
+        Ok(Self { arguments: Arguments(config), inner })
+    }
+
+    /// The model, and how it is stepped.
+    pub fn simulation(&self) -> &Simulation {
+        &self.inner.simulation
+    }
+
+    /// The state of the model, once there was a reset.
+    pub fn data(&self) -> Option<&Data> {
+        self.inner.episode.as_ref().map(|episode| &episode.data)
+    }
+}
+
+impl<T: Task> Inner<T> {
+    fn new(config: &T::Config, version: u8) -> Result<Self> {
+        let simulation = Simulation::new(config.common(), version)?;
+        let task = T::new(config, version, &simulation)?;
         let mut data = Data::new(&simulation.model);
         simulation.start(&mut data);
         let observations = task.observe(&simulation, &data).count();
         let observation_space =
             BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [observations], DType::F64)?.into();
         let action_space = simulation.action_space()?;
-        let arguments = Arguments(config);
-        Ok(Self { arguments, task, simulation, observation_space, action_space, observations, episode: None })
+        Ok(Self { task, simulation, observation_space, action_space, observations, episode: None })
     }
 
-    /// The model, and how it is stepped.
-    pub fn simulation(&self) -> &Simulation {
-        &self.simulation
-    }
-
-    /// The state of the model, once there was a reset.
-    pub fn data(&self) -> Option<&Data> {
-        self.episode.as_ref().map(|episode| &episode.data)
-    }
-
-    fn observe(&self, observation: &mut Array) -> Result<()> {
-        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
-        let fits = observation.as_slice::<f64>().is_some_and(|numbers| numbers.len() == self.observations);
-        if !fits || observation.shape() != [self.observations] {
-            *observation = Array::from(vec![0.0; self.observations]);
-        }
-        let seen = self.task.observe(&self.simulation, &episode.data);
-        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
-            *to = from;
-        }
-        Ok(())
-    }
-}
-
-impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
-    type Observation = Array;
-    type Action = Array;
-
-    fn observation_space(&self) -> Space {
-        self.observation_space.clone()
-    }
-
-    fn action_space(&self) -> Space {
-        self.action_space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+    fn reset(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut episode = match self.episode.take() {
-            Some(episode) => Box::new(Episode { rng, step: None, ..*episode }),
+            Some(mut episode) => {
+                (episode.rng, episode.step) = (rng, None);
+                episode
+            }
             None => Box::new(Episode { rng, step: None, data: Data::new(&self.simulation.model) }),
         };
         episode.data.reset(&self.simulation.model);
@@ -130,7 +119,7 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
         self.observe(observation)
     }
 
-    fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
+    fn step(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         let numbers = action.as_slice::<f32>().filter(|numbers| {
             numbers.len() == self.simulation.model.nu() && numbers.iter().all(|a| a.is_finite())
@@ -144,14 +133,16 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
         Ok(Outcome { reward, terminated, truncated: false })
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.arguments, &self.episode)
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let model = &self.simulation.model;
-        let valid = |episode: &Box<Episode<T::Step>>| episode.data.check(model).is_ok();
-        self.episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+    fn observe(&self, observation: &mut Array) -> Result<()> {
+        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
+        let fits = observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
+        if !fits {
+            *observation = Array::from(vec![0.0; self.observations]);
+        }
+        let seen = self.task.observe(&self.simulation, &episode.data);
+        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
+            *to = from;
+        }
         Ok(())
     }
 
@@ -164,24 +155,60 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
             visit("tendon_velocity", Value::Array(data.ten_velocity.clone().into()));
         }
     }
+}
+
+impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
+    type Observation = Array;
+    type Action = Array;
+
+    fn observation_space(&self) -> Space {
+        self.inner.observation_space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.inner.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.inner.reset(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
+        self.inner.step(action, observation)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::with_config(&self.arguments, &self.inner.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let model = &self.inner.simulation.model;
+        let valid = |episode: &Box<Episode<T::Step>>| episode.data.check(model).is_ok();
+        self.inner.episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.inner.info(visit);
+    }
 
     fn metadata(&self) -> Metadata {
         let common = self.arguments.0.common();
-        Metadata::drawn(self.simulation.fps(), (common.width, common.height))
+        Metadata::drawn(self.inner.simulation.fps(), (common.width, common.height))
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        let Some(episode) = &self.episode else { return };
+        let Inner { simulation, episode: Some(episode), .. } = &self.inner else { return };
         let common = self.arguments.0.common();
-        self.simulation.view.draw(&self.simulation.model, &episode.data, (common.width, common.height), canvas);
+        simulation.view.draw(&simulation.model, &episode.data, (common.width, common.height), canvas);
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
-        self.episode.as_mut().map(|episode| &mut episode.rng)
+        self.inner.episode.as_mut().map(|episode| &mut episode.rng)
     }
 
     fn close(&mut self) {
-        self.episode = None;
+        self.inner.episode = None;
     }
 }
 

@@ -66,8 +66,8 @@ fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> 
     let inertia_quat = same(&quat, &m.body_iquat[body]);
     match (own_pos, own_quat) {
         (true, true) => 1,
-        _ if inertia_quat && same(&pos, &m.body_ipos[body]) => 2,
         (_, true) => 3,
+        _ if inertia_quat && same(&pos, &m.body_ipos[body]) => 2,
         _ if inertia_quat => 4,
         _ => 0,
     }

@@ -1,7 +1,9 @@
 //! Figures that follow from the inertia matrix in the initial configuration: MuJoCo's `mj_setConst`.
 
+use super::orientation::norm;
 use super::spec::Statistic;
 use crate::model::JointType;
+use crate::physics::spatial::cross;
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
 use crate::{CompiledModel, Data, Model, Result};
 
@@ -75,7 +77,7 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
                 for &i in model.plan().chain(b) {
                     let [wx, wy, wz, vx, vy, vz] = d.cdof[i];
                     let turn = [wx, wy, wz];
-                    let across = super::orientation::cross(turn, offset);
+                    let across = cross(turn, offset);
                     row[i] = if kind == 1 { turn[axis] } else { [vx, vy, vz][axis] + across[axis] };
                 }
                 solved.copy_from_slice(&row);
@@ -90,7 +92,7 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
 /// How far each body reaches from its centre of mass: to its joints and around its geoms.
 pub(super) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
     const LEAST: f64 = 1e-5;
-    let distance = |a: [f64; 3], b: [f64; 3]| super::orientation::norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let distance = |a: [f64; 3], b: [f64; 3]| norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
     let mut size = vec![LEAST; m.nbody()];
     for j in 0..m.njnt() {
         let b = m.jnt_bodyid[j];

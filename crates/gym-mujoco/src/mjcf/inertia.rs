@@ -2,11 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::orientation::{Quat, matrix, mul, normalize};
 use crate::model::GeomType;
-
-/// Below this a mass or an inertia is none: `mjMINVAL`.
-pub(super) const MINVAL: f64 = 1e-15;
+pub(super) use crate::physics::spatial::MINVAL;
+use crate::physics::spatial::{Mat3, Quat, inertia_at, mul_quat, normalize_quat, quat_to_mat};
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +48,6 @@ pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f6
     }
 }
 
-/// A symmetric matrix: xx, yy, zz, xy, xz, yz.
-type Symmetric = [f64; 6];
-
 /// The inertia of several parts as one; `None` if there are none.
 pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     match parts {
@@ -65,37 +60,23 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     let mut total = [0.0; 6];
     for part in parts {
         let offset = std::array::from_fn(|i| part.pos[i] - pos[i]);
-        let terms = turned(part.moments, part.quat).into_iter().zip(off_centre(part.mass, offset));
-        for (sum, (own, shifted)) in total.iter_mut().zip(terms) {
-            *sum += own + shifted;
-        }
+        let shifted = inertia_at(part.moments, &quat_to_mat(part.quat), offset, part.mass);
+        total.iter_mut().zip(shifted).for_each(|(sum, term)| *sum += term);
     }
     let (moments, quat) = principal_axes(total);
     Some(Inertia { mass, pos, quat, moments })
 }
 
-/// The inertia matrix of these principal moments, whose axes are turned by `quat`.
-fn turned(moments: [f64; 3], quat: Quat) -> Symmetric {
-    let r = matrix(quat);
-    let entry = |i: usize, j: usize| (0..3).map(|k| r[i][k] * moments[k] * r[j][k]).sum();
-    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)]
-}
-
-/// What a mass adds to the inertia about a point that lies `-offset` away from it: the parallel axes theorem.
-fn off_centre(mass: f64, [x, y, z]: [f64; 3]) -> Symmetric {
-    [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z].map(|term| mass * term)
-}
-
-/// Principal moments, falling, and the orientation of their axes: Jacobi's method on a quaternion, in the order of
+/// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of their axes: Jacobi's method on a quaternion, in the order of
 /// `mju_eig3`, because a principal frame is only determined up to the choices made on the way.
-pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: Symmetric) -> ([f64; 3], Quat) {
+pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Quat) {
     const EIG_EPS: f64 = 1e-12;
     const MAX_ITERATIONS: usize = 500;
-    let full = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     let mut moments = [0.0; 3];
     for _ in 0..MAX_ITERATIONS {
-        let d = in_axes(&full, &matrix(quat));
+        let d = in_axes(&full, &quat_to_mat(quat));
         moments = [d[0][0], d[1][1], d[2][2]];
         // the largest entry off the diagonal, and the axis of the rotation that removes it
         let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs() {
@@ -120,22 +101,21 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: Symmetric) -> ([f64; 3], 
         let half_sin = (0.5 - 0.5 * cos).sqrt();
         turn[axis + 1] = if (tau >= 0.0) == (axis == 1) { half_sin } else { -half_sin };
         turn[0] = (1.0 - half_sin * half_sin).sqrt();
-        quat = normalize(mul(quat, normalize(turn)));
+        quat = normalize_quat(mul_quat(quat, normalize_quat(turn)));
     }
     for pair in [0, 1, 0] {
         if moments[pair] + EIG_EPS < moments[pair + 1] {
             moments.swap(pair, pair + 1);
             let mut quarter = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, 0.0];
             quarter[(pair + 2) % 3 + 1] = quarter[0];
-            quat = normalize(mul(quat, quarter));
+            quat = normalize_quat(mul_quat(quat, quarter));
         }
     }
     (moments, quat)
 }
 
 /// `axes' full axes`.
-fn in_axes(full: &[[f64; 3]; 3], axes: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let product = |i: usize, j: usize| (0..3).map(|k| axes[k][i] * full[k][j]).sum::<f64>();
-    let half: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| half[i][k] * axes[k][j]).sum()))
+fn in_axes(full: &Mat3, axes: &Mat3) -> [[f64; 3]; 3] {
+    let half = |i: usize, j: usize| (0..3).map(|k| axes[3 * k + i] * full[3 * k + j]).sum::<f64>();
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| half(i, k) * axes[3 * k + j]).sum()))
 }

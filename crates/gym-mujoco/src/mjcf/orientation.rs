@@ -1,10 +1,8 @@
 //! Orientations: the forms in which MJCF gives them, as quaternions `w, x, y, z`.
 
 use super::xml::Element;
-use crate::Result;
-
-/// A unit quaternion `w, x, y, z`.
-pub(super) type Quat = [f64; 4];
+use crate::physics::spatial::{Quat, axis_angle, cross, mul_quat, normalize_quat};
+use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 
@@ -89,28 +87,22 @@ impl Orientation {
     pub(super) fn resolve(&self, degree: bool) -> Quat {
         let radians = |angle: f64| if degree { angle / 180.0 * std::f64::consts::PI } else { angle };
         match &self.other {
-            None => normalize(self.quat),
+            None => normalize_quat(self.quat),
             Some(Form::AxisAngle([x, y, z, angle])) => {
                 let length = norm(&[*x, *y, *z]);
-                normalize(axis_angle([x / length, y / length, z / length], radians(*angle)))
+                normalize_quat(axis_angle([x / length, y / length, z / length], radians(*angle)))
             }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
                 for (axis, angle) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(angles) {
-                    quat = mul(quat, axis_angle(axis, radians(*angle)));
+                    quat = mul_quat(quat, axis_angle(axis, radians(*angle)));
                 }
-                normalize(quat)
+                normalize_quat(quat)
             }
             Some(Form::XyAxes(axes)) => plane_of(axes).map_or(IDENTITY, |[x, y, z]| from_columns(x, y, z)),
             Some(Form::ZAxis(axis)) => from_z(*axis),
         }
     }
-}
-
-/// The quaternion of a rotation by an angle about an axis of length 1.
-fn axis_angle(axis: [f64; 3], angle: f64) -> Quat {
-    let (sin, cos) = (angle / 2.0).sin_cos();
-    [cos, axis[0] * sin, axis[1] * sin, axis[2] * sin]
 }
 
 /// The shortest rotation that turns the z axis to a direction; by half a turn about x where it is opposite.
@@ -119,7 +111,7 @@ pub(super) fn from_z(direction: [f64; 3]) -> Quat {
     let [x, y, z] = direction.map(|c| c / length);
     let sin = norm(&[-y, x]);
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { [-y / sin, x / sin, 0.0] };
-    axis_angle(axis, sin.atan2(z))
+    axis_angle(axis, libm::atan2(sin, z))
 }
 
 /// Right-handed unit axes from an x axis and a vector in the xy plane; `None` where they do not span one.
@@ -147,38 +139,9 @@ fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
     } else {
         [x[1] - y[0], z[0] + x[2], z[1] + y[2], 1.0 - x[0] - y[1] + z[2]]
     };
-    normalize(quat)
+    normalize_quat(quat)
 }
 
 pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Of length 1; a quaternion of no length becomes that of no rotation.
-pub(super) fn normalize(quat: Quat) -> Quat {
-    let length = norm(&quat);
-    if length < EPS { IDENTITY } else { quat.map(|x| x / length) }
-}
-
-/// The rotation by `b`, then by `a`.
-pub(super) fn mul(a: Quat, b: Quat) -> Quat {
-    [
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-    ]
-}
-
-/// The rotation matrix, row by row.
-pub(super) fn matrix([w, x, y, z]: Quat) -> [[f64; 3]; 3] {
-    [
-        [w * w + x * x - y * y - z * z, 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-        [2.0 * (x * y + w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z - w * x)],
-        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z],
-    ]
 }

@@ -12,7 +12,9 @@ const ZENITH: Color = Color::rgb(96, 142, 190);
 const HORIZON: Color = Color::rgb(226, 236, 244);
 const BANDS: usize = 32;
 /// How many squares of the floor are drawn to each side of the focus.
-const SQUARES: i64 = 14;
+const SQUARES: i64 = 12;
+/// In how many steps they fade.
+const RINGS: usize = 6;
 const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
 
 /// A colour between two.
@@ -43,43 +45,55 @@ fn horizon(camera: &Camera) -> f64 {
     camera.size[1] / 2.0 + camera.focal * camera.ahead[2] / level
 }
 
-/// The floor, as far as the eye reaches, with squares around the focus that fade into it.
+/// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
 pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, canvas: &mut dyn Canvas) {
     if camera.pos[2] <= height {
         return;
     }
-    let base = super::rgba(rgba);
-    let light = blend(base, Color::rgb(214, 222, 230), 0.45);
-    let dark = blend(blend(base, Color::rgb(120, 134, 150), 0.6), Color::BLACK, 0.05);
-    let middle = blend(light, dark, 0.5);
+    let light = blend(super::rgba(rgba), Color::rgb(206, 216, 226), 0.6);
+    let dark = blend(light, Color::rgb(70, 92, 124), 0.32);
     let [width, picture_height] = camera.size;
     let horizon = horizon(camera).clamp(0.0, picture_height);
-    canvas.rect([0.0, horizon], [width, picture_height - horizon], blend(middle, HORIZON, 0.35));
+    canvas.rect([0.0, horizon], [width, picture_height - horizon], light);
 
     // a small model stands on small squares
     let far = camera.pos[2] - height;
-    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 6.0 >= far).unwrap_or(10.0);
+    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 4.0 >= far).unwrap_or(10.0);
     let reach = square * SQUARES as f64;
     let center = [camera.focus[0], camera.focus[1]].map(|x| (x / square).floor() as i64);
-    let mut polygon = Vec::with_capacity(8);
     let corner = |i: i64, j: i64| [i as f64 * square, j as f64 * square, height];
-    let bounded = |x: f64, half: f64| half <= 0.0 || x.abs() <= half + square;
+    let bounded = |x: f64, half: f64| half <= 0.0 || x.abs() <= half;
+    let mut rings: [Vec<Segment>; RINGS] = Default::default();
+    let mut polygon = Vec::with_capacity(8);
     for i in center[0] - SQUARES..=center[0] + SQUARES {
         for j in center[1] - SQUARES..=center[1] + SQUARES {
-            let middle_of_square = [(i as f64 + 0.5) * square, (j as f64 + 0.5) * square];
-            let inside = bounded(middle_of_square[0], size[0]) && bounded(middle_of_square[1], size[1]);
-            let offset = [middle_of_square[0] - camera.focus[0], middle_of_square[1] - camera.focus[1]];
+            let middle = [(i as f64 + 0.5) * square, (j as f64 + 0.5) * square];
+            let offset = [middle[0] - camera.focus[0], middle[1] - camera.focus[1]];
             let away = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt() / reach;
-            if !inside || away > 1.0 {
+            let inside = bounded(middle[0], size[0]) && bounded(middle[1], size[1]);
+            if (i + j).rem_euclid(2) == 0 || away >= 1.0 || !inside {
                 continue;
             }
-            let color = if (i + j).rem_euclid(2) == 0 { light } else { dark };
-            let color = blend(color, blend(middle, HORIZON, 0.35), away * away);
-            camera.project_polygon(&[corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], &mut polygon);
+            let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            camera.project_polygon(&corners, &mut polygon);
             if polygon.len() >= 3 && on_screen(&polygon, camera.size) {
-                canvas.polygon(&polygon, color);
+                outline(&polygon, &mut rings[(away * away * RINGS as f64) as usize]);
             }
         }
+    }
+    for (ring, squares) in rings.iter().enumerate() {
+        if !squares.is_empty() {
+            canvas.fill(Shape::Path(squares), blend(dark, light, ring as f64 / RINGS as f64));
+        }
+    }
+}
+
+/// Adds a closed contour.
+fn outline(polygon: &[Point], path: &mut Vec<Segment>) {
+    if let [first, rest @ ..] = polygon {
+        path.push(Segment::Move(*first));
+        path.extend(rest.iter().map(|point| Segment::Line(*point)));
+        path.push(Segment::Close);
     }
 }
 
@@ -94,7 +108,7 @@ pub(super) fn shadows(camera: &Camera, model: &Model, data: &Data, height: f64, 
         return;
     }
     const CORNERS: usize = 20;
-    let mut outline: Vec<Segment> = Vec::new();
+    let mut path: Vec<Segment> = Vec::new();
     let mut polygon = Vec::new();
     for g in 0..model.ngeom() {
         let [radius, half, _] = model.geom_size[g];
@@ -120,11 +134,9 @@ pub(super) fn shadows(camera: &Camera, model: &Model, data: &Data, height: f64, 
             continue;
         }
         camera.project_polygon(&corners, &mut polygon);
-        outline.push(Segment::Move(polygon[0]));
-        outline.extend(polygon[1..].iter().map(|point| Segment::Line(*point)));
-        outline.push(Segment::Close);
+        outline(&polygon, &mut path);
     }
-    if !outline.is_empty() {
-        canvas.fill(Shape::Path(&outline), SHADOW);
+    if !path.is_empty() {
+        canvas.fill(Shape::Path(&path), SHADOW);
     }
 }

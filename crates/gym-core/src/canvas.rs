@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 use std::fmt::{self, Write};
 use std::ops::Deref;
 
+use crate::math;
+
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];
 
@@ -124,7 +126,7 @@ impl Transform {
 
     /// Turns about the origin, from x towards y.
     pub fn rotate(radians: f64) -> Self {
-        let (sin, cos) = radians.sin_cos();
+        let (sin, cos) = math::sin_cos(radians);
         Self { x: [cos, sin], y: [-sin, cos], origin: [0.0, 0.0] }
     }
 
@@ -217,7 +219,7 @@ impl Canvas for Blank {
 pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
     std::array::from_fn(|i| {
         let angle = start + (end - start) * i as f64 / (N.max(2) - 1) as f64;
-        [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]
+        [center[0] + radius * math::cos(angle), center[1] + radius * math::sin(angle)]
     })
 }
 

@@ -10,7 +10,7 @@ mod error;
 pub mod file;
 mod functional;
 pub mod math;
-pub mod pixels;
+pub mod pygame;
 pub mod registry;
 pub mod render;
 mod reset;

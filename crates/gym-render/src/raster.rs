@@ -363,7 +363,7 @@ mod tests {
             canvas.text("Gym 0.1", [4.0, 44.0], 8.0, Align::Left, Color::BLACK.alpha(200));
         });
         let hash = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0x4402_f4b9_287e_3dfc);
+        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0xe042_ae4f_d295_ac5b);
     }
 
     #[test]

@@ -13,6 +13,10 @@ use crate::{font, pixels};
 /// Larger masks are made in pieces.
 const LARGEST: u32 = 4096;
 
+/// A shape that reaches further from the frame's corner, in pixels, is left out: `tiny-skia` is not made for
+/// it.
+const REACH: f32 = 32_768.0;
+
 /// Fills a shape.
 pub(crate) fn fill(frame: &mut Frame, shape: Shape<'_>, transform: Transform, color: Color) {
     if let Some(path) = path(|emit| outline(shape, &mut |segment| emit(segment))) {
@@ -74,6 +78,10 @@ fn stroke_path(
 ) {
     let scale = (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt();
     let pixels = width * scale;
+    // not a number neither
+    if !(pixels > 0.0 && pixels <= f64::from(2.0 * REACH)) {
+        return;
+    }
     let (width, color) = if pixels < 1.0 {
         (1.0 / scale, color.alpha((f64::from(color.a) * pixels).round() as u8))
     } else {
@@ -88,6 +96,10 @@ fn stroke_path(
 fn fill_path(frame: &mut Frame, path: Option<Path>, color: Color) {
     let Some(path) = path else { return };
     let bounds = path.bounds();
+    let sides = [bounds.left(), bounds.right(), bounds.top(), bounds.bottom()];
+    if sides.iter().any(|side| side.abs() > REACH) {
+        return;
+    }
     let place = |x: f32, size: u32| x.clamp(0.0, size as f32) as u32;
     let (left, top) = (place(bounds.left().floor(), frame.width()), place(bounds.top().floor(), frame.height()));
     let right = place(bounds.right().ceil(), frame.width());

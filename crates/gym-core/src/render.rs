@@ -183,7 +183,8 @@ impl Rendered {
 /// Turns drawings into pixels. A rendering crate such as `gym-render` submits a
 /// [`PainterProvider`]; [`Painter`]s are what wrappers then hold.
 pub trait Painter: Send {
-    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`.
+    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas is black at first,
+    /// whatever the frame showed.
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame);
 }
 

@@ -21,9 +21,10 @@
 
 mod car;
 mod picture;
+mod score;
 mod track;
 
-use gym_core::canvas::{Canvas, Transform};
+use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::{
     Array, Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
@@ -34,7 +35,7 @@ use serde::{Deserialize, Serialize};
 use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
-use picture::{Camera, WINDOW_H, WINDOW_W};
+use picture::Camera;
 use track::Tile;
 pub use track::TrackPoint;
 
@@ -464,9 +465,7 @@ impl Env for CarRacing {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         if let Some(episode) = &self.episode {
-            canvas.push(Transform::scale(f64::from(VIDEO_W) / WINDOW_W, f64::from(VIDEO_H) / WINDOW_H));
-            episode.draw(canvas, true);
-            canvas.pop();
+            episode.draw(canvas, (VIDEO_W, VIDEO_H), true);
         }
     }
 

@@ -260,6 +260,8 @@ macro_rules! forward {
     };
     (@ $field:tt draw) => {
         fn draw(&self, canvas: &mut dyn $crate::canvas::Canvas) { self.$field.draw(canvas); }
+        fn start_rendering(&mut self) { self.$field.start_rendering(); }
+        fn picture_taken(&mut self) { self.$field.picture_taken(); }
     };
     (@ $field:tt ansi) => {
         fn ansi(&self) -> Option<String> { self.$field.ansi() }

@@ -58,7 +58,8 @@ pub(super) struct Wheel {
 /// Whether a wheel leaves a mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Skidding {
-    start: Option<[f64; 2]>,
+    /// Whether it slipped in the step before, without a mark.
+    slips: bool,
     /// Which mark it draws on.
     mark: Option<u64>,
 }
@@ -219,7 +220,7 @@ impl Car {
             && mark.points.len() < MARK_POINTS
         {
             mark.points.push(position);
-        } else if let Some(start) = skid.start.take() {
+        } else if std::mem::take(&mut skid.slips) {
             let number = self.marks_made;
             skid.mark = Some(number);
             self.marks_made += 1;
@@ -228,10 +229,11 @@ impl Car {
             if let Some(mark) = self.marks.last_mut() {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
-                mark.points.extend([start, position]);
+                // (Gymnasium means to begin where the wheel was, but its name for that place has moved on)
+                mark.points.extend([position, position]);
             }
         } else {
-            skid.start = Some(position);
+            skid.slips = true;
         }
     }
 

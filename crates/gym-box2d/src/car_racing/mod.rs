@@ -12,8 +12,7 @@
 //! Versions: v3 terminates the episode when the lap is complete, and says so in info; v2, which Gymnasium
 //! no longer has, truncates it and has no info.
 //!
-//! Differences from Gymnasium: the picture is drawn at 96x96 at once, where Gymnasium shrinks one of
-//! 1000x800, and so differs in shades; dynamics, rewards, tracks and colours are equal. The render mode
+//! Differences from Gymnasium: the score has digits of our own; all other pixels are equal. The render mode
 //! `state_pixels` is missing: the observation is that picture.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
@@ -35,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
-use picture::Camera;
+use picture::{Camera, Scene};
 use track::Tile;
 pub use track::TrackPoint;
 
@@ -193,6 +192,8 @@ struct Episode {
     car: Car,
     reward: f64,
     prev_reward: f64,
+    /// The score that the observation shows: without what the step itself costs.
+    observed_reward: f64,
     t: f64,
     new_lap: bool,
     /// Whether the last step finished the lap, or left the field.
@@ -306,6 +307,7 @@ impl Episode {
             car,
             reward: 0.0,
             prev_reward: 0.0,
+            observed_reward: 0.0,
             t: 0.0,
             new_lap: false,
             lap_finished: None,
@@ -334,6 +336,7 @@ impl Episode {
         self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.touch_tiles(config);
         self.t += 1.0 / FPS;
+        self.observed_reward = self.reward;
 
         let mut outcome = Outcome::default();
         self.lap_finished = None;
@@ -465,7 +468,7 @@ impl Env for CarRacing {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         if let Some(episode) = &self.episode {
-            episode.draw(canvas, (VIDEO_W, VIDEO_H), true);
+            episode.draw(canvas, (VIDEO_W, VIDEO_H), Scene::Frame);
         }
     }
 

@@ -61,7 +61,7 @@ impl Camera {
                 self.frame = Frame::new(STATE_W as u32, STATE_H as u32);
             }
             let size = (STATE_W as u32, STATE_H as u32);
-            self.raster.paint(size, &mut |canvas| episode.draw(canvas, size, false), &mut self.frame);
+            self.raster.paint(size, &mut |canvas| episode.draw(canvas, size, Scene::Observation), &mut self.frame);
             if let Some(pixels) = observation.as_mut_slice::<u8>() {
                 pixels.copy_from_slice(self.frame.pixels());
             }
@@ -73,6 +73,15 @@ impl Camera {
 
 fn color([r, g, b]: [f64; 3]) -> Color {
     Color::rgb(r as u8, g as u8, b as u8)
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scene {
+    /// What the driver sees.
+    Observation,
+    /// The same at the end of the step, with skid marks.
+    Frame,
 }
 
 /// From the field to the window.
@@ -110,21 +119,22 @@ impl View {
 }
 
 impl Episode {
-    /// Draws everything, with skid marks or without, in a picture of that size.
-    pub(super) fn draw(&self, canvas: &mut dyn Canvas, size: (u32, u32), skid_marks: bool) {
+    /// Draws a scene in a picture of that size.
+    pub(super) fn draw(&self, canvas: &mut dyn Canvas, size: (u32, u32), scene: Scene) {
         canvas.push_smoothscaled((WINDOW_W as u32, WINDOW_H as u32), size);
         canvas.clear(Color::BLACK);
         canvas.push(pygame::flipped(WINDOW_H));
         let view = View::new(self);
         self.draw_grass(canvas, &view);
         self.draw_road(canvas, &view);
-        if skid_marks {
+        if scene == Scene::Frame {
             self.draw_skid_marks(canvas, &view);
         }
         self.draw_car(canvas, &view);
         canvas.pop();
         canvas.push(UPRIGHT);
-        self.draw_indicators(canvas);
+        let score = if scene == Scene::Frame { self.reward } else { self.observed_reward };
+        self.draw_indicators(canvas, score);
         canvas.pop();
         canvas.pop();
     }
@@ -195,7 +205,7 @@ impl Episode {
     }
 
     /// Speed, wheels, steering, turning, and the score.
-    fn draw_indicators(&self, canvas: &mut dyn Canvas) {
+    fn draw_indicators(&self, canvas: &mut dyn Canvas, score: f64) {
         const W: f64 = WINDOW_W;
         const H: f64 = WINDOW_H;
         const S: f64 = W / 40.0;
@@ -227,7 +237,7 @@ impl Episode {
         let steering = state.wheels[0][0];
         bar(steering, horizontal(20.0, -10.0 * steering), Color::rgb(0, 255, 0));
         bar(w, horizontal(30.0, -0.8 * w), Color::rgb(255, 0, 0));
-        let text = Label::new(format_args!("{:04.0}", self.reward));
+        let text = Label::new(format_args!("{score:04.0}"));
         score::draw(canvas, &text, [60.0, H - H * 2.5 / 40.0]);
     }
 }

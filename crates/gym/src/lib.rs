@@ -27,6 +27,8 @@
 pub use gym_box2d as box2d;
 #[cfg(feature = "classic")]
 pub use gym_classic as classic;
+#[cfg(feature = "conform")]
+pub use gym_conform as conform;
 pub use gym_core::*;
 #[cfg(feature = "render")]
 pub use gym_render as rendering;

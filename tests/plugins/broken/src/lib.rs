@@ -1,4 +1,4 @@
-//! One deliberately faulty environment for each check of `gym_core::conform`, named after it:
+//! One deliberately faulty environment for each check of gym-conform, named after it:
 //! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
 //! the same rule in another way.
 //!

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use broken_envs as _;
-use gym_core::conform::{self, CHECKS, Finding, Report};
+use gym_conform::{CHECKS, Finding, Report};
 
 fn reports() -> Vec<Report> {
-    conform::reports(&conform::ids_of("broken-envs")).expect("the ids are registered")
+    gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 }
 
 /// The check that an id is named after, before the point where it has several faults.
@@ -34,7 +34,7 @@ fn each_check_flags_its_fault_and_no_other() {
 
 #[test]
 fn every_check_has_a_faulty_environment() {
-    let ids = conform::ids_of("broken-envs");
+    let ids = gym_conform::ids_of("broken-envs");
     let faulty: BTreeSet<_> = ids.iter().map(|id| expected(id)).filter(|name| *name != "none").collect();
     let checks: BTreeSet<_> = CHECKS.iter().map(|check| check.name).collect();
     assert_eq!(faulty, checks);
@@ -53,7 +53,7 @@ fn findings_say_what_why_and_how() {
 fn an_unregistered_environment_is_checked_as_well() {
     let check = |fault| {
         let walk = move || broken_envs::Walk::<broken_envs::Config>::new(fault).map(gym_core::BoxEnv::new);
-        conform::check(walk).iter().map(|finding| finding.check).collect::<Vec<_>>()
+        gym_conform::check(walk).iter().map(|finding| finding.check).collect::<Vec<_>>()
     };
     assert_eq!(check(broken_envs::Fault::None), [""; 0]);
     assert_eq!(check(broken_envs::Fault::RewardFinite), ["reward-finite"]);
@@ -63,13 +63,13 @@ fn an_unregistered_environment_is_checked_as_well() {
 #[test]
 fn what_make_puts_around_an_environment_hides_nothing() {
     for name in ["reset-needed", "observation-dtype", "observation-in-space", "info-consistent"] {
-        let findings = conform::check(|| gym_core::make(&format!("broken/{name}-v0")));
+        let findings = gym_conform::check(|| gym_core::make(&format!("broken/{name}-v0")));
         assert_eq!(findings.iter().map(|finding| finding.check).collect::<Vec<_>>(), [name]);
     }
 }
 
 #[test]
 fn unknown_ids_are_refused() {
-    let error = conform::reports(&["broken/reward-finit-v0".into()]).unwrap_err();
+    let error = gym_conform::reports(&["broken/reward-finit-v0".into()]).unwrap_err();
     assert!(error.to_string().contains("did you mean `broken/reward-finite-v0`?"), "{error}");
 }

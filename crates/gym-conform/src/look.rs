@@ -1,0 +1,11 @@
+//! Every call that only looks.
+
+use gym_core::canvas::Blank;
+use gym_core::{BoxEnv, Env};
+
+/// Asks an environment for all that it shows.
+pub(crate) fn look(env: &BoxEnv) {
+    let _ = (env.observation_space(), env.action_space(), env.metadata(), env.describe());
+    let _ = (env.info_map(), env.ansi(), env.snapshot().is_ok(), env.spec().is_some());
+    env.draw(&mut Blank);
+}

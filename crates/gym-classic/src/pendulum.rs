@@ -189,10 +189,12 @@ const MIDDLE: f64 = 250.0;
 /// An arrow around the axle, as large as the torque and in its direction. Gymnasium shows a picture of
 /// one; this is drawn, with the same size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // of a circle of radius 1
-    const INNER: f64 = 0.965;
-    const OUTER: f64 = 1.035;
-    const HEAD: [Point; 4] = [[0.78, -0.1], [0.96, -0.02], [1.14, -0.1], [0.96, 0.3]];
+    // for a radius of 1; Gymnasium's circle is no circle and off the axle, so this one is neither
+    const WIDTH: f64 = 0.065; // of the line
+    const WIDE: f64 = 0.973;
+    const HIGH: f64 = 1.034;
+    const SHIFT: f64 = 0.064;
+    const HEAD: [Point; 4] = [[0.77, -0.1], [0.91, -0.02], [1.05, -0.1], [0.91, 0.3]];
     const POINTS: usize = 33;
     let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole picture is twice as wide
     if size < 1.0 {
@@ -200,8 +202,8 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     }
     // drawn counterclockwise; a negative torque turns the other way
     let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
-    let edge = |radius| arc::<POINTS>([0.0; 2], radius, -1.5 * PI, 0.0);
-    let (inner, outer) = (edge(INNER), edge(OUTER));
+    let edge = |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
+    let (inner, outer): ([Point; POINTS], [Point; POINTS]) = (edge(1.0 - WIDTH / 2.0), edge(1.0 + WIDTH / 2.0));
     let ring: [Point; 2 * POINTS] =
         std::array::from_fn(|i| place(outer.get(i).copied().unwrap_or_else(|| inner[2 * POINTS - 1 - i])));
     pygame::gfx_polygon(canvas, &ring, Color::BLACK);

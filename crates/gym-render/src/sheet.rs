@@ -277,11 +277,26 @@ impl Band<'_> {
     }
 
     /// Marks the borders left of two pixels.
+    #[inline(always)]
     fn mark(&mut self, row: usize, x1: usize, x2: usize) {
         let marks = &mut self.marks[row * self.words..][..self.words];
         for x in [x1, x2] {
             let window = self.window[x];
             marks[usize::from(window / 64)] |= 1 << (window % 64);
+        }
+    }
+
+    /// Takes back the marks between those of two borders: there is one colour now.
+    fn unmark(&mut self, row: usize, x1: usize, x2: usize) {
+        let (first, last) = (usize::from(self.window[x1]) + 1, usize::from(self.window[x2]));
+        if first < last {
+            let marks = &mut self.marks[row * self.words..][first / 64..=(last - 1) / 64];
+            let count = marks.len();
+            let (below, above) = (!(u64::MAX << (first % 64)), !(u64::MAX >> (63 - (last - 1) % 64)));
+            for (i, word) in marks.iter_mut().enumerate() {
+                let kept = if i == 0 { below } else { 0 } | if i + 1 == count { above } else { 0 };
+                *word &= kept;
+            }
         }
     }
 }
@@ -302,6 +317,7 @@ impl Pixels for Band<'_> {
     fn run(&mut self, x1: i32, x2: i32, y: i32, _: Color) {
         let (row, x1, x2) = (self.place(y), x1 as usize, x2 as usize + 1);
         self.pixels[row * self.width as usize..][x1..x2].fill(self.color);
+        self.unmark(row, x1, x2);
         self.mark(row, x1, x2);
     }
 
@@ -418,17 +434,25 @@ impl Shrink {
                 let k = 64 * word + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
                 let Some(phase) = self.columns.get(k) else { break };
-                let (mut red_blue, mut green) = (0, 0);
-                for pixel in &row[phase.begin..phase.last] {
-                    red_blue += pixel & 0x00ff_00ff;
-                    green += pixel >> 8 & 0xff;
+                // two pixels at a time, each channel with room for a sum
+                let (mut red_blue, mut green) = (0_u64, 0_u64);
+                let mut pairs = row[phase.begin..phase.last].chunks_exact(2);
+                let mut add = |pixels: u64| {
+                    red_blue += pixels & 0x00ff_00ff_00ff_00ff;
+                    green += pixels >> 8 & 0x00ff_00ff_00ff_00ff;
+                };
+                pairs.by_ref().map(|pair| u64::from(pair[0]) | u64::from(pair[1]) << 32).for_each(&mut add);
+                if let [pixel] = *pairs.remainder() {
+                    red_blue += u64::from(pixel) & 0x00ff_00ff;
+                    green += u64::from(pixel) >> 8 & 0x00ff_00ff;
                 }
+                let (red_blue, green) = ((red_blue + (red_blue >> 32)) as u32, (green + (green >> 32)) as u32);
                 let (first, last) = (row[phase.first].to_le_bytes(), row[phase.last].to_le_bytes());
                 let mean = |channel: usize, sum: u32| {
                     u16::from(phase.mean(first[channel].into(), sum as u16, last[channel].into()))
                 };
                 reds[k] = mean(0, red_blue & 0xffff);
-                greens[k] = mean(1, green);
+                greens[k] = mean(1, green & 0xffff);
                 blues[k] = mean(2, red_blue >> 16);
             }
         }

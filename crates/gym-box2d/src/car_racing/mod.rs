@@ -23,6 +23,8 @@ mod picture;
 mod score;
 mod track;
 
+use std::sync::Arc;
+
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::{
@@ -36,6 +38,7 @@ use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
 use picture::{Camera, Scene};
 use track::Tile;
+pub use score::ScoreGlyphs;
 pub use track::TrackPoint;
 
 const FPS: f64 = 50.0;
@@ -140,6 +143,8 @@ pub struct CarRacing {
     config: Config,
     episode: Option<Episode>,
     camera: Camera,
+    /// Pictures of the digits of the score.
+    glyphs: Option<Arc<ScoreGlyphs>>,
 }
 
 /// Where the car is and how it moves: what decides an episode, beside the track.
@@ -226,7 +231,7 @@ impl CarRacing {
         if config.lap_complete_percent.is_nan() {
             return Err(Error::argument("CarRacing", "lap_complete_percent is not a number"));
         }
-        Ok(Self { config, episode: None, camera: Camera::default() })
+        Ok(Self { config, episode: None, camera: Camera::default(), glyphs: None })
     }
 
     /// Where the car is; `None` before the first reset.
@@ -237,6 +242,12 @@ impl CarRacing {
     /// The centre line of the track; `None` before the first reset.
     pub fn track(&self) -> Option<&[TrackPoint]> {
         self.episode.as_ref().map(|episode| &*episode.track)
+    }
+
+    /// Writes the score with these digits from the next picture on, as Gymnasium does, instead of our own.
+    /// They are no part of snapshots and specs.
+    pub fn set_score_glyphs(&mut self, glyphs: ScoreGlyphs) {
+        self.glyphs = Some(Arc::new(glyphs));
     }
 
     /// Starts an episode without drawing its first observation.
@@ -429,7 +440,7 @@ impl Env for CarRacing {
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         self.reset_state(reset)?;
         if let Some(episode) = &self.episode {
-            self.camera.take(episode, observation);
+            self.camera.take(episode, self.glyphs.as_deref(), observation);
         }
         Ok(())
     }
@@ -437,7 +448,7 @@ impl Env for CarRacing {
     fn step_into(&mut self, action: &Action, observation: &mut Array) -> Result<Outcome> {
         let outcome = self.step_state(action)?;
         if let Some(episode) = &self.episode {
-            self.camera.take(episode, observation);
+            self.camera.take(episode, self.glyphs.as_deref(), observation);
         }
         Ok(outcome)
     }
@@ -468,7 +479,7 @@ impl Env for CarRacing {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         if let Some(episode) = &self.episode {
-            episode.draw(canvas, (VIDEO_W, VIDEO_H), Scene::Frame);
+            episode.draw(canvas, (VIDEO_W, VIDEO_H), Scene::Frame, self.glyphs.as_deref());
         }
     }
 

@@ -11,7 +11,7 @@ use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Space};
 
 use super::car::{Car, MARK_POINTS};
-use super::{Episode, PLAYFIELD, SCALE, score};
+use super::{Episode, PLAYFIELD, SCALE, ScoreGlyphs, score};
 use crate::common;
 
 /// The size of Gymnasium's window.
@@ -49,7 +49,12 @@ impl Clone for Camera {
 
 impl Camera {
     /// Leaves a picture of the episode in `observation`.
-    pub(super) fn take(&mut self, episode: &Episode, observation: &mut Array) {
+    pub(super) fn take(
+        &mut self,
+        episode: &Episode,
+        glyphs: Option<&ScoreGlyphs>,
+        observation: &mut Array,
+    ) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
             *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]);
         }
@@ -61,13 +66,13 @@ impl Camera {
                 self.frame = Frame::new(STATE_W as u32, STATE_H as u32);
             }
             let size = (STATE_W as u32, STATE_H as u32);
-            self.raster.paint(size, &mut |canvas| episode.draw(canvas, size, Scene::Observation), &mut self.frame);
+            self.raster.paint(size, &mut |canvas| episode.draw(canvas, size, Scene::Observation, glyphs), &mut self.frame);
             if let Some(pixels) = observation.as_mut_slice::<u8>() {
                 pixels.copy_from_slice(self.frame.pixels());
             }
         }
         #[cfg(not(feature = "picture"))]
-        let _ = episode;
+        let _ = (episode, glyphs);
     }
 }
 
@@ -120,7 +125,13 @@ impl View {
 
 impl Episode {
     /// Draws a scene in a picture of that size.
-    pub(super) fn draw(&self, canvas: &mut dyn Canvas, size: (u32, u32), scene: Scene) {
+    pub(super) fn draw(
+        &self,
+        canvas: &mut dyn Canvas,
+        size: (u32, u32),
+        scene: Scene,
+        glyphs: Option<&ScoreGlyphs>,
+    ) {
         canvas.push_smoothscaled((WINDOW_W as u32, WINDOW_H as u32), size);
         canvas.clear(Color::BLACK);
         canvas.push(pygame::flipped(WINDOW_H));
@@ -134,7 +145,9 @@ impl Episode {
         canvas.pop();
         canvas.push(UPRIGHT);
         let score = if scene == Scene::Frame { self.reward } else { self.observed_reward };
-        self.draw_indicators(canvas, score);
+        self.draw_indicators(canvas);
+        let text = Label::new(format_args!("{score:04.0}"));
+        score::draw(canvas, &text, [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0], glyphs);
         canvas.pop();
         canvas.pop();
     }
@@ -204,8 +217,8 @@ impl Episode {
         }
     }
 
-    /// Speed, wheels, steering, turning, and the score.
-    fn draw_indicators(&self, canvas: &mut dyn Canvas, score: f64) {
+    /// Speed, wheels, steering, and turning.
+    fn draw_indicators(&self, canvas: &mut dyn Canvas) {
         const W: f64 = WINDOW_W;
         const H: f64 = WINDOW_H;
         const S: f64 = W / 40.0;
@@ -237,7 +250,5 @@ impl Episode {
         let steering = state.wheels[0][0];
         bar(steering, horizontal(20.0, -10.0 * steering), Color::rgb(0, 255, 0));
         bar(w, horizontal(30.0, -0.8 * w), Color::rgb(255, 0, 0));
-        let text = Label::new(format_args!("{score:04.0}"));
-        score::draw(canvas, &text, [60.0, H - H * 2.5 / 40.0]);
     }
 }

@@ -2,7 +2,7 @@
 
 use gym_core::canvas::{Color, Point};
 
-use super::{Cuts, Pixels, edges, whole};
+use super::{Edge, Edges, Pixels, whole};
 
 /// Lines `width` pixels wide between points; from the last to the first too, if closed.
 pub(super) fn lines(pixels: &mut impl Pixels, points: &[Point], closed: bool, width: u32, color: Color) {
@@ -48,8 +48,8 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     if let [a, b, c] = *points {
         return triangle(pixels, [a, b, c].map(whole), color);
     }
-    let ys = || points.iter().map(|point| whole(*point)[1]);
-    let (Some(min), Some(max)) = (ys().min(), ys().max()) else { return };
+    let edges = Edges::new(points);
+    let (min, max) = (edges.min, edges.max);
     if min == max {
         let xs = || points.iter().map(|point| whole(*point)[0]);
         if let (Some(left), Some(right)) = (xs().min(), xs().max()) {
@@ -57,27 +57,22 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
         }
         return;
     }
-    let rows = pixels.rows();
-    for y in min.max(rows.start)..(max + 1).min(rows.end) {
-        let mut cuts = Cuts::new();
-        for [p, q] in edges(points) {
-            let [[x1, y1], [x2, y2]] = if p[1] < q[1] { [p, q] } else { [q, p] };
-            if y1 < y2 && ((y1 <= y && y < y2) || (y == max && y == y2)) {
-                let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
-                // which way a cut is rounded depends on the order of the points
-                let q = if cuts.count % 2 == 0 { q.floor() } else { q.ceil() };
-                cuts.push(x1 + q as i32);
-            }
-        }
-        for [a, b] in cuts.pairs() {
-            pixels.hline(a, b, y, color);
-        }
-    }
+    let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, before: usize| {
+        let cuts = (y1 <= y && y < y2) || (y == max && y == y2);
+        cuts.then(|| {
+            let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
+            // which way a cut is rounded depends on the order of the points
+            x1 + if before % 2 == 0 { q.floor() } else { q.ceil() } as i32
+        })
+    };
+    edges.scan(pixels.rows(), cut, |a, b, y| pixels.hline(a, b, y, color));
     // level edges inside
-    for [p, q] in edges(points) {
+    let mut p = points.last().copied().map_or([0; 2], whole);
+    for q in points.iter().map(|point| whole(*point)) {
         if p[1] == q[1] && min < p[1] && p[1] < max {
             pixels.hline(p[0], q[0], p[1], color);
         }
+        p = q;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use gym_core::canvas::{Color, Point};
 
-use super::{Cuts, Pixels, edges, whole};
+use super::{Edge, Edges, Pixels, whole};
 
 /// The smoothed outline of a polygon.
 pub(super) fn aapolygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
@@ -110,23 +110,18 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
 
 /// The inside of a polygon. The outline belongs to it in part.
 pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
-    let ys = || points.iter().map(|point| whole(*point)[1]);
-    let (Some(min), Some(max)) = (ys().min(), ys().max()) else { return };
-    let rows = pixels.rows();
-    for y in min.max(rows.start)..(max + 1).min(rows.end) {
-        let mut cuts = Cuts::new();
-        for [p, q] in edges(points) {
-            let [[x1, y1], [x2, y2]] = if p[1] < q[1] { [p, q] } else { [q, p] };
-            if y1 < y2 && ((y1 <= y && y < y2) || (y == max && y1 < y && y <= y2)) {
-                let along = 65536_i32.wrapping_mul(y - y1) / (y2 - y1);
-                cuts.push(along.wrapping_mul(x2 - x1).wrapping_add(x1.wrapping_mul(65536)));
-            }
-        }
-        for [a, b] in cuts.pairs() {
-            let round = |v: i32| (v >> 16) + (v >> 15 & 1);
-            pixels.hline(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y, color);
-        }
-    }
+    let edges = Edges::new(points);
+    let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, _: usize| {
+        let cuts = (y1 <= y && y < y2) || (y == edges.max && y == y2);
+        cuts.then(|| {
+            let along = 65536_i32.wrapping_mul(y - y1) / (y2 - y1);
+            along.wrapping_mul(x2 - x1).wrapping_add(x1.wrapping_mul(65536))
+        })
+    };
+    let round = |v: i32| (v >> 16) + (v >> 15 & 1);
+    edges.scan(pixels.rows(), cut, |a, b, y| {
+        pixels.hline(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y, color);
+    });
 }
 
 /// A circle filled with its outline.

@@ -117,46 +117,69 @@ pub(crate) fn paint(pixels: &mut impl Pixels, primitive: &Primitive<'_>, color: 
     }
 }
 
-/// The edges of a polygon: from the last point to the first, from the first to the second, and so on.
-fn edges(points: &[Point]) -> impl Iterator<Item = [[i32; 2]; 2]> + '_ {
-    let last = points.last().map(|point| whole(*point));
-    points.iter().scan(last, |before, point| {
-        let point = whole(*point);
-        before.replace(point).map(|before| [before, point])
-    })
+/// An edge of a polygon that is not level, from its upper end.
+#[derive(Clone, Copy, Default)]
+struct Edge {
+    x1: i32,
+    y1: i32,
+    x2: i32,
+    y2: i32,
 }
 
-/// The places where a row cuts a polygon's edges.
-struct Cuts {
-    places: [i32; Self::MOST],
+/// The edges of a polygon that are not level: from the last point to the first, from the first to the
+/// second, and so on. And its first and last row.
+struct Edges {
+    edges: [Edge; Self::MOST],
     count: usize,
+    min: i32,
+    max: i32,
 }
 
-impl Cuts {
+impl Edges {
     /// More than any polygon of an environment has; what is beyond them is left out.
-    const MOST: usize = 64;
+    const MOST: usize = 80;
 
-    fn new() -> Self {
-        Self { places: [0; Self::MOST], count: 0 }
-    }
-
-    fn push(&mut self, place: i32) {
-        if let Some(slot) = self.places.get_mut(self.count) {
-            *slot = place;
-            self.count += 1;
-        }
-    }
-
-    /// Pairs of cuts from left to right.
-    fn pairs(&mut self) -> impl Iterator<Item = [i32; 2]> + '_ {
-        let places = &mut self.places[..self.count];
-        if places.len() == 2 {
-            if places[0] > places[1] {
-                places.swap(0, 1);
+    fn new(points: &[Point]) -> Self {
+        let mut edges = Self { edges: [Edge::default(); Self::MOST], count: 0, min: i32::MAX, max: i32::MIN };
+        let Some(last) = points.last() else { return edges };
+        let mut p = whole(*last);
+        for point in points {
+            let q = whole(*point);
+            edges.min = edges.min.min(q[1]);
+            edges.max = edges.max.max(q[1]);
+            let ([x1, y1], [x2, y2]) = if p[1] < q[1] { (p, q) } else { (q, p) };
+            if y1 < y2 && edges.count < Self::MOST {
+                edges.edges[edges.count] = Edge { x1, y1, x2, y2 };
+                edges.count += 1;
             }
-        } else {
-            places.sort_unstable();
+            p = q;
         }
-        places.chunks_exact(2).map(|pair| [pair[0], pair[1]])
+        edges
+    }
+
+    /// Shows `draw` the pairs of places between which each of these rows lies inside. `cut` tells where a row
+    /// cuts an edge, if it does, and how many cuts of the row came before.
+    fn scan(
+        &self,
+        rows: Range<i32>,
+        cut: impl Fn(&Edge, i32, usize) -> Option<i32>,
+        mut draw: impl FnMut(i32, i32, i32),
+    ) {
+        let mut cuts = [0; Self::MOST];
+        for y in self.min.max(rows.start)..(self.max + 1).min(rows.end) {
+            let mut count = 0;
+            for edge in &self.edges[..self.count] {
+                if let Some(place) = cut(edge, y, count) {
+                    cuts[count] = place;
+                    count += 1;
+                }
+            }
+            if count == 2 {
+                draw(cuts[0].min(cuts[1]), cuts[0].max(cuts[1]), y);
+            } else {
+                cuts[..count].sort_unstable();
+                cuts[..count].chunks_exact(2).for_each(|pair| draw(pair[0], pair[1], y));
+            }
+        }
     }
 }

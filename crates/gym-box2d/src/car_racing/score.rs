@@ -155,7 +155,8 @@ pub(super) fn draw(canvas: &mut dyn Canvas, text: &str, [x, y]: Point, glyphs: O
         return glyphs.draw(canvas, text, x);
     }
     let mut left = x - (ADVANCE * text.len() as f64 - (ADVANCE - WIDTH)) / 2.0;
-    let top = y - HEIGHT / 2.0;
+    // a font's digits stand above the middle of their line
+    let top = y - HEIGHT / 2.0 - 4.0;
     for character in text.bytes() {
         let strokes = match character {
             b'0'..=b'9' => STROKES[usize::from(character - b'0')],

@@ -349,7 +349,7 @@ pub const CHECKS: &[Check] = &[
     error!(
         "arguments-matter",
         arguments::matter,
-        ["arguments-round-trip", "same-seed-same-episode"],
+        ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],
         "an experiment over an argument that is ignored compares nothing",
         "use the argument, or remove it",
     ),

@@ -76,14 +76,17 @@ fn others(part: &Json) -> Vec<Json> {
 
 /// Every part once, of those that differ in the index within an array alone the first and the last.
 fn representatives(json: &Json) -> Vec<Path> {
+    /// Longer arrays are lists, of elements much alike.
+    const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
     for path in paths(json) {
-        let is_index = |step: &&String| step.parse::<usize>().is_ok();
-        let kind: Vec<&str> = path.iter().map(|step| if is_index(&step) { "*" } else { step }).collect();
-        // tuples have few elements, each of its own meaning
-        let parent = path.split_last().and_then(|(_, parent)| json.pointer(&pointer(parent)));
-        let is_tuple = parent.and_then(Json::as_array).is_some_and(|items| items.len() <= 4);
-        let kind = if is_tuple { path.join("/") } else { kind.join("/") };
+        let mut kind = Vec::new();
+        for (depth, step) in path.iter().enumerate() {
+            let items = json.pointer(&pointer(&path[..depth])).and_then(Json::as_array);
+            // tuples have few elements, each of its own meaning
+            kind.push(if items.is_some_and(|items| items.len() > TUPLE) { "*" } else { step });
+        }
+        let kind = kind.join("/");
         kinds.entry(kind).or_default().push(path);
     }
     let mut chosen = Vec::new();

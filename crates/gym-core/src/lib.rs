@@ -43,3 +43,8 @@ pub use value::{Element, GraphInstance, Value};
 pub use vector::{VectorEnv, VectorWrap};
 pub use wrapper::Wrapper;
 pub use wrappers::Wrap;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

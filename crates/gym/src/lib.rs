@@ -34,3 +34,8 @@ pub use gym_core::*;
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,9 +1,12 @@
 //! A large surface of pygame's that is shrunk to a frame, without ever being whole.
 //!
 //! Calls are kept until the surface is complete. Then it is drawn in bands of a few rows that stay in the
-//! processor's cache: each row is shrunk across, and the narrow rows are summed up along. Where a row has
-//! one colour over all the pixels that become one, which is nearly everywhere, that pixel follows from one
-//! of them; the borders between colours are marked as they are drawn.
+//! processor's cache: each row is shrunk across, and the narrow rows are summed up along.
+//!
+//! The pixels of a row that become one pixel of the narrow row are a *window*; two neighbours share the pixel
+//! between them. Nearly everywhere a window has one colour, and is kept as that colour alone. It is written
+//! out in pixels when a border between colours, or a smoothed pixel, falls into it, and is one colour again
+//! when a run covers it.
 
 use std::ops::Range;
 
@@ -25,9 +28,11 @@ pub(crate) struct Sheet {
     calls: Vec<Call>,
     points: Vec<Point>,
     shrink: Shrink,
-    /// The rows of a band.
+    /// The colours of the windows of a band, row by row.
+    flat: Vec<u32>,
+    /// The pixels of a band, in windows that are written out.
     pixels: Vec<u32>,
-    /// A bit for each pixel of a narrow row that borders between colours lie in, row by row.
+    /// A bit for each window that is written out, row by row.
     marks: Vec<u64>,
 }
 
@@ -178,13 +183,14 @@ impl Sheet {
         self.shrink.start((width, height), (frame.width() as usize, frame.height() as usize));
         self.pixels.resize(BAND * width, 0);
         self.marks.resize(BAND * self.shrink.words, 0);
+        let windows = self.shrink.windows.len();
+        self.flat.resize(BAND * windows, 0);
         let mut top = 0;
         while top < height {
             let (bottom, first) = self.band(top);
-            let pixels = &mut self.pixels[..(bottom - top) * width];
             self.marks.fill(0);
             if first == 0 {
-                pixels.fill(self.background);
+                self.flat.fill(self.background);
             }
             for call in &self.calls[first.saturating_sub(1)..] {
                 if call.rows.start >= bottom || call.rows.end <= top {
@@ -200,15 +206,19 @@ impl Sheet {
                     origin: if flipped { height as isize - 1 - top as isize } else { -(top as isize) },
                     step: if flipped { -1 } else { 1 },
                     color: packed(call.color),
-                    pixels,
+                    flat: &mut self.flat,
+                    pixels: &mut self.pixels,
                     marks: &mut self.marks,
                     words: self.shrink.words,
-                    window: &self.shrink.window,
+                    windows: &self.shrink.windows,
+                    border: &self.shrink.border,
                 };
                 pygame::paint(&mut band, &call.primitive(&self.points), call.color);
             }
-            for (row, marks) in pixels.chunks_exact(width).zip(self.marks.chunks_exact(self.shrink.words)) {
-                self.shrink.row(row, marks, frame);
+            let marks = self.marks.chunks_exact(self.shrink.words);
+            let rows = self.flat.chunks_exact(windows).zip(self.pixels.chunks_exact(width)).zip(marks);
+            for ((flat, pixels), marks) in rows.take(bottom - top) {
+                self.shrink.row(flat, pixels, marks, frame);
             }
             top = bottom;
         }
@@ -264,10 +274,12 @@ struct Band<'a> {
     origin: isize,
     step: isize,
     color: u32,
+    flat: &'a mut [u32],
     pixels: &'a mut [u32],
     marks: &'a mut [u64],
     words: usize,
-    window: &'a [u16],
+    windows: &'a [Window],
+    border: &'a [u16],
 }
 
 impl Band<'_> {
@@ -276,27 +288,31 @@ impl Band<'_> {
         (self.origin + self.step * y as isize) as usize
     }
 
-    /// Marks the borders left of two pixels.
+    /// Writes out the window that the border left of a pixel lies in.
     #[inline(always)]
-    fn mark(&mut self, row: usize, x1: usize, x2: usize) {
-        let marks = &mut self.marks[row * self.words..][..self.words];
-        for x in [x1, x2] {
-            let window = self.window[x];
-            marks[usize::from(window / 64)] |= 1 << (window % 64);
+    fn write_out(&mut self, row: usize, x: usize) {
+        let index = usize::from(self.border[x]);
+        let mark = &mut self.marks[row * self.words + index / 64];
+        // a border at an end of the row lies in no window
+        if *mark & 1 << (index % 64) == 0
+            && let Some(window) = self.windows.get(index)
+        {
+            *mark |= 1 << (index % 64);
+            let color = self.flat[row * self.windows.len() + index];
+            let first = row * self.width as usize + usize::from(window.first);
+            self.pixels[first..=first + usize::from(window.last - window.first)].fill(color);
         }
     }
 
-    /// Takes back the marks between those of two borders: there is one colour now.
-    fn unmark(&mut self, row: usize, x1: usize, x2: usize) {
-        let (first, last) = (usize::from(self.window[x1]) + 1, usize::from(self.window[x2]));
-        if first < last {
-            let marks = &mut self.marks[row * self.words..][first / 64..=(last - 1) / 64];
-            let count = marks.len();
-            let (below, above) = (!(u64::MAX << (first % 64)), !(u64::MAX >> (63 - (last - 1) % 64)));
-            for (i, word) in marks.iter_mut().enumerate() {
-                let kept = if i == 0 { below } else { 0 } | if i + 1 == count { above } else { 0 };
-                *word &= kept;
-            }
+    /// Makes windows one colour.
+    fn flatten(&mut self, row: usize, windows: Range<usize>) {
+        let (first, last) = (windows.start, windows.end - 1);
+        self.flat[row * self.windows.len()..][windows].fill(self.color);
+        let marks = &mut self.marks[row * self.words..][first / 64..=last / 64];
+        let count = marks.len();
+        let (below, above) = (!(u64::MAX << (first % 64)), !(u64::MAX >> (63 - last % 64)));
+        for (i, word) in marks.iter_mut().enumerate() {
+            *word &= if i == 0 { below } else { 0 } | if i + 1 == count { above } else { 0 };
         }
     }
 }
@@ -316,29 +332,57 @@ impl Pixels for Band<'_> {
 
     fn run(&mut self, x1: i32, x2: i32, y: i32, _: Color) {
         let (row, x1, x2) = (self.place(y), x1 as usize, x2 as usize + 1);
-        self.pixels[row * self.width as usize..][x1..x2].fill(self.color);
-        self.unmark(row, x1, x2);
-        self.mark(row, x1, x2);
+        let (left, right) = (usize::from(self.border[x1]), usize::from(self.border[x2]));
+        let start = row * self.width as usize;
+        if x1 > 0 && left == right {
+            self.write_out(row, x1);
+            return self.pixels[start + x1..start + x2].fill(self.color);
+        }
+        let (mut first, mut last) = (0, self.windows.len());
+        if x1 > 0 {
+            self.write_out(row, x1);
+            let end = usize::from(self.windows[left].last);
+            self.pixels[start + x1..=start + end].fill(self.color);
+            first = left + 1;
+        }
+        if x2 < self.width as usize {
+            self.write_out(row, x2);
+            let begin = usize::from(self.windows[right].first).max(x1);
+            self.pixels[start + begin..start + x2].fill(self.color);
+            last = right;
+        }
+        if first < last {
+            self.flatten(row, first..last);
+        }
     }
 
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
         let (row, x) = (self.place(y), x as usize);
+        self.write_out(row, x);
+        self.write_out(row, x + 1);
         let pixel = &mut self.pixels[row * self.width as usize + x];
         let [r, g, b, _] = pixel.to_le_bytes();
         *pixel = u32::from_le_bytes([f(r, color.r), f(g, color.g), f(b, color.b), 0]);
-        self.mark(row, x, x + 1);
     }
 
     fn blend(&mut self, x: i32, y: i32, _: Color, weight: i32) {
         let (row, x) = (self.place(y), x as usize);
+        self.write_out(row, x);
+        self.write_out(row, x + 1);
         let pixel = &mut self.pixels[row * self.width as usize + x];
         // all channels at once: (d * (256 - weight) + s * weight) >> 8 stays below 2^16 in each
         let apart = |pixel: u32| u64::from(pixel & 0x00ff_00ff) | u64::from(pixel & 0xff00) << 24;
         let sum = apart(*pixel) * (256 - weight) as u64 + apart(self.color) * weight as u64;
         let sum = sum >> 8 & 0x00ff_00ff_00ff;
         *pixel = sum as u32 | (sum >> 24) as u32 & 0xff00;
-        self.mark(row, x, x + 1);
     }
+}
+
+/// The first and the last pixel that a pixel of the narrow row is made of.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    first: u16,
+    last: u16,
 }
 
 /// Shrinks rows, and sums them up.
@@ -348,8 +392,10 @@ struct Shrink {
     to: (usize, usize),
     columns: Vec<Phase>,
     rows: Vec<Phase>,
-    /// For the border left of each pixel, the pixel of the narrow row it lies in.
-    window: Vec<u16>,
+    /// One for each pixel of the narrow row.
+    windows: Vec<Window>,
+    /// For the border left of each pixel, the window that it lies in.
+    border: Vec<u16>,
     /// Words of a narrow row's marks.
     words: usize,
     /// Of each pixel of the narrow row: how often a plain colour counts as a whole, and its shares.
@@ -374,10 +420,12 @@ impl Shrink {
         (self.from, self.to) = (from, to);
         (self.columns, self.rows) = (phases(from.0, to.0), phases(from.1, to.1));
         self.narrow.resize(3 * to.0, 0);
-        // a border at the very end of a row lies in no pixel
-        self.window = vec![to.0 as u16; from.0 + 1];
+        self.windows.clear();
+        // a border at an end of the row lies in no window
+        self.border = vec![to.0 as u16; from.0 + 1];
         for (i, phase) in self.columns.iter().enumerate() {
-            self.window[phase.first + 1..=phase.last].fill(i as u16);
+            self.windows.push(Window { first: phase.first as u16, last: phase.last as u16 });
+            self.border[phase.first + 1..=phase.last].fill(i as u16);
         }
         self.words = to.0 / 64 + 1;
         let of = |f: fn(&Phase) -> u16| self.columns.iter().map(f).collect();
@@ -386,8 +434,8 @@ impl Shrink {
     }
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
-    fn row(&mut self, row: &[u32], marks: &[u64], frame: &mut Frame) {
-        self.across(row, marks);
+    fn row(&mut self, flat: &[u32], pixels: &[u32], marks: &[u64], frame: &mut Frame) {
+        self.across(flat, pixels, marks);
         let (y, k) = self.at;
         self.at.0 += 1;
         let Some(phase) = self.rows.get(k) else { return };
@@ -413,13 +461,12 @@ impl Shrink {
     }
 
     /// Shrinks a row to `narrow`.
-    fn across(&mut self, row: &[u32], marks: &[u64]) {
+    fn across(&mut self, flat: &[u32], row: &[u32], marks: &[u64]) {
         let width = self.to.0;
         let (reds, rest) = self.narrow.split_at_mut(width);
         let (greens, blues) = rest.split_at_mut(width);
-        for (((phase, r), g), b) in self.columns.iter().zip(&mut *reds).zip(&mut *greens).zip(&mut *blues) {
-            let [red, green, blue, _] = row[phase.begin].to_le_bytes().map(u16::from);
-            (*r, *g, *b) = (red, green, blue);
+        for (((color, r), g), b) in flat.iter().zip(&mut *reds).zip(&mut *greens).zip(&mut *blues) {
+            (*r, *g, *b) = (*color as u16 & 0xff, (*color >> 8) as u16 & 0xff, (*color >> 16) as u16 & 0xff);
         }
         let reciprocal = self.columns.first().map_or(0, |phase| phase.reciprocal);
         let [whole, first, last] = &self.plain;

@@ -427,7 +427,8 @@ impl Episode {
         let p2 = if fraction < 1.0 {
             // where the engine says that the ray met the ground
             let end = vec2(end[0], end[1]);
-            [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y].map(f64::from)
+            [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y]
+                .map(f64::from)
         } else {
             end
         };
@@ -535,9 +536,9 @@ impl Env for BipedalWalker {
         let [a, b, c, d] = sky;
         canvas.pygame(Primitive::Polygon(&[a, d, c, b]), Color::rgb(215, 215, 255));
         for cloud in &episode.clouds {
-            let (left, right) = cloud.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| {
-                (low.min(*x), high.max(*x))
-            });
+            let (left, right) = cloud
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| (low.min(*x), high.max(*x)));
             // clouds are far away
             if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
                 let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);

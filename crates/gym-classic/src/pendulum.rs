@@ -203,7 +203,8 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     // drawn counterclockwise; a negative torque turns the other way
     let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
     let edge = |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
-    let (inner, outer): ([Point; POINTS], [Point; POINTS]) = (edge(1.0 - WIDTH / 2.0), edge(1.0 + WIDTH / 2.0));
+    let (inner, outer): ([Point; POINTS], [Point; POINTS]) =
+        (edge(1.0 - WIDTH / 2.0), edge(1.0 + WIDTH / 2.0));
     let ring: [Point; 2 * POINTS] =
         std::array::from_fn(|i| place(outer.get(i).copied().unwrap_or_else(|| inner[2 * POINTS - 1 - i])));
     pygame::gfx_polygon(canvas, &ring, Color::BLACK);

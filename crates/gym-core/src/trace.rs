@@ -240,7 +240,11 @@ impl Trace {
                 ("state", &a.state, &b.state),
             ];
             let pictures = [
-                ("frame", a.frame_masked.or(a.frame), if a.frame_masked.is_some() { b.frame_masked } else { b.frame }),
+                (
+                    "frame",
+                    a.frame_masked.or(a.frame),
+                    if a.frame_masked.is_some() { b.frame_masked } else { b.frame },
+                ),
                 (
                     "picture observed",
                     a.observation_masked.or(a.observation_crc32),
@@ -262,7 +266,12 @@ impl Trace {
 }
 
 impl Event {
-    fn replay(&self, trace: &Trace, env: &mut BoxEnv, state: &dyn Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
+    fn replay(
+        &self,
+        trace: &Trace,
+        env: &mut BoxEnv,
+        state: &dyn Fn(&BoxEnv) -> Option<Json>,
+    ) -> Result<Self> {
         let mut observed = Value::Null;
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {

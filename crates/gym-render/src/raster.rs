@@ -91,7 +91,8 @@ impl Surface<'_> {
             self.raster.sheet.finish(self.frame);
             let scale = |to: u32, from: usize| f64::from(to) / from as f64;
             let (width, height) = self.raster.sheet.size();
-            let scale = Transform::scale(scale(self.frame.width(), width), scale(self.frame.height(), height));
+            let scale =
+                Transform::scale(scale(self.frame.width(), width), scale(self.frame.height(), height));
             self.raster.transforms.rebase(depth, scale);
         }
     }

@@ -145,8 +145,12 @@ impl fmt::Display for Call<'_> {
         };
         let number = Decimal::<3>;
         match self.0 {
-            Primitive::HLine { x1, x2, y } => write!(f, "hline {} {} y={}", number(x1), number(x2), number(y)),
-            Primitive::VLine { x, y1, y2 } => write!(f, "vline {} {} x={}", number(y1), number(y2), number(x)),
+            Primitive::HLine { x1, x2, y } => {
+                write!(f, "hline {} {} y={}", number(x1), number(x2), number(y))
+            }
+            Primitive::VLine { x, y1, y2 } => {
+                write!(f, "vline {} {} x={}", number(y1), number(y2), number(x))
+            }
             Primitive::AaPolygon(points) => list(f, "aapolygon", points),
             Primitive::FilledPolygon(points) => list(f, "filled_polygon", points),
             Primitive::Polygon(points) => list(f, "polygon", points),

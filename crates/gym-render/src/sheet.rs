@@ -171,9 +171,11 @@ impl Sheet {
             let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
             (dx * (p[1] - from[1]) - dy * (p[0] - from[0])) / dx.hypot(dy)
         };
-        let sides = || [(a, b), (b, c), (c, d), (d, a)].into_iter().flat_map(move |(from, to)| {
-            corners.map(|corner| side(from, to, corner))
-        });
+        let sides = || {
+            [(a, b), (b, c), (c, d), (d, a)]
+                .into_iter()
+                .flat_map(move |(from, to)| corners.map(|corner| side(from, to, corner)))
+        };
         if sides().all(|s| s > AWAY) || sides().all(|s| s < -AWAY) { 0..self.height } else { 0..0 }
     }
 
@@ -429,8 +431,7 @@ impl Shrink {
         }
         self.words = to.0 / 64 + 1;
         let of = |f: fn(&Phase) -> u16| self.columns.iter().map(f).collect();
-        self.plain =
-            [of(|p| (p.last - p.begin) as u16), of(|p| p.first_share), of(|p| p.last_share)];
+        self.plain = [of(|p| (p.last - p.begin) as u16), of(|p| p.first_share), of(|p| p.last_share)];
     }
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
@@ -493,7 +494,8 @@ impl Shrink {
                     red_blue += u64::from(pixel) & 0x00ff_00ff;
                     green += u64::from(pixel) >> 8 & 0x00ff_00ff;
                 }
-                let (red_blue, green) = ((red_blue + (red_blue >> 32)) as u32, (green + (green >> 32)) as u32);
+                let (red_blue, green) =
+                    ((red_blue + (red_blue >> 32)) as u32, (green + (green >> 32)) as u32);
                 let (first, last) = (row[phase.first].to_le_bytes(), row[phase.last].to_le_bytes());
                 let mean = |channel: usize, sum: u32| {
                     u16::from(phase.mean(first[channel].into(), sum as u16, last[channel].into()))

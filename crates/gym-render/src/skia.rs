@@ -101,12 +101,15 @@ fn fill_path(frame: &mut Frame, path: Option<Path>, color: Color) {
         return;
     }
     let place = |x: f32, size: u32| x.clamp(0.0, size as f32) as u32;
-    let (left, top) = (place(bounds.left().floor(), frame.width()), place(bounds.top().floor(), frame.height()));
+    let (left, top) =
+        (place(bounds.left().floor(), frame.width()), place(bounds.top().floor(), frame.height()));
     let right = place(bounds.right().ceil(), frame.width());
     let bottom = place(bounds.bottom().ceil(), frame.height());
     for y in (top..bottom).step_by(LARGEST as usize) {
         for x in (left..right).step_by(LARGEST as usize) {
-            let Some(mut mask) = Mask::new((right - x).min(LARGEST), (bottom - y).min(LARGEST)) else { continue };
+            let Some(mut mask) = Mask::new((right - x).min(LARGEST), (bottom - y).min(LARGEST)) else {
+                continue;
+            };
             let place = tiny_skia::Transform::from_translate(-(x as f32), -(y as f32));
             mask.fill_path(&path, FillRule::Winding, true, place);
             for (row, coverage) in (y..).zip(mask.data().chunks_exact(mask.width() as usize)) {

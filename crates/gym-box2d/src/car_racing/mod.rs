@@ -37,8 +37,8 @@ use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
 use picture::{Camera, Scene};
-use track::Tile;
 pub use score::ScoreGlyphs;
+use track::Tile;
 pub use track::TrackPoint;
 
 const FPS: f64 = 50.0;

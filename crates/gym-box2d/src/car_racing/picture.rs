@@ -49,12 +49,7 @@ impl Clone for Camera {
 
 impl Camera {
     /// Leaves a picture of the episode in `observation`.
-    pub(super) fn take(
-        &mut self,
-        episode: &Episode,
-        glyphs: Option<&ScoreGlyphs>,
-        observation: &mut Array,
-    ) {
+    pub(super) fn take(&mut self, episode: &Episode, glyphs: Option<&ScoreGlyphs>, observation: &mut Array) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
             *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]);
         }
@@ -66,7 +61,11 @@ impl Camera {
                 self.frame = Frame::new(STATE_W as u32, STATE_H as u32);
             }
             let size = (STATE_W as u32, STATE_H as u32);
-            self.raster.paint(size, &mut |canvas| episode.draw(canvas, size, Scene::Observation, glyphs), &mut self.frame);
+            self.raster.paint(
+                size,
+                &mut |canvas| episode.draw(canvas, size, Scene::Observation, glyphs),
+                &mut self.frame,
+            );
             if let Some(pixels) = observation.as_mut_slice::<u8>() {
                 pixels.copy_from_slice(self.frame.pixels());
             }

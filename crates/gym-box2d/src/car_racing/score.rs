@@ -18,8 +18,8 @@ const PEN: f64 = 3.0;
 
 /// The strokes of a digit that shine: top, left and right above, middle, left and right below, bottom.
 const STROKES: [u8; 10] = [
-    0b111_0111, 0b001_0010, 0b101_1101, 0b101_1011, 0b011_1010, 0b110_1011, 0b110_1111, 0b101_0010, 0b111_1111,
-    0b111_1011,
+    0b111_0111, 0b001_0010, 0b101_1101, 0b101_1011, 0b011_1010, 0b110_1011, 0b110_1111, 0b101_0010,
+    0b111_1111, 0b111_1011,
 ];
 const MINUS: u8 = 0b000_1000;
 
@@ -74,13 +74,17 @@ impl ScoreGlyphs {
         struct File(BTreeMap<String, (usize, String)>);
         let File(file) = serde_json::from_str(text).map_err(|error| invalid(error.to_string()))?;
         let glyph = |c: char| {
-            let (width, hex) = file.get(c.encode_utf8(&mut [0; 4]) as &str).ok_or_else(|| invalid(format!("`{c}` is missing")))?;
+            let (width, hex) = file
+                .get(c.encode_utf8(&mut [0; 4]) as &str)
+                .ok_or_else(|| invalid(format!("`{c}` is missing")))?;
             let digits: Option<Vec<u8>> = hex.chars().map(|c| c.to_digit(16).map(|d| d as u8)).collect();
             match digits {
                 Some(digits) if (1..=WIDEST).contains(width) && digits.len() == 2 * ROWS * width => {
                     Ok((*width, digits.chunks_exact(2).map(|pair| 16 * pair[0] + pair[1]).collect()))
                 }
-                _ => Err(invalid(format!("`{c}` needs a width up to {WIDEST} and {ROWS} rows of as many bytes, in hexadecimal"))),
+                _ => Err(invalid(format!(
+                    "`{c}` needs a width up to {WIDEST} and {ROWS} rows of as many bytes, in hexadecimal"
+                ))),
             }
         };
         let mut glyphs = [const { (0, Vec::new()) }; 11];
@@ -138,13 +142,55 @@ const MOST: usize = 8;
 /// The kerning of FreeSansBold between two digits, in thousandths of its size.
 fn kern(before: u8, c: u8) -> f64 {
     const KERNS: [(&[u8; 2], i8); 49] = [
-        (b"00", 58), (b"02", 73), (b"03", 75), (b"05", 79), (b"08", 65), (b"09", 80), (b"11", -85),
-        (b"17", -65), (b"20", 84), (b"23", 70), (b"26", 77), (b"28", 70), (b"29", 91), (b"30", 70),
-        (b"32", 61), (b"33", 87), (b"35", 88), (b"36", 66), (b"38", 77), (b"39", 78), (b"40", 89),
-        (b"42", 59), (b"43", 92), (b"45", 89), (b"46", 86), (b"48", 97), (b"49", 80), (b"53", 73),
-        (b"55", 77), (b"58", 63), (b"59", 77), (b"60", 66), (b"63", 82), (b"65", 87), (b"66", 62),
-        (b"68", 73), (b"69", 81), (b"74", -62), (b"80", 65), (b"82", 69), (b"83", 81), (b"85", 85),
-        (b"86", 61), (b"88", 71), (b"89", 86), (b"92", 70), (b"93", 65), (b"95", 69), (b"99", 70),
+        (b"00", 58),
+        (b"02", 73),
+        (b"03", 75),
+        (b"05", 79),
+        (b"08", 65),
+        (b"09", 80),
+        (b"11", -85),
+        (b"17", -65),
+        (b"20", 84),
+        (b"23", 70),
+        (b"26", 77),
+        (b"28", 70),
+        (b"29", 91),
+        (b"30", 70),
+        (b"32", 61),
+        (b"33", 87),
+        (b"35", 88),
+        (b"36", 66),
+        (b"38", 77),
+        (b"39", 78),
+        (b"40", 89),
+        (b"42", 59),
+        (b"43", 92),
+        (b"45", 89),
+        (b"46", 86),
+        (b"48", 97),
+        (b"49", 80),
+        (b"53", 73),
+        (b"55", 77),
+        (b"58", 63),
+        (b"59", 77),
+        (b"60", 66),
+        (b"63", 82),
+        (b"65", 87),
+        (b"66", 62),
+        (b"68", 73),
+        (b"69", 81),
+        (b"74", -62),
+        (b"80", 65),
+        (b"82", 69),
+        (b"83", 81),
+        (b"85", 85),
+        (b"86", 61),
+        (b"88", 71),
+        (b"89", 86),
+        (b"92", 70),
+        (b"93", 65),
+        (b"95", 69),
+        (b"99", 70),
     ];
     KERNS.iter().find(|(pair, _)| **pair == [before, c]).map_or(0.0, |(_, kern)| f64::from(*kern))
 }

@@ -69,7 +69,8 @@ impl Exhaust {
 
     /// Where the particles are that the next picture shows, and how long they then have to live.
     pub(super) fn visible(&self) -> impl Iterator<Item = (Vec2, f64)> + '_ {
-        let faded = self.particles.iter().map(|particle| (self.world.position(particle.body), particle.ttl - FADING));
+        let faded =
+            self.particles.iter().map(|particle| (self.world.position(particle.body), particle.ttl - FADING));
         faded.skip_while(|(_, ttl)| *ttl < 0.0)
     }
 

@@ -29,12 +29,7 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
             }
         };
         let off = to[0].fract() != 0.0 || to[1].fract() != 0.0;
-        let join = Join {
-            off,
-            turns,
-            is_first: !closed && i == 0,
-            is_last: !closed && i + 1 == segments,
-        };
+        let join = Join { off, turns, is_first: !closed && i == 0, is_last: !closed && i + 1 == segments };
         line(pixels, from, to, join, color);
         steep_before = Some(steep);
     }

@@ -161,7 +161,8 @@ pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, 
     let quarter = (area as f64 / ((2 * area) as f64).sqrt()).round_ties_even() as i32;
     let (mut t, mut s, mut d) = (0, -2 * area * i64::from(radius), 0);
     let (mut px, mut py) = (x, y - radius);
-    let mirrored = |px: i32, py: i32| [[px, py], [2 * x - px, py], [px, 2 * y - py], [2 * x - px, 2 * y - py]];
+    let mirrored =
+        |px: i32, py: i32| [[px, py], [2 * x - px, py], [px, 2 * y - py], [2 * x - px, 2 * y - py]];
     for [px, py] in mirrored(px, py) {
         pixels.hline(px, px, py, color);
     }

@@ -169,7 +169,7 @@ impl Sheet {
         let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
         let side = |from: Point, to: Point, p: Point| {
             let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-            (dx * (p[1] - from[1]) - dy * (p[0] - from[0])) / dx.hypot(dy)
+            (dx * (p[1] - from[1]) - dy * (p[0] - from[0])) / (dx * dx + dy * dy).sqrt()
         };
         let sides = || {
             [(a, b), (b, c), (c, d), (d, a)]

@@ -496,14 +496,9 @@ impl Configure for CarRacing {
     }
 }
 
-/// Exceptions to the checks of gym-conform.
-const EXCEPTIONS: &[(&str, &str)] =
-    &[("no-allocation", "the observation is a picture, and the rasteriser allocates its paths")];
-
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v2")
         .description("Drive around a track, from pictures.")
-        .exceptions(EXCEPTIONS)
         .kwargs(r#"{"version": 2}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
@@ -511,7 +506,6 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v3")
         .description("Drive around a track, from pictures.")
-        .exceptions(EXCEPTIONS)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
 );
@@ -520,7 +514,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("rapier/CarRacing-v3")
         .description("Drive around a track, from pictures.")
-        .exceptions(EXCEPTIONS)
+        .exceptions(&[crate::common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)

@@ -18,7 +18,8 @@ inventory::submit! {
 ///
 /// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates nothing once
 /// the buffers have grown: use one painter for many frames. At any other size, and for all other shapes,
-/// `tiny-skia` draws smooth shapes.
+/// `tiny-skia` draws smooth shapes. One that reaches further than 32768 pixels from the frame's corner is
+/// left out, unless it is an upright rectangle.
 #[derive(Debug)]
 pub struct Raster {
     transforms: Transforms,
@@ -185,7 +186,9 @@ impl Canvas for Surface<'_> {
     }
 
     fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
-        let shrinks = to.0 < from.0 && to.1 < from.1 && to == (self.frame.width(), self.frame.height());
+        const LARGEST: u32 = 16_384;
+        let shrinks = to.0 < from.0 && to.1 < from.1 && from.0.max(from.1) <= LARGEST;
+        let shrinks = shrinks && to == (self.frame.width(), self.frame.height());
         let is_exact = self.is_own_size
             && self.sheet.is_none()
             && shrinks

@@ -233,3 +233,67 @@ fn draw_strokes(canvas: &mut dyn Canvas, strokes: u8, [left, top]: Point) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Glyphs that are plain boxes, as wide as the font's.
+    fn boxes() -> String {
+        let glyph = |c: char| {
+            let width = if c == '-' { 13 } else { 23 };
+            format!("\"{c}\": [{width}, \"{}\"]", "ff".repeat(ROWS * width))
+        };
+        format!("{{{}}}", "-0123456789".chars().map(glyph).collect::<Vec<_>>().join(", "))
+    }
+
+    #[test]
+    fn text_lies_where_the_font_puts_it() {
+        #[derive(Default)]
+        struct Extent(Option<[f64; 2]>);
+
+        impl Canvas for Extent {
+            fn clear(&mut self, _: Color) {}
+            fn fill(&mut self, _: gym_core::canvas::Shape<'_>, _: Color) {}
+            fn stroke(&mut self, _: gym_core::canvas::Shape<'_>, _: f64, _: Color) {}
+            fn text(&mut self, _: &str, _: Point, _: f64, _: gym_core::canvas::Align, _: Color) {}
+            fn push(&mut self, _: gym_core::canvas::Transform) {}
+            fn pop(&mut self) {}
+            fn pygame(&mut self, primitive: Primitive<'_>, _: Color) {
+                let Primitive::HLine { x1, x2, .. } = primitive else { panic!("{primitive:?}") };
+                let [low, high] = self.0.unwrap_or([x1, x2]);
+                self.0 = Some([low.min(x1), high.max(x2)]);
+            }
+        }
+
+        let glyphs = ScoreGlyphs::parse(&boxes()).unwrap();
+        // left end and width, recorded from pygame
+        for (text, left, width) in
+            [("0000", 11, 99), ("0123", 13, 94), ("-005", 17, 87), ("0900", 12, 97), ("0117", 18, 85)]
+        {
+            let mut extent = Extent::default();
+            draw(&mut extent, text, [60.0, 750.0], Some(&glyphs));
+            assert_eq!(extent.0, Some([f64::from(left), f64::from(left + width - 1)]), "{text}");
+        }
+    }
+
+    #[test]
+    fn glyphs_that_do_not_fit_are_refused() {
+        let good = boxes();
+        let bad = [
+            ("not JSON", "{".to_owned()),
+            ("`7` is missing", good.replacen("\"7\"", "\"x\"", 1)),
+            ("`-` needs", good.replacen("13", "14", 1)),
+            ("`-` needs", good.replacen("ff", "zz", 1)),
+            ("`-` needs", good.replacen("13", "1000000", 1)),
+        ];
+        for (what, text) in bad {
+            let error = ScoreGlyphs::parse(&text).unwrap_err().to_string();
+            assert!(
+                error.contains("score glyphs") && (what == "not JSON" || error.contains(what)),
+                "{error}"
+            );
+        }
+        assert!(ScoreGlyphs::read("no such file").unwrap_err().to_string().contains("no such file"));
+    }
+}

@@ -16,8 +16,8 @@ use gym_core::render::Frame;
 use crate::pixels::RGB;
 use crate::pygame::{self, Phase, Pixels, part, phases};
 
-/// Rows of a band.
-const BAND: usize = 16;
+/// Rows of a band: few enough to stay in the cache, enough for what each call costs in each band.
+const BAND: usize = 64;
 
 /// A surface to draw on and its calls so far. It keeps its buffers from picture to picture.
 #[derive(Debug, Default)]
@@ -400,8 +400,10 @@ struct Shrink {
     border: Vec<u16>,
     /// Words of a narrow row's marks.
     words: usize,
-    /// Of each pixel of the narrow row: how often a plain colour counts as a whole, and its shares.
-    plain: [Vec<u16>; 3],
+    /// The colour that each window last had, as a whole, and the pixel of the narrow row that it becomes: all
+    /// reds, greens, blues. From row to row few change.
+    colors: Vec<u32>,
+    plain: Vec<u16>,
     /// A narrow row: all its reds, greens, blues.
     narrow: Vec<u16>,
     /// What the rows so far add up to.
@@ -430,8 +432,9 @@ impl Shrink {
             self.border[phase.first + 1..=phase.last].fill(i as u16);
         }
         self.words = to.0 / 64 + 1;
-        let of = |f: fn(&Phase) -> u16| self.columns.iter().map(f).collect();
-        self.plain = [of(|p| (p.last - p.begin) as u16), of(|p| p.first_share), of(|p| p.last_share)];
+        // black, which becomes black
+        self.colors = vec![0; to.0];
+        self.plain = vec![0; 3 * to.0];
     }
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
@@ -463,20 +466,27 @@ impl Shrink {
 
     /// Shrinks a row to `narrow`.
     fn across(&mut self, flat: &[u32], row: &[u32], marks: &[u64]) {
+        const CHUNK: usize = 8;
         let width = self.to.0;
-        let (reds, rest) = self.narrow.split_at_mut(width);
-        let (greens, blues) = rest.split_at_mut(width);
-        for (((color, r), g), b) in flat.iter().zip(&mut *reds).zip(&mut *greens).zip(&mut *blues) {
-            (*r, *g, *b) = (*color as u16 & 0xff, (*color >> 8) as u16 & 0xff, (*color >> 16) as u16 & 0xff);
-        }
-        let reciprocal = self.columns.first().map_or(0, |phase| phase.reciprocal);
-        let [whole, first, last] = &self.plain;
-        for channel in [&mut *reds, &mut *greens, &mut *blues] {
-            for (((v, whole), first), last) in channel.iter_mut().zip(whole).zip(first).zip(last) {
-                let sum = (*v * whole).wrapping_add(part(*v, *first)).wrapping_add(part(*v, *last));
-                *v = ((u32::from(sum) * u32::from(reciprocal)) >> 16) as u16;
+        for (i, (colors, flat)) in self.colors.chunks_mut(CHUNK).zip(flat.chunks(CHUNK)).enumerate() {
+            if colors == flat {
+                continue;
+            }
+            for (k, (color, &flat)) in (CHUNK * i..).zip(colors.iter_mut().zip(flat)) {
+                if *color != flat {
+                    *color = flat;
+                    let phase = &self.columns[k];
+                    for (channel, value) in flat.to_le_bytes().into_iter().take(3).enumerate() {
+                        let value = u16::from(value);
+                        let whole = value.wrapping_mul((phase.last - phase.begin) as u16);
+                        self.plain[channel * width + k] = phase.mean(value, whole, value).into();
+                    }
+                }
             }
         }
+        self.narrow.copy_from_slice(&self.plain);
+        let (reds, rest) = self.narrow.split_at_mut(width);
+        let (greens, blues) = rest.split_at_mut(width);
         for (word, mut bits) in marks.iter().copied().enumerate() {
             while bits != 0 {
                 let k = 64 * word + bits.trailing_zeros() as usize;

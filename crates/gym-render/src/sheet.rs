@@ -291,19 +291,34 @@ impl Band<'_> {
     }
 
     /// Writes out the window that the border left of a pixel lies in.
-    #[inline(always)]
+    #[inline]
     fn write_out(&mut self, row: usize, x: usize) {
         let index = usize::from(self.border[x]);
-        let mark = &mut self.marks[row * self.words + index / 64];
+        if self.marks[row * self.words + index / 64] & 1 << (index % 64) == 0 {
+            self.write_out_window(row, index);
+        }
+    }
+
+    #[inline(never)]
+    fn write_out_window(&mut self, row: usize, index: usize) {
+        self.marks[row * self.words + index / 64] |= 1 << (index % 64);
         // a border at an end of the row lies in no window
-        if *mark & 1 << (index % 64) == 0
-            && let Some(window) = self.windows.get(index)
-        {
-            *mark |= 1 << (index % 64);
+        if let Some(window) = self.windows.get(index) {
             let color = self.flat[row * self.windows.len() + index];
             let first = row * self.width as usize + usize::from(window.first);
             self.pixels[first..=first + usize::from(window.last - window.first)].fill(color);
         }
+    }
+
+    /// The pixel to change, in windows that are written out.
+    #[inline]
+    fn pixel(&mut self, x: i32, y: i32) -> &mut u32 {
+        let (row, x) = (self.place(y), x as usize);
+        self.write_out(row, x);
+        if self.border[x] != self.border[x + 1] {
+            self.write_out(row, x + 1);
+        }
+        &mut self.pixels[row * self.width as usize + x]
     }
 
     /// Makes windows one colour.
@@ -359,22 +374,18 @@ impl Pixels for Band<'_> {
     }
 
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
-        let (row, x) = (self.place(y), x as usize);
-        self.write_out(row, x);
-        self.write_out(row, x + 1);
-        let pixel = &mut self.pixels[row * self.width as usize + x];
+        let pixel = self.pixel(x, y);
         let [r, g, b, _] = pixel.to_le_bytes();
         *pixel = u32::from_le_bytes([f(r, color.r), f(g, color.g), f(b, color.b), 0]);
     }
 
+    #[inline]
     fn blend(&mut self, x: i32, y: i32, _: Color, weight: i32) {
-        let (row, x) = (self.place(y), x as usize);
-        self.write_out(row, x);
-        self.write_out(row, x + 1);
-        let pixel = &mut self.pixels[row * self.width as usize + x];
+        let color = self.color;
+        let pixel = self.pixel(x, y);
         // all channels at once: (d * (256 - weight) + s * weight) >> 8 stays below 2^16 in each
         let apart = |pixel: u32| u64::from(pixel & 0x00ff_00ff) | u64::from(pixel & 0xff00) << 24;
-        let sum = apart(*pixel) * (256 - weight) as u64 + apart(self.color) * weight as u64;
+        let sum = apart(*pixel) * (256 - weight) as u64 + apart(color) * weight as u64;
         let sum = sum >> 8 & 0x00ff_00ff_00ff;
         *pixel = sum as u32 | (sum >> 24) as u32 & 0xff00;
     }
@@ -469,7 +480,8 @@ impl Shrink {
         const CHUNK: usize = 8;
         let width = self.to.0;
         for (i, (colors, flat)) in self.colors.chunks_mut(CHUNK).zip(flat.chunks(CHUNK)).enumerate() {
-            if colors == flat {
+            // (a comparison of slices calls a function of the C library)
+            if colors.iter().zip(flat).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0 {
                 continue;
             }
             for (k, (color, &flat)) in (CHUNK * i..).zip(colors.iter_mut().zip(flat)) {

@@ -46,6 +46,12 @@ impl Pixels for RgbPixels<'_> {
         }
     }
 
+    fn dot(&mut self, x: i32, y: i32, color: Color) {
+        if let Ok(x) = usize::try_from(x - self.left) {
+            self.row(y)[x * RGB..][..RGB].copy_from_slice(&[color.r, color.g, color.b]);
+        }
+    }
+
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
         let Ok(x) = usize::try_from(x - self.left) else { return };
         let pixel = &mut self.row(y)[x * RGB..][..RGB];

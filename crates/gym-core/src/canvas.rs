@@ -275,18 +275,18 @@ pub trait Canvas {
     }
 }
 
-/// A canvas that draws nothing, for whoever needs one.
+/// A canvas on which nothing is drawn: to time a drawing, or to see that it does not fail.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Blank;
 
 impl Canvas for Blank {
-    fn clear(&mut self, _: Color) {}
-    fn fill(&mut self, _: Shape<'_>, _: Color) {}
-    fn stroke(&mut self, _: Shape<'_>, _: f64, _: Color) {}
-    fn text(&mut self, _: &str, _: Point, _: f64, _: Align, _: Color) {}
-    fn push(&mut self, _: Transform) {}
+    fn clear(&mut self, _color: Color) {}
+    fn fill(&mut self, _shape: Shape<'_>, _color: Color) {}
+    fn stroke(&mut self, _shape: Shape<'_>, _width: f64, _color: Color) {}
+    fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
+    fn push(&mut self, _transform: Transform) {}
     fn pop(&mut self) {}
-    fn pygame(&mut self, _: Primitive<'_>, _: Color) {}
+    fn pygame(&mut self, _primitive: Primitive<'_>, _color: Color) {}
 }
 
 /// The points of an arc around `center`, from angle `start` to `end` in radians, both included.

@@ -21,7 +21,7 @@
 //! the other.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value as Json, json, value::RawValue};
+use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use crate::registry::EnvBuilder;
 use crate::render::{RenderMode, Rendered};
@@ -58,6 +58,7 @@ pub struct Trace {
 
 /// The vector of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct VectorRequest {
     /// How many sub-environments it has.
     pub num_envs: usize,
@@ -74,6 +75,7 @@ pub struct VectorRequest {
 
 /// One reset or one step, and the answer to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Event {
     /// The request, if this is a reset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -102,20 +104,24 @@ pub struct Event {
     pub state: Option<Json>,
     /// CRC-32 of the frame's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frame: Option<u32>,
+    pub frame: Option<Json>,
     /// The same of the masked frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frame_masked: Option<u32>,
+    pub frame_masked: Option<Json>,
+    /// The same of the frame without what Gymnasium loads from a file. It is read, and not compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_plain: Option<Json>,
     /// CRC-32 of an observation's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub observation_crc32: Option<u32>,
+    pub observation_crc32: Option<Json>,
     /// The same of the masked observation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub observation_masked: Option<u32>,
+    pub observation_masked: Option<Json>,
 }
 
 /// Seed and options of a reset.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ResetRequest {
     /// The seed, of any size, or a list of them; its digits are kept as they are written.
     seed: Option<Box<RawValue>>,
@@ -225,45 +231,46 @@ impl Trace {
     }
 
     /// Where another trace of the same requests first has another answer than this one records: the
-    /// event, the part of it, and both answers.
+    /// event, the part of it, and both answers. Numbers are compared to the last bit.
+    ///
+    /// A part of the answers that no event of this trace records, such as `info`, is not compared.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.events.len() != other.events.len() {
             return Some(format!("{} events for {}", other.events.len(), self.events.len()));
         }
+        let mut recorded = PARTS.to_vec();
+        recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
+        // a masked checksum counts instead of the other
+        for (masked, plain) in [("frame_masked", "frame"), ("observation_masked", "observation_crc32")] {
+            if recorded.iter().any(|(name, _)| *name == masked) {
+                recorded.retain(|(name, _)| *name != plain);
+            }
+        }
         self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
-            let parts = [
-                ("observation", &a.observation, &b.observation),
-                ("reward", &a.reward, &b.reward),
-                ("terminated", &a.terminated, &b.terminated),
-                ("truncated", &a.truncated, &b.truncated),
-                ("info", &a.info, &b.info),
-                ("state", &a.state, &b.state),
-            ];
-            let pictures = [
-                (
-                    "frame",
-                    a.frame_masked.or(a.frame),
-                    if a.frame_masked.is_some() { b.frame_masked } else { b.frame },
-                ),
-                (
-                    "picture observed",
-                    a.observation_masked.or(a.observation_crc32),
-                    if a.observation_masked.is_some() { b.observation_masked } else { b.observation_crc32 },
-                ),
-            ];
-            let other_part = parts.into_iter().find_map(|(part, a, b)| {
-                let (a, b) = (a.as_ref()?, b.as_ref().unwrap_or(&Json::Null));
-                (!same(a, b)).then(|| format!("event {i}, {part}: {b} for {a}"))
-            });
-            other_part.or_else(|| {
-                let differ = pictures.into_iter().find(|(_, a, b)| a.is_some() && a != b);
-                differ.map(|(part, a, b)| {
-                    format!("event {i}, {part}: CRC-32 {} for {}", b.unwrap_or(0), a.unwrap_or(0))
-                })
+            recorded.iter().find_map(|(name, part)| {
+                let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
+                (!same(a, b)).then(|| format!("event {i}, {name}: {b} for {a}"))
             })
         })
     }
 }
+
+/// A part of an answer: its name, and where it is.
+type Part = (&'static str, fn(&Event) -> Option<&Json>);
+
+/// What is compared.
+const PARTS: [Part; 10] = [
+    ("observation", |event| event.observation.as_ref()),
+    ("reward", |event| event.reward.as_ref()),
+    ("terminated", |event| event.terminated.as_ref()),
+    ("truncated", |event| event.truncated.as_ref()),
+    ("info", |event| event.info.as_ref()),
+    ("state", |event| event.state.as_ref()),
+    ("frame", |event| event.frame.as_ref()),
+    ("frame_masked", |event| event.frame_masked.as_ref()),
+    ("observation_crc32", |event| event.observation_crc32.as_ref()),
+    ("observation_masked", |event| event.observation_masked.as_ref()),
+];
 
 impl Event {
     fn replay(
@@ -303,12 +310,12 @@ impl Event {
             && let Rendered::Frame(frame) = env.render()?
         {
             let width = frame.width() as usize;
-            answer.frame = Some(crc32fast::hash(frame.pixels()));
+            answer.frame = Some(json!(crc32fast::hash(frame.pixels())));
             answer.frame_masked = masked(frame.pixels(), width, &trace.frame_mask);
             if let Value::Array(picture) = &observed
                 && let (Some(pixels), &[_, width, 3]) = (picture.as_slice::<u8>(), picture.shape())
             {
-                answer.observation_crc32 = Some(crc32fast::hash(pixels));
+                answer.observation_crc32 = Some(json!(crc32fast::hash(pixels)));
                 answer.observation_masked = masked(pixels, width, &trace.observation_mask);
             }
         }
@@ -316,7 +323,7 @@ impl Event {
     }
 
     fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {
-        let mut answer = self.clone();
+        let mut answer = Self { reset: self.reset.clone(), step: self.step.clone(), ..Self::default() };
         match (&self.reset, &self.step) {
             (Some(request), None) => envs.reset_into(&request.try_into()?, columns)?,
             (None, Some(actions)) => {
@@ -334,7 +341,7 @@ impl Event {
 }
 
 /// The checksum of a picture of 3 bytes a pixel whose rectangles are blackened, if there are any.
-fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<u32> {
+fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json> {
     let mut pixels = pixels.to_vec();
     for (y, row) in pixels.chunks_exact_mut((3 * width).max(3)).enumerate() {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
@@ -343,7 +350,7 @@ fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<u32>
             }
         }
     }
-    (!rectangles.is_empty()).then(|| crc32fast::hash(&pixels))
+    (!rectangles.is_empty()).then(|| json!(crc32fast::hash(&pixels)))
 }
 
 fn not_an_event() -> Error {
@@ -363,14 +370,103 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number.
+/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number, and `0.0` and `-0.0`
+/// are not.
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
-        (Json::Number(x), Json::Number(y)) => x == y || x.as_f64() == y.as_f64(),
+        (Json::Number(x), Json::Number(y)) => same_number(x, y),
         (Json::Array(x), Json::Array(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
         (Json::Object(x), Json::Object(y)) => {
             x.len() == y.len() && x.iter().all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
         }
         _ => a == b,
+    }
+}
+
+fn same_number(x: &Number, y: &Number) -> bool {
+    let integer = |n: &Number| n.as_i64().map(i128::from).or_else(|| n.as_u64().map(i128::from));
+    let real = |n: &Number| n.as_f64().unwrap_or(f64::NAN);
+    match (integer(x), integer(y)) {
+        (Some(x), Some(y)) => x == y,
+        (None, None) => real(x).to_bits() == real(y).to_bits(),
+        // an integer beyond 2^53 need not be the number that it rounds to
+        (Some(i), None) => is_integer(real(y), i),
+        (None, Some(i)) => is_integer(real(x), i),
+    }
+}
+
+/// Whether a real number is just this integer. `-0.0` is none.
+fn is_integer(x: f64, i: i128) -> bool {
+    x.to_bits() == (i as f64).to_bits() && x as i128 == i
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_compared_to_the_last_bit() {
+        let same =
+            |a: &str, b: &str| same(&serde_json::from_str(a).unwrap(), &serde_json::from_str(b).unwrap());
+        for (a, b) in [
+            ("1", "1.0"),
+            ("0", "0.0"),
+            ("-0.0", "-0.0"),
+            ("9007199254740992", "9007199254740992.0"),
+            ("[1, {\"a\": 2}]", "[1.0, {\"a\": 2.0}]"),
+        ] {
+            assert!(same(a, b) && same(b, a), "{a} {b}");
+        }
+        for (a, b) in [
+            ("0.0", "-0.0"),
+            ("0", "-0.0"),
+            ("9007199254740993", "9007199254740992"),
+            ("9007199254740993", "9007199254740992.0"),
+            ("18446744073709551615", "18446744073709551614"),
+            ("0.1", "0.10000000000000002"),
+            ("{}", "{\"surplus\": 1}"),
+            ("[1]", "[1, 1]"),
+            ("true", "1"),
+        ] {
+            assert!(!same(a, b) && !same(b, a), "{a} {b}");
+        }
+    }
+
+    fn trace(events: Json) -> Trace {
+        serde_json::from_value(json!({ "id": "None-v0", "events": events })).unwrap()
+    }
+
+    #[test]
+    fn every_recorded_part_is_compared() {
+        let reset =
+            json!({ "reset": { "seed": 1, "options": null }, "observation": [0.5], "info": { "a": 1 } });
+        let step = json!({ "step": 0, "observation": [0.5], "reward": 1.0, "terminated": false, "truncated": false,
+            "info": {}, "state": [1] });
+        let recorded = trace(json!([reset, step]));
+        assert_eq!(recorded.first_difference(&recorded), None);
+        for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
+            let mut other = step.clone();
+            other[part] = json!("another");
+            let difference = recorded.first_difference(&trace(json!([reset, other]))).unwrap();
+            assert!(difference.starts_with(&format!("event 1, {part}")), "{difference}");
+            // what one event leaves out and another records is compared with nothing
+            let mut lacking = step.clone();
+            lacking.as_object_mut().unwrap().remove(part);
+            assert!(recorded.first_difference(&trace(json!([reset, lacking]))).is_some(), "{part}");
+            let mut both = json!([reset, lacking, step]);
+            let recorded = trace(both.clone());
+            both[1][part] = json!("surplus");
+            assert!(recorded.first_difference(&trace(both)).is_some(), "{part}");
+        }
+    }
+
+    #[test]
+    fn a_misspelt_key_is_an_error() {
+        for event in [
+            json!({ "reset": { "seed": 1 }, "observaton": [0.5] }),
+            json!({ "reset": { "sed": 1 }, "observation": [0.5] }),
+        ] {
+            assert!(serde_json::from_value::<Event>(event).is_err());
+        }
     }
 }

@@ -59,10 +59,10 @@ impl<E: Env> RecordVideo<E> {
     /// Records `env` to a folder, which is made if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// environment has another render mode.
+    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
+    /// without a render mode or with one that gives no frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        check_mode(env.describe(), env.spec().and_then(|spec| spec.render_mode))?;
+        check_mode(&env)?;
         let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
         Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
     }
@@ -135,16 +135,23 @@ impl<E: Env> RecordVideo<E> {
     }
 }
 
-/// Fails for a known render mode that gives no frames.
-pub(crate) fn check_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
-    match mode {
-        Some(mode) if mode.single() != RenderMode::RgbArray => Err(Error::UnsupportedMode {
-            target,
-            mode: "frames to record".into(),
-            reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
-        }),
-        _ => Ok(()),
-    }
+/// Fails for an environment that will render no frames.
+pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
+    check_known_mode(env.describe(), env.render_mode())
+}
+
+/// Fails unless the render mode gives frames.
+pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
+    let was = match mode {
+        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
+        Some(mode) => format!("its render mode is {mode}"),
+        None => "it has no render mode".into(),
+    };
+    Err(Error::UnsupportedMode {
+        target,
+        mode: "frames to record".into(),
+        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    })
 }
 
 impl<E: Env> gym_core::Wrapper for RecordVideo<E> {

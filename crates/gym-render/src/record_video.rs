@@ -87,31 +87,8 @@ impl<E: Env> RecordVideo<E> {
 
     /// Records `env` as a spec says.
     fn from_kwargs(env: E, kwargs: &Kwargs) -> Result<Self> {
-        let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
-        let folder = folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))?;
-        let mut video = Self::new(env, folder)?;
-        for (name, value) in kwargs {
-            let number = value.as_u64();
-            match (name.as_str(), value.as_str()) {
-                ("video_folder", _) => {}
-                ("name_prefix", Some(prefix)) => video.tape.name_prefix = prefix.to_owned(),
-                ("extension", Some(extension)) => video.tape.extension = extension.to_owned(),
-                ("video_length", _) if number.is_some() => {
-                    video.tape.video_length = number.unwrap_or_default();
-                }
-                ("fps", _) if value.is_null() => {}
-                ("fps", _) if number.is_some_and(|fps| u32::try_from(fps).is_ok()) => {
-                    video.tape.fps = number.unwrap_or_default() as u32;
-                }
-                _ => {
-                    let reason = format!(
-                        "`{name}` cannot be {value}: its arguments are video_folder, video_length, name_prefix, fps \
-                         and extension"
-                    );
-                    return Err(Error::argument(NAME, reason));
-                }
-            }
-        }
+        let mut video = Self::new(env, video_folder(kwargs)?)?;
+        video.tape.configure(kwargs)?;
         Ok(video)
     }
 
@@ -133,6 +110,12 @@ impl<E: Env> RecordVideo<E> {
         }
         Ok(())
     }
+}
+
+/// The folder that a spec names.
+pub(crate) fn video_folder(kwargs: &Kwargs) -> Result<&str> {
+    let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
+    folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))
 }
 
 /// Fails for an environment that will render no frames.
@@ -200,17 +183,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        if self.tape.episode_trigger.is_some() || self.tape.step_trigger.is_some() {
-            return None;
-        }
-        // a path that is not Unicode is no JSON
-        let wrapper = WrapperSpec::new(NAME)
-            .arg("video_folder", self.tape.folder.to_str()?)
-            .arg("video_length", self.tape.video_length)
-            .arg("name_prefix", self.tape.name_prefix.as_str())
-            .arg("fps", self.tape.fps)
-            .arg("extension", self.tape.extension.as_str());
-        Some(wrapper)
+        self.tape.wrapper_spec(NAME)
     }
 
     fn close(&mut self) {

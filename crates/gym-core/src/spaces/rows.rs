@@ -78,6 +78,16 @@ impl Space {
         })
     }
 
+    /// How many numbers an element has, at least; other parts count as one.
+    pub(crate) fn len_of_row(&self) -> usize {
+        let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
+        match self {
+            Self::Tuple(space) => sum(&mut space.spaces().iter().map(Self::len_of_row)),
+            Self::Dict(space) => sum(&mut space.spaces().iter().map(|(_, space)| space.len_of_row())),
+            _ => self.shape().map_or(1, |shape| shape.iter().product()),
+        }
+    }
+
     pub(super) fn refuse_batch(&self, batch: &Value, fault: &Fault) -> crate::Error {
         super::not_in(batch, &format_args!("a batch of {self}"), fault)
     }

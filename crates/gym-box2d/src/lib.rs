@@ -23,7 +23,7 @@ pub mod lunar_lander;
 pub mod physics;
 
 pub use bipedal_walker::BipedalWalker;
-pub use car_racing::CarRacing;
+pub use car_racing::{CarRacing, ScoreGlyphs};
 pub use lunar_lander::LunarLander;
 
 /// The example of the README, compiled and run.

@@ -19,13 +19,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gym_core::canvas::{Canvas, Color, Transform};
-use gym_core::math::{Real, numpy_sin_cos_f32};
+use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -141,18 +141,34 @@ impl Dynamics for AcrobotDynamics {
         const BOUND: f64 = LINK_LENGTH_1 + LINK_LENGTH_2 + 0.2;
         const SCALE: f64 = 500.0 / (2.0 * BOUND); // pixels per m
         const RADIUS: f64 = 0.1 * SCALE;
+        const MIDDLE: f64 = 250.0;
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(500.0));
-        let shoulder = Transform::translate(250.0, 250.0);
-        let goal = (250.0 + SCALE).floor();
-        canvas.line([0.0, goal], [500.0, goal], 1.0, Color::BLACK);
-        let upper = shoulder.then(Transform::rotate(state.theta1 - PI / 2.0));
-        let elbow = upper.then(Transform::translate(LINK_LENGTH_1 * SCALE, 0.0));
-        let lower = elbow.then(Transform::rotate(state.theta2));
-        for (link, length) in [(upper, LINK_LENGTH_1 * SCALE), (lower, LINK_LENGTH_2 * SCALE)] {
-            pixels::rect(canvas, link, [0.0, -RADIUS], [length, RADIUS], Color::rgb(0, 204, 204));
-            pixels::circle(canvas, link.origin, RADIUS, Color::rgb(204, 204, 0));
+        canvas.push(pygame::flipped(500.0));
+        let goal = [-BOUND, BOUND].map(|x| [x * SCALE + MIDDLE, SCALE + MIDDLE]);
+        canvas.pygame(Primitive::Lines { points: &goal, closed: false, width: 1 }, Color::BLACK);
+        // the first state is of 32 bits, and so is what numpy computes from it
+        let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
+        let (sin, cos) = if state.fresh {
+            let (sin, cos) = numpy_sin_cos_f32(state.theta1 as f32);
+            (f64::from(sin), f64::from(cos))
+        } else {
+            sin_cos(state.theta1)
+        };
+        let elbow = [LINK_LENGTH_1 * sin, -LINK_LENGTH_1 * cos].map(|x| number(x * number(SCALE)));
+        let angle = |theta: f64| number(theta - number(PI / 2.0));
+        let links = [
+            ([0.0, 0.0], angle(state.theta1), LINK_LENGTH_1),
+            (elbow, angle(number(state.theta1 + state.theta2)), LINK_LENGTH_2),
+        ];
+        for (joint, angle, length) in links {
+            let [x, y] = joint.map(|x| x + MIDDLE);
+            let link = pygame::corners([0.0, -RADIUS], [length * SCALE, RADIUS]).map(|corner| {
+                let corner = pygame::rotate_rad(corner, angle);
+                [corner[0] + x, corner[1] + y]
+            });
+            pygame::gfx_polygon(canvas, &link, Color::rgb(0, 204, 204));
+            pygame::gfx_circle(canvas, [x, y], RADIUS, Color::rgb(204, 204, 0));
         }
         canvas.pop();
     }

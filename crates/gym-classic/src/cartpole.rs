@@ -15,12 +15,12 @@
 //! can solve difficult learning control problems", in Florian's corrected form (2007); the order of
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
-use gym_core::canvas::{Canvas, Color, Transform};
+use gym_core::canvas::{Canvas, Color, Primitive};
 use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels};
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -177,18 +177,22 @@ impl Dynamics for CartPoleDynamics {
         const POLE_WIDTH: f64 = 10.0;
         const CART: [f64; 2] = [50.0, 30.0];
         const CART_Y: f64 = 100.0;
+        const AXLE: f64 = CART[1] / 4.0; // above the middle of the cart
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(400.0));
-        let cart = Transform::translate(state.x * SCALE + 300.0, CART_Y);
+        canvas.push(pygame::flipped(400.0));
+        let cart_x = state.x * SCALE + 300.0;
         let [width, height] = CART.map(|side| side / 2.0);
-        pixels::rect(canvas, cart, [-width, -height], [width, height], Color::BLACK);
-        let axle = cart.then(Transform::translate(0.0, CART[1] / 4.0));
-        let pole = axle.then(Transform::rotate(-state.theta));
+        let cart = pygame::corners([-width, -height], [width, height]).map(|[x, y]| [x + cart_x, y + CART_Y]);
+        pygame::gfx_polygon(canvas, &cart, Color::BLACK);
         let half = POLE_WIDTH / 2.0;
-        pixels::rect(canvas, pole, [-half, -half], [half, POLE_LENGTH - half], Color::rgb(202, 152, 101));
-        pixels::circle(canvas, axle.origin, half, Color::rgb(129, 132, 203));
-        canvas.line([0.0, CART_Y], [600.0, CART_Y], 1.0, Color::BLACK);
+        let pole = pygame::corners([-half, -half], [half, POLE_LENGTH - half]).map(|corner| {
+            let [x, y] = pygame::rotate_rad(corner, -state.theta);
+            [x + cart_x, y + CART_Y + AXLE]
+        });
+        pygame::gfx_polygon(canvas, &pole, Color::rgb(202, 152, 101));
+        pygame::gfx_circle(canvas, [cart_x, CART_Y + AXLE], half, Color::rgb(129, 132, 203));
+        canvas.pygame(Primitive::HLine { x1: 0.0, x2: 600.0, y: CART_Y }, Color::BLACK);
         canvas.pop();
     }
 }

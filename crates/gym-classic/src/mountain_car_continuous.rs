@@ -146,7 +146,7 @@ impl Dynamics for MountainCarContinuousDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        mountain_car::draw(state.position, GOAL_POSITION, canvas);
+        mountain_car::draw(state.position, !state.fresh, GOAL_POSITION, canvas);
     }
 }
 

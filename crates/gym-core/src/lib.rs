@@ -9,7 +9,7 @@ mod env;
 mod error;
 pub mod file;
 mod functional;
-pub mod pixels;
+pub mod pygame;
 pub mod registry;
 pub mod render;
 mod reset;

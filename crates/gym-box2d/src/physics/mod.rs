@@ -27,7 +27,6 @@ mod world;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
 };
-pub(crate) use gym_core::math::sin_cos_f32 as sin_cos;
 pub use world::{Physics, World};
 
 /// A point or a vector.

@@ -47,7 +47,10 @@ fn horizon(camera: &Camera) -> f64 {
 
 /// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
 pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, canvas: &mut dyn Canvas) {
-    if camera.pos[2] <= height {
+    // so far away, squares have no width among the numbers
+    const FARTHEST: f64 = 1e12;
+    let visible = camera.pos[2] > height && camera.focus.iter().all(|x| x.abs() < FARTHEST);
+    if !visible {
         return;
     }
     let light = blend(super::rgba(rgba), Color::rgb(206, 216, 226), 0.6);

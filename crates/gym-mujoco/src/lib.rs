@@ -10,6 +10,7 @@ mod libm;
 mod mjcf;
 pub mod model;
 pub mod physics;
+pub mod recording;
 pub mod tasks;
 pub mod view;
 

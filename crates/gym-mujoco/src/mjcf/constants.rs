@@ -87,9 +87,27 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
 }
 
+/// How far each body reaches from its centre of mass: to its joints and around its geoms.
+pub(super) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
+    const LEAST: f64 = 1e-5;
+    let distance = |a: [f64; 3], b: [f64; 3]| super::orientation::norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let mut size = vec![LEAST; m.nbody()];
+    for j in 0..m.njnt() {
+        let b = m.jnt_bodyid[j];
+        // an anchor counts for both bodies that the joint connects
+        for b in [b, m.body_parentid[b]] {
+            size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        }
+    }
+    for g in (0..m.ngeom()).filter(|g| m.geom_rbound[*g] > 0.0) {
+        let b = m.geom_bodyid[g];
+        size[b] = size[b].max(distance(d.geom_xpos[g], d.xipos[b]) + m.geom_rbound[g]);
+    }
+    size
+}
+
 /// Sizes of the bodies and of the whole: MuJoCo's `setStat`.
 fn add_statistics(m: &mut CompiledModel, d: &Data) {
-    const LEAST: f64 = 1e-5;
     let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let mut cover = |centre: [f64; 3], radius: f64| {
         for k in 0..3 {
@@ -97,23 +115,12 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
             max[k] = max[k].max(centre[k] + radius);
         }
     };
-    let distance = |a: [f64; 3], b: [f64; 3]| super::orientation::norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
-    let mut size = vec![0.0_f64; m.nbody()];
     for b in 1..m.nbody() {
         cover(d.xpos[b], 0.0);
         cover(d.xipos[b], 0.0);
     }
-    for j in 0..m.njnt() {
-        let b = m.jnt_bodyid[j];
-        cover(d.xanchor[j], 0.0);
-        // an anchor counts for both bodies that the joint connects
-        for b in [b, m.body_parentid[b]] {
-            size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
-        }
-    }
-    for s in 0..m.nsite() {
-        cover(d.site_xpos[s], 0.0);
-    }
+    d.xanchor.iter().for_each(|anchor| cover(*anchor, 0.0));
+    d.site_xpos.iter().for_each(|site| cover(*site, 0.0));
     for g in 0..m.ngeom() {
         let [x, y, _] = m.geom_size[g];
         let plane = m.geom_rbound[g] == 0.0;
@@ -123,15 +130,11 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
             half => half * 0.1,
         };
         cover(d.geom_xpos[g], radius);
-        let b = m.geom_bodyid[g];
-        if b > 0 && !plane {
-            size[b] = size[b].max(distance(d.geom_xpos[g], d.xipos[b]) + radius);
-        }
     }
     (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
         0 => (0.2, 1.0),
         n => {
-            let sizes = size[1..].iter().map(|s| s.max(LEAST)).sum::<f64>();
+            let sizes = body_sizes(m, d)[1..].iter().sum::<f64>();
             (sizes / n as f64, m.body_mass[1..].iter().sum::<f64>() / n as f64)
         }
     };

@@ -37,12 +37,6 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Shows the entries of `info`, after a step or, without one, after a reset.
     fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Self::Step>, visit: &mut dyn FnMut(&str, f64));
 
-    /// The body that the camera follows.
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        let _ = simulation;
-        None
-    }
-
     /// Whether `info` has lengths and velocities of the model's tendons.
     fn tells_tendons(&self) -> bool {
         false
@@ -178,9 +172,8 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         let Some(episode) = &self.episode else { return };
-        let size = self.metadata().render_size;
-        let followed = self.task.followed(&self.simulation);
-        self.simulation.view.draw(&self.simulation.model, &episode.data, followed, size, canvas);
+        let common = self.arguments.0.common();
+        self.simulation.view.draw(&self.simulation.model, &episode.data, (common.width, common.height), canvas);
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {

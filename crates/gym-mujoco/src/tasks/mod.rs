@@ -27,7 +27,7 @@ pub mod reacher;
 pub mod swimmer;
 pub mod walker2d;
 
-use std::any::Any;
+use gym_core::Env;
 
 pub use arguments::{Arguments, Common, TaskArguments};
 pub use env::{MujocoEnv, Task};
@@ -69,11 +69,11 @@ macro_rules! tasks {
             pub type $name<const VERSION: u8 = 5> = MujocoEnv<$module::Task, VERSION>;
         )+
 
-        /// Model and state of an environment of this crate, of any task and version: give it what `Env::base` returns.
+        /// Model and state of an environment of this crate, of any task and version, under any wrappers.
         #[must_use]
-        pub fn model_and_data(env: &dyn Any) -> Option<(&Model, &Data)> {
+        pub fn model_and_data<E: Env>(env: &E) -> Option<(&Model, &Data)> {
             $($(
-                if let Some(env) = env.downcast_ref::<$name<$version>>() {
+                if let Some(env) = env.unwrapped::<$name<$version>>() {
                     return env.data().map(|data| (&*env.simulation().model, data));
                 }
             )+)+

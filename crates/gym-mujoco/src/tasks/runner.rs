@@ -119,8 +119,4 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
             visit("reward_survive", step.survive);
         }
     }
-
-    fn followed(&self, simulation: &Simulation) -> Option<usize> {
-        simulation.model.body_id("torso")
-    }
 }

@@ -49,7 +49,12 @@ fn built_in_models_have_mujocos_figures() {
         let model = load(&format!("{name}.xml")).unwrap();
         let mut differences = Vec::new();
         compare("", &recorded, &Value::Object(model.figures()), &mut differences);
-        assert!(differences.is_empty(), "{name}: {} differ: {:#?}", differences.len(), &differences[..differences.len().min(20)]);
+        assert!(
+            differences.is_empty(),
+            "{name}: {} differ: {:#?}",
+            differences.len(),
+            &differences[..differences.len().min(20)]
+        );
         files += 1;
     }
     assert_eq!(files, 13);

@@ -14,6 +14,8 @@ use crate::{Data, Model};
 pub(crate) struct Buffers {
     /// `D^-1/2 L^-T J'` of normals and tangents, by block: nv numbers each.
     half: Vec<f64>,
+    /// The degrees of freedom, by block, beyond which these numbers are zero.
+    spans: Vec<Range<usize>>,
     /// Rows, by island; the vectors below have the same order.
     rows: Vec<usize>,
     /// `J M^-1 J' + R` of each island, row by row.
@@ -102,8 +104,13 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
     s.sqrt_diag_inv.clear();
     s.sqrt_diag_inv.extend(d.qld_diag_inv.iter().map(|x| x.sqrt()));
     s.half.clear();
+    s.spans.clear();
     for block in &d.efc.blocks {
         let (columns, jac) = d.efc.jacobian(block);
+        let span = match (columns.first(), columns.last()) {
+            (Some(&first), Some(&last)) => plan.trees[m.dof_treeid[first]].start..last + 1,
+            _ => 0..0,
+        };
         for k in 0..block.dim {
             let start = s.half.len();
             s.half.resize(start + nv, 0.0);
@@ -111,7 +118,7 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
             for (&c, &j) in columns.iter().zip(&jac[k * block.width..]) {
                 x[c] = j;
             }
-            for i in (0..nv).rev() {
+            for i in span.clone().rev() {
                 let xi = x[i];
                 if xi != 0.0 {
                     let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
@@ -122,6 +129,7 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
                 }
             }
         }
+        s.spans.push(span);
     }
 }
 
@@ -136,26 +144,31 @@ fn gather(d: &Data, s: &mut Buffers, blocks: &[usize]) {
     let n = s.rows.len() - start;
     s.ar.resize(ar_start + n * n, 0.0);
     let ar = &mut s.ar[ar_start..];
-    let half = |block: &Block, k: usize| &s.half[(block.direction + k) * nv..(block.direction + k + 1) * nv];
+    let half = |block: &Block, k: usize, span: &Range<usize>| {
+        let start = (block.direction + k) * nv;
+        &s.half[start + span.start..start + span.end]
+    };
     let mut first = 0;
     for (index, &i) in blocks.iter().enumerate() {
         let a = &d.efc.blocks[i];
         let mut second = 0;
         for &j in &blocks[..=index] {
             let b = &d.efc.blocks[j];
+            let (low, high) = (s.spans[i].start.max(s.spans[j].start), s.spans[i].end.min(s.spans[j].end));
+            let shared = low..high.max(low);
             // products of normals and tangents, then of the rows of both pyramids
             let mut partial = [[0.0; 3]; 4];
             for k in 0..b.dim {
-                let along = [0, 1, 2].map(|i| if i < a.dim { dot(half(a, i), half(b, k)) } else { 0.0 });
-                for (row, value) in pyramid(a, along).into_iter().enumerate() {
-                    partial[row][k] = value;
+                let b_half = half(b, k, &shared);
+                let along = [0, 1, 2].map(|i| if i < a.dim { dot(half(a, i, &shared), b_half) } else { 0.0 });
+                for (partial, value) in partial.iter_mut().zip(pyramid(a, along)) {
+                    partial[k] = value;
                 }
             }
-            for r in 0..a.rows() {
-                let row = pyramid(b, partial[r]);
-                for c in 0..b.rows() {
-                    ar[(first + r) * n + second + c] = row[c];
-                    ar[(second + c) * n + first + r] = row[c];
+            for (r, along) in partial[..a.rows()].iter().enumerate() {
+                for (c, value) in pyramid(b, *along)[..b.rows()].iter().enumerate() {
+                    ar[(first + r) * n + second + c] = *value;
+                    ar[(second + c) * n + first + r] = *value;
                 }
             }
             second += b.rows();
@@ -255,7 +268,8 @@ fn iterate(m: &Model, s: &mut Buffers, part: usize) -> usize {
                 add_scaled(&mut s.residual, row, delta);
             }
         }
-        let turned: f64 = force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
+        let turned: f64 =
+            force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
         k = if iteration > 0 && turned < 0.0 { 0.0 } else { k + 1.0 };
         if improvement * scale < m.opt.tolerance {
             return iteration + 1;

@@ -88,7 +88,12 @@ fn refused() -> Vec<Refused> {
             "geom",
             Some("type"),
         ),
-        (in_the_world("<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>"), 1, "mujoco", None),
+        (
+            in_the_world("<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>"),
+            1,
+            "mujoco",
+            None,
+        ),
         world("<body><joint/></body>", "body", None),
         world("<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>", "geom", Some("type")),
         world("<body><body><freejoint/><geom size=\"1\"/></body></body>", "freejoint", Some("type")),
@@ -129,7 +134,11 @@ fn errors_name_line_element_and_attribute() {
 
 #[test]
 fn sizes_and_depths_have_limits() {
-    let deep = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(5000), "</body>".repeat(5000));
+    let deep = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body>".repeat(5000),
+        "</body>".repeat(5000)
+    );
     let message = Model::from_xml(&deep).unwrap_err().to_string();
     assert!(message.contains("nested deeper"), "{message}");
     let many = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<geom size=\"1\"/>".repeat(5000));

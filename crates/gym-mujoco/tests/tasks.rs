@@ -44,14 +44,25 @@ fn versions_have_gymnasiums_spaces() {
         ("HumanoidStandup-v5", 348, 17, 0.4),
     ] {
         let env = make(id).unwrap();
-        assert_eq!(env.observation_space().to_string(), format!("Box(-inf, inf, ({observed},), float64)"), "{id}");
-        assert_eq!(env.action_space().to_string(), format!("Box(-{bound:.1}, {bound:.1}, ({actions},), float32)"), "{id}");
+        assert_eq!(
+            env.observation_space().to_string(),
+            format!("Box(-inf, inf, ({observed},), float64)"),
+            "{id}"
+        );
+        assert_eq!(
+            env.action_space().to_string(),
+            format!("Box(-{bound:.1}, {bound:.1}, ({actions},), float32)"),
+            "{id}"
+        );
     }
 }
 
 #[test]
 fn each_version_takes_its_own_arguments() {
-    assert!(refusal("HalfCheetah-v4", "xml_file", json!("half_cheetah.xml")).contains("unknown argument `xml_file`"));
+    assert!(
+        refusal("HalfCheetah-v4", "xml_file", json!("half_cheetah.xml"))
+            .contains("unknown argument `xml_file`")
+    );
     assert!(refusal("HalfCheetah-v3", "width", json!(100)).contains("ctrl_cost_weight"));
     assert!(refusal("Ant-v5", "use_contact_forces", json!(true)).contains("contact_force_range"));
     assert!(refusal("Ant-v2", "ctrl_cost_weight", json!(1.0)).contains("no arguments"));

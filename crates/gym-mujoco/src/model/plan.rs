@@ -31,6 +31,20 @@ pub(crate) struct Plan {
     pub(crate) damped: bool,
 }
 
+/// The most constraints that a state can have, for buffers that never grow.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bounds {
+    pub(crate) contacts: usize,
+    /// Limits and contacts.
+    pub(crate) blocks: usize,
+    pub(crate) rows: usize,
+    /// Normals and tangents.
+    pub(crate) directions: usize,
+    pub(crate) columns: usize,
+    /// Elements of the Jacobians.
+    pub(crate) jac: usize,
+}
+
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
@@ -140,6 +154,30 @@ impl Plan {
             .map(|j| limit(m, j))
             .collect();
         Ok(plan)
+    }
+
+    /// The most constraints that there can be.
+    pub(crate) fn bounds(&self) -> Bounds {
+        // both sides of each limit
+        let limits = 2 * self.limits.len();
+        let mut bounds =
+            Bounds { contacts: 0, blocks: limits, rows: limits, directions: limits, columns: limits, jac: limits };
+        for pair in &self.pairs {
+            let contacts = match pair.kind {
+                (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
+                (GeomType::Plane, GeomType::Cylinder) => 4,
+                (GeomType::Capsule, GeomType::Cylinder) => 5,
+                _ => 1,
+            };
+            let (rows, directions) = if pair.dim == 1 { (1, 1) } else { (4, 3) };
+            bounds.contacts += contacts;
+            bounds.blocks += contacts;
+            bounds.rows += contacts * rows;
+            bounds.directions += contacts * directions;
+            bounds.columns += contacts * pair.columns.len();
+            bounds.jac += contacts * directions * pair.columns.len();
+        }
+        bounds
     }
 
     /// The elements of a row of the inertia matrix; the last is the diagonal.

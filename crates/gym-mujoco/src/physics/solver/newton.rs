@@ -35,6 +35,13 @@ struct RowWork {
 }
 
 impl Buffers {
+    /// Buffers that need not grow up to so many degrees of freedom and rows.
+    pub(crate) fn new(nv: usize, nefc: usize) -> Self {
+        let mut buffers = Self::default();
+        buffers.fit(nv, nefc);
+        buffers
+    }
+
     /// Makes room for so many degrees of freedom and rows.
     fn fit(&mut self, nv: usize, nefc: usize) {
         for vector in [

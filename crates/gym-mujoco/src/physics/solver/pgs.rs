@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use super::residuals;
+use crate::model::{Bounds, Solver};
 use crate::physics::constraint::Block;
 use crate::physics::inertia;
 use crate::{Data, Model};
@@ -41,6 +42,37 @@ struct Part {
 }
 
 impl Buffers {
+    /// Buffers that need not grow; for another solver they stay empty.
+    pub(crate) fn new(solver: Solver, nv: usize, trees: usize, bounds: &Bounds) -> Self {
+        /// Matrices with more rows are allocated when they are met.
+        const MOST_ROWS: usize = 1000;
+        let mut buffers = Self::default();
+        if solver != Solver::PGS {
+            return buffers;
+        }
+        let rows = bounds.rows;
+        buffers.half.reserve(bounds.directions * nv);
+        buffers.spans.reserve(bounds.blocks);
+        buffers.rows.reserve(rows);
+        buffers.ar.reserve(rows.min(MOST_ROWS).pow(2));
+        buffers.parts.reserve(trees);
+        buffers.order.reserve(rows);
+        for vector in [
+            &mut buffers.b,
+            &mut buffers.force,
+            &mut buffers.before,
+            &mut buffers.momentum,
+            &mut buffers.residual,
+            &mut buffers.residual_before,
+            &mut buffers.diag_inv,
+            &mut buffers.jar,
+            &mut buffers.sqrt_diag_inv,
+        ] {
+            vector.reserve(rows);
+        }
+        buffers
+    }
+
     /// The dual cost of an island's forces.
     fn cost(&self, part: &Part) -> f64 {
         let n = part.rows.len();

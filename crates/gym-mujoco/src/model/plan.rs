@@ -177,7 +177,9 @@ impl Plan {
             bounds.columns += contacts * pair.columns.len();
             bounds.jac += contacts * directions * pair.columns.len();
         }
-        bounds
+        // of so many rows hardly any state has all: buffers grow as they are needed
+        const MOST_ROWS: usize = 4000;
+        if bounds.rows > MOST_ROWS { Bounds::default() } else { bounds }
     }
 
     /// The elements of a row of the inertia matrix; the last is the diagonal.

@@ -41,13 +41,13 @@ use crate::{Data, Model};
 macro_rules! register {
     (
         $task:ident, $about:literal, steps $steps:literal $(, threshold $threshold:literal)?,
-        versions $($version:literal)+ $(, idle $idle:literal $reason:literal)?
+        versions $($version:tt)+ $(, idle $idle:literal $reason:literal)?
     ) => {
         $crate::tasks::register!(
             @each $task, $about, $steps, [$($threshold)?], [$($idle $reason)?], $($version)+
         );
     };
-    (@each $task:ident, $about:literal, $steps:literal, $threshold:tt, $idle:tt, $($version:literal)+) => {
+    (@each $task:ident, $about:literal, $steps:literal, $threshold:tt, $idle:tt, $($version:tt)+) => {
         $($crate::tasks::register!(@one $task, $about, $steps, $threshold, $idle, $version);)+
     };
     (@one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], [], 2) => {

@@ -44,8 +44,6 @@ struct Part {
 impl Buffers {
     /// Buffers that need not grow; for another solver they stay empty.
     pub(crate) fn new(solver: Solver, nv: usize, trees: usize, bounds: &Bounds) -> Self {
-        /// Matrices with more rows are allocated when they are met.
-        const MOST_ROWS: usize = 1000;
         let mut buffers = Self::default();
         if solver != Solver::PGS {
             return buffers;
@@ -54,7 +52,7 @@ impl Buffers {
         buffers.half.reserve(bounds.directions * nv);
         buffers.spans.reserve(bounds.blocks);
         buffers.rows.reserve(rows);
-        buffers.ar.reserve(rows.min(MOST_ROWS).pow(2));
+        buffers.ar.reserve(rows * rows);
         buffers.parts.reserve(trees);
         buffers.order.reserve(rows);
         for vector in [

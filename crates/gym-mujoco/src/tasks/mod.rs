@@ -36,12 +36,12 @@ pub use simulation::{Simulation, load, models};
 
 use crate::{Data, Model};
 
-/// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions 2 3 4 5)`. After `idle` may
+/// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions [2 3 4 5])`. After `idle` may
 /// come a version some of whose arguments have no effect, as in Gymnasium, and why.
 macro_rules! register {
     (
         $task:ident, $about:literal, steps $steps:literal $(, threshold $threshold:literal)?,
-        versions $($version:tt)+ $(, idle $idle:literal $reason:literal)?
+        versions [$($version:tt)+] $(, idle $idle:literal $reason:literal)?
     ) => {
         $crate::tasks::register!(
             @each $task, $about, $steps, [$($threshold)?], [$($idle $reason)?], $($version)+

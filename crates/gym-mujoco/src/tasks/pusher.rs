@@ -155,5 +155,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions 2 4 5
+    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions [2 4 5]
 );

@@ -30,6 +30,7 @@
 use std::f32::consts::PI;
 
 use gym_core::canvas::{self, Canvas, Color, Point, Transform};
+use gym_core::math::{cos, sin};
 use gym_core::render::Metadata;
 use gym_core::{
     Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pixels,
@@ -234,8 +235,8 @@ fn cloud(rng: &mut Generator) -> [Point; 5] {
     std::array::from_fn(|a| {
         #[expect(clippy::approx_constant, reason = "Gymnasium's")]
         let angle = 3.14 * 2.0 * a as f64 / 5.0;
-        let px = x + 15.0 * TERRAIN_STEP * angle.sin() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
-        let py = y + 5.0 * TERRAIN_STEP * angle.cos() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        let px = x + 15.0 * TERRAIN_STEP * sin(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        let py = y + 5.0 * TERRAIN_STEP * cos(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
         [px, py]
     })
 }
@@ -360,7 +361,7 @@ impl Episode {
     fn ray_end(&self, i: usize) -> Vec2 {
         let pos = self.world.position(self.hull);
         let angle = 1.5 * i as f64 / 10.0;
-        vec2(f64::from(pos.x) + angle.sin() * LIDAR_RANGE, f64::from(pos.y) - angle.cos() * LIDAR_RANGE)
+        vec2(f64::from(pos.x) + sin(angle) * LIDAR_RANGE, f64::from(pos.y) - cos(angle) * LIDAR_RANGE)
     }
 
     fn observe(&self) -> [f32; 24] {
@@ -474,7 +475,7 @@ impl Env for BipedalWalker {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("BipedalWalker", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -14,6 +14,7 @@
 //!
 //! Linking this crate registers them; name it (`use gym_box2d as _;`) if nothing else of it is
 //! used.
+#![warn(clippy::disallowed_methods)]
 
 pub mod bipedal_walker;
 pub mod car_racing;

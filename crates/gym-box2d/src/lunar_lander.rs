@@ -30,6 +30,7 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::math::{cos, sin, tanh};
 use gym_core::render::Metadata;
 use gym_core::{
     Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
@@ -321,7 +322,7 @@ impl Episode {
     fn blow(&mut self, config: &Config) {
         let gust = |index: i64| {
             let index = index as f64;
-            ((0.02 * index).sin() + (PI * 0.01 * index).sin()).tanh()
+            tanh(sin(0.02 * index) + sin(PI * 0.01 * index))
         };
         let wind_mag = gust(self.wind_idx) * config.wind_power;
         self.wind_idx += 1;
@@ -363,7 +364,7 @@ impl Episode {
         };
 
         let angle = f64::from(self.world.angle(self.lander));
-        let tip = [angle.sin(), angle.cos()];
+        let tip = [sin(angle), cos(angle)];
         let side = [-tip[1], tip[0]];
         let dispersion = [(); 2].map(|()| self.rng.uniform(-1.0, 1.0) / SCALE);
 
@@ -499,7 +500,7 @@ impl Env for LunarLander {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("LunarLander", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

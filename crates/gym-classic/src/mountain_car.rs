@@ -13,10 +13,10 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Shape, Transform};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::math::{Real, cos, sin};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
     Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels,
 };
@@ -69,21 +69,30 @@ pub struct MountainCarDynamics {
     config: Config,
 }
 
-impl MountainCarDynamics {
+impl Equations<2, 2> for MountainCarDynamics {
+    /// The direction to accelerate in.
+    #[inline(always)]
+    fn input(action: Action) -> f64 {
+        f64::from(action as i8 - 1)
+    }
+
     /// The equations of motion.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, action: Action) -> Transition<State> {
-        let State { mut position, mut velocity } = *state;
-        let push = f64::from(action as i8 - 1);
-        velocity += push * FORCE + M::cos(3.0 * position) * -GRAVITY;
-        velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
-        position += velocity;
-        position = position.clamp(MIN_POSITION, MAX_POSITION);
-        if (position == MIN_POSITION) & (velocity < 0.0) {
-            velocity = 0.0;
-        }
-        let terminated = (position >= GOAL_POSITION) & (velocity >= self.config.goal_velocity);
-        Transition { state: State { position, velocity }, reward: -1.0, terminated }
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2> {
+        let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
+        let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
+        let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
+        let at_wall = position.le(position.same(MIN_POSITION));
+        let zero = velocity.same(0.0);
+        let velocity = R::select(at_wall & velocity.lt(zero), zero, velocity);
+        let terminated =
+            position.same(GOAL_POSITION).le(position) & velocity.same(self.config.goal_velocity).le(velocity);
+        Next { state: [position, velocity], reward: velocity.same(-1.0), terminated }
+    }
+
+    #[inline(always)]
+    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
+        state
     }
 }
 
@@ -119,7 +128,10 @@ impl Dynamics for MountainCarDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(self.advance::<Libm>(state, *action))
+        let (state, reward, terminated) =
+            native::advance(self, [state.position, state.velocity], false, *action);
+        let [position, velocity] = state;
+        Ok(Transition { state: State { position, velocity }, reward, terminated })
     }
 
     #[inline]
@@ -156,7 +168,7 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
     const WHEEL_RADIUS: f64 = CAR[1] / 2.5;
     const POINTS: usize = 100;
     const HILL_WIDTH: f64 = 0.8; // pygame's line is thinner than a pixel where it is steep
-    let height = |x: f64| (3.0 * x).sin() * 0.45 + 0.55;
+    let height = |x: f64| sin(3.0 * x) * 0.45 + 0.55;
     let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
 
     canvas.clear(Color::WHITE);
@@ -168,7 +180,7 @@ pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
 
     let [x, y] = pixel(position);
     // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
-    let slope = Transform::rotate((3.0 * position).cos());
+    let slope = Transform::rotate(cos(3.0 * position));
     let car = Transform::translate(x, y + CLEARANCE).then(slope);
     pixels::rect(canvas, car, [-CAR[0] / 2.0, 0.0], [CAR[0] / 2.0, CAR[1]], Color::BLACK);
     for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
@@ -187,8 +199,6 @@ impl Native for MountainCarDynamics {
     type Packed = [f64; 2];
     type Stream = WordStream;
 
-    const DRAWS: bool = false;
-
     fn pack(state: &State) -> [f64; 2] {
         [state.position, state.velocity]
     }
@@ -199,8 +209,8 @@ impl Native for MountainCarDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, action)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

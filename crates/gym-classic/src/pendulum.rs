@@ -15,10 +15,10 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Shape, Transform, arc};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
     Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels,
 };
@@ -75,29 +75,35 @@ struct Start {
     y_init: Option<f64>,
 }
 
-impl PendulumDynamics {
+impl Equations<2, 3> for PendulumDynamics {
+    /// The torque.
+    #[inline(always)]
+    fn input([torque]: [f32; 1]) -> f64 {
+        f64::from(torque)
+    }
+
     /// The equation of motion, for a torque of any size.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, torque: f32) -> Transition<State> {
-        let u = torque.clamp(-MAX_TORQUE, MAX_TORQUE);
-        let State { theta, theta_dot, .. } = *state;
-        let angle = M::modulo(theta + PI, 2.0 * PI) - PI;
-        let costs = M::square(angle) + 0.1 * M::square(theta_dot) + f64::from(0.001 * M::square_f32(u));
+    fn advance<R: Real>(&self, [theta, theta_dot]: [R; 2], _fresh: R::Mask, torque: R) -> Next<R, 2> {
+        let u = torque.clamp(-f64::from(MAX_TORQUE), f64::from(MAX_TORQUE));
+        let angle = (theta + PI).modulo(2.0 * PI) - PI;
+        // the last product and its sum with nothing are those of `float32`
+        let effort = (u.square_f32() * f64::from(0.001f32)).single();
+        let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
-        let pull = 3.0 * self.config.g / (2.0 * LENGTH) * M::sin(theta);
-        let push = f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32 * u);
+        let pull = theta.sin() * (3.0 * self.config.g / (2.0 * LENGTH));
+        let push = (u * f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32)).single();
         let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
         let theta = theta + theta_dot * DT;
-        let state = State { theta, theta_dot, last_torque: Some(u) };
-        Transition { state, reward: -costs, terminated: false }
+        let terminated = theta.lt(theta) & theta.lt(theta);
+        Next { state: [theta, theta_dot], reward: -costs, terminated }
     }
-}
 
-/// What the agent sees of a state.
-#[inline(always)]
-fn see<M: Math>(state: &State) -> [f32; 3] {
-    let (sin, cos) = M::sin_cos(state.theta);
-    [cos as f32, sin as f32, state.theta_dot as f32]
+    #[inline(always)]
+    fn see<R: Real>(&self, [theta, theta_dot]: [R; 2]) -> [R; 3] {
+        let (sin, cos) = theta.sin_cos();
+        [cos, sin, theta_dot]
+    }
 }
 
 impl Dynamics for PendulumDynamics {
@@ -147,12 +153,16 @@ impl Dynamics for PendulumDynamics {
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
         let torque = reset::finite(*action, || self.action_space())?;
-        Ok(self.advance::<Libm>(state, torque))
+        let (state, reward, terminated) =
+            native::advance(self, [state.theta, state.theta_dot], false, *action);
+        let [theta, theta_dot] = state;
+        let last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
+        Ok(Transition { state: State { theta, theta_dot, last_torque }, reward, terminated })
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 3] {
-        see::<Libm>(state)
+        native::see(self, [state.theta, state.theta_dot])
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -210,8 +220,6 @@ impl Native for PendulumDynamics {
     type Packed = [f64; 2];
     type Stream = WordStream;
 
-    const DRAWS: bool = false;
-
     fn pack(state: &State) -> [f64; 2] {
         [state.theta, state.theta_dot]
     }
@@ -222,13 +230,8 @@ impl Native for PendulumDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, [torque]: [f32; 1], _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, torque)
-    }
-
-    #[inline(always)]
-    fn observe_state(&self, state: &State) -> [f32; 3] {
-        see::<Polynomial>(state)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 use std::fmt::{self, Write};
 use std::ops::Deref;
 
+use crate::math;
+
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];
 
@@ -124,7 +126,7 @@ impl Transform {
 
     /// Turns about the origin, from x towards y.
     pub fn rotate(radians: f64) -> Self {
-        let (sin, cos) = radians.sin_cos();
+        let (sin, cos) = math::sin_cos(radians);
         Self { x: [cos, sin], y: [-sin, cos], origin: [0.0, 0.0] }
     }
 
@@ -200,11 +202,24 @@ pub trait Canvas {
     }
 }
 
+/// A canvas on which nothing is drawn: to time a drawing, or to see that it does not fail.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Blank;
+
+impl Canvas for Blank {
+    fn clear(&mut self, _color: Color) {}
+    fn fill(&mut self, _shape: Shape<'_>, _color: Color) {}
+    fn stroke(&mut self, _shape: Shape<'_>, _width: f64, _color: Color) {}
+    fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
+    fn push(&mut self, _transform: Transform) {}
+    fn pop(&mut self) {}
+}
+
 /// The points of an arc around `center`, from angle `start` to `end` in radians, both included.
 pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
     std::array::from_fn(|i| {
         let angle = start + (end - start) * i as f64 / (N.max(2) - 1) as f64;
-        [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]
+        [center[0] + radius * math::cos(angle), center[1] + radius * math::sin(angle)]
     })
 }
 

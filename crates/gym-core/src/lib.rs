@@ -1,5 +1,6 @@
 //! Reinforcement-learning environments in Rust.
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![warn(clippy::disallowed_methods)]
 
 pub mod array;
 mod boxed;

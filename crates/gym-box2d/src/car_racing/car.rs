@@ -237,7 +237,6 @@ impl Car {
 
     /// The white stripe of a wheel, in its coordinates, where the wheel's turn lets it be seen.
     pub(super) fn stripe(wheel: &Wheel) -> Option<[[f64; 2]; 4]> {
-        // the platform's sine may differ in the last digit, and with it the observation
         let ends = [wheel.phase, wheel.phase + 1.2].map(|angle| sin_cos(angle as f32));
         if ends.iter().all(|(sin, _)| *sin > 0.0) {
             return None;

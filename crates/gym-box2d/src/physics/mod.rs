@@ -24,10 +24,10 @@ mod box2d;
 mod def;
 mod world;
 
-pub(crate) use box2d::trig::sin_cos;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
 };
+pub(crate) use gym_core::math::sin_cos_f32 as sin_cos;
 pub use world::{Physics, World};
 
 /// A point or a vector.

@@ -186,7 +186,7 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.arguments, &self.inner.episode)
+        Snapshot::with_config(&self.describe(), &self.arguments, &self.inner.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

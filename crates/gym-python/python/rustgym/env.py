@@ -1,0 +1,282 @@
+"""The environment: ``rustgym.Env``, a ``gymnasium.Env``."""
+
+from __future__ import annotations
+
+import json
+import operator
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import logger
+
+from rustgym import _native
+from rustgym._json import to_json
+from rustgym._spaces import space_from
+
+__all__ = ["Env"]
+
+_SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(_native.specs())}
+
+
+def spec_of(env_id: str) -> dict[str, Any]:
+    """What the registry of the Rust side says about an id."""
+    try:
+        return _SPECS[env_id]
+    except KeyError:
+        _native.describe(env_id)  # raises, and says what is near the name
+        raise
+
+
+class Env(gymnasium.Env[Any, Any]):
+    """An environment whose dynamics run in Rust, with Gymnasium's interface and Gymnasium's numbers.
+
+    Usually made by ``gymnasium.make("rustgym/CartPole-v1")``, which adds Gymnasium's own wrappers. The class itself has none,
+    not even a time limit:
+
+        >>> import rustgym
+        >>> env = rustgym.Env("FrozenLake-v1", map_name="8x8", render_mode="ansi")
+        >>> observation, info = env.reset(seed=42)
+        >>> observation, info
+        (0, {'prob': 1})
+
+    Args:
+        env_id: An id of the Rust registry, without the namespace ``rustgym/``; ``rustgym.ids()`` lists them.
+        render_mode: ``None``, or one of ``metadata["render_modes"]``.
+        kwargs: The arguments of that environment, as Gymnasium names them.
+
+    Raises:
+        TypeError: for an argument that the environment does not have.
+        ValueError: for an argument with a bad value.
+        gymnasium.error.UnsupportedMode: for a render mode that the environment does not have.
+
+    Every call gives new arrays and dicts: nothing returned changes later. Copies (``copy.copy``, ``copy.deepcopy``, ``pickle``)
+    can be made at any step and continue as the original does. One environment may be used from several threads; their calls
+    come one after the other.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    #: What an instance was made with, defaults included.
+    arguments: dict[str, Any]
+
+    #: The id of the Rust registry.
+    env_id: str
+
+    # names whose values are what the dynamics were made with: setting them changes nothing
+    _constants: frozenset[str] = frozenset()
+
+    _shown = False  # whether somebody holds the generator, which then must follow each step
+    _generator: np.random.Generator | None = None
+
+    def __init__(self, env_id: str, *, render_mode: str | None = None, **kwargs: Any) -> None:
+        spec = spec_of(env_id)
+        defaults = spec["defaults"]
+        for name in kwargs:
+            if name not in defaults:
+                takes = f"its arguments are {', '.join(defaults)}" if defaults else "it takes no arguments"
+                raise TypeError(f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and render_mode")
+        self.env_id = env_id
+        self.render_mode = render_mode
+        self._native = self._make_native(to_json(kwargs))
+        description = json.loads(self._native.describe())
+        if not self.metadata["render_modes"]:
+            self.metadata = metadata_from(description)
+        self.observation_space = space_from(description["observation_space"])
+        self.action_space = space_from(description["action_space"])
+        self.arguments = {**defaults, **spec["kwargs"], **kwargs}
+        for name, value in self.arguments.items():
+            if not hasattr(type(self), name):
+                self.__dict__[name] = value
+
+    @staticmethod
+    def _of(native: _native.Env, env_id: str, render_mode: str | None) -> Env:
+        """The environment around a native one, which may have wrappers of the Rust side."""
+        from rustgym import envs
+
+        cls: type[Env] = getattr(envs, envs.class_name(env_id))
+        env = cls(render_mode=render_mode)
+        env._native = native
+        env._np_random_seed = -1
+        return env
+
+    def _make_native(self, kwargs: str) -> _native.Env:
+        return _native.Env(self.env_id, kwargs, self.render_mode)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Starts an episode.
+
+        Args:
+            seed: A whole number, zero or greater, of any size, which settles the episode. Without one the generator goes on
+                from the last episode; the first time the operating system seeds it.
+            options: What the environment's documentation names, such as ``low`` and ``high``. Other names are ignored.
+
+        Returns:
+            The first observation, an element of ``observation_space``, and the info.
+
+        Raises:
+            gymnasium.error.Error: for a seed that is negative or no whole number.
+            ValueError: for an option with a bad value.
+        """
+        if seed is not None:
+            try:
+                seed = operator.index(seed)
+            except TypeError:
+                raise gymnasium.error.Error(
+                    f"Seed must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
+                ) from None
+        elif self._np_random_seed is None and not self._shown:
+            seed = entropy()
+        elif self._shown:
+            self._push_generator()
+        result = self._native.reset(None if seed is None else str(seed), to_json(options) if options else None)
+        if seed is not None:
+            self._np_random_seed = seed
+        if self._shown:
+            self._pull_generator()
+        return result
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Takes a step.
+
+        Args:
+            action: An element of ``action_space``, as Python's or numpy's number, array or list. Numbers beyond the bounds of
+                a ``Box`` are clipped or not, as Gymnasium's environment does.
+
+        Returns:
+            The next observation, the reward as ``float``, ``terminated`` and ``truncated`` as ``bool``, and the info.
+
+        Raises:
+            gymnasium.error.InvalidAction: for what is not an action; nothing has changed then.
+            gymnasium.error.ResetNeeded: before the first ``reset``.
+        """
+        if self._shown:
+            self._push_generator()
+            result = self._native.step(action)
+            self._pull_generator()
+            return result
+        return self._native.step(action)
+
+    def render(self) -> Any:
+        """The picture or text that the render mode asks for.
+
+        Returns:
+            For ``"rgb_array"`` a new ``uint8`` array of shape ``(height, width, 3)``, for ``"ansi"`` a ``str``, for
+            ``"human"``, which shows each reset and step in a window by itself, ``None``.
+        """
+        if self.render_mode is None:
+            hint = f"{self.spec.id}" if self.spec is not None else self.env_id
+            logger.warn(
+                "You are calling render method without specifying any render mode. You can specify the render_mode at "
+                f'initialization, e.g. gym.make("{hint}", render_mode="rgb_array")'
+            )
+            return None
+        return self._native.render()
+
+    def close(self) -> None:
+        """Ends the use of the environment; more than once is fine."""
+        self._native.close()
+
+    def get_state(self) -> str:
+        """The whole state, generator included, as JSON text: for planners, and to store."""
+        if self._shown:
+            self._push_generator()
+        return self._native.snapshot()
+
+    def set_state(self, state: str) -> None:
+        """Goes on from what ``get_state`` gave, of this environment or another with the same arguments.
+
+        Raises:
+            ValueError: for the state of something else; the environment is then as it was.
+        """
+        self._native.restore(state, True)
+        if self._shown:
+            self._pull_generator()
+
+    def _take_apart(self) -> tuple[list[Any], Any]:
+        """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
+        whole = json.loads(self.get_state())
+        inner = whole
+        while isinstance(inner[0], list):  # wrappers of the Rust side: `[what is within, their own]`
+            inner = inner[0]
+        return whole, inner[1]
+
+    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
+
+    @property
+    def _np_random(self) -> np.random.Generator | None:  # type: ignore[override]
+        if not self._shown:
+            if self._np_random_seed is None or self._native.generator() is None:
+                return None
+            self._generator, self._shown = np.random.Generator(np.random.PCG64(0)), True
+            self._pull_generator()
+        return self._generator
+
+    @_np_random.setter
+    def _np_random(self, generator: np.random.Generator | None) -> None:
+        if generator is None:
+            self._generator, self._shown = None, False
+            return
+        if not isinstance(generator.bit_generator, np.random.PCG64):
+            kind = type(generator.bit_generator).__name__
+            raise ValueError(
+                f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
+            )
+        self._generator, self._shown = generator, True
+        self._push_generator()
+
+    def _pull_generator(self) -> None:
+        """Brings the generator that somebody holds to where the environment's is."""
+        state = self._native.generator()
+        if state is None or self._generator is None:
+            return
+        words = json.loads(state)
+        half = words["half"]
+        self._generator.bit_generator.state = {
+            "bit_generator": "PCG64",
+            "state": {"state": int(words["state"], 16), "inc": int(words["increment"], 16)},
+            "has_uint32": int(half is not None),
+            "uinteger": half or 0,
+        }
+
+    def _push_generator(self) -> None:
+        """Brings the environment's generator to where the one is that somebody holds."""
+        if self._generator is None:
+            return
+        state = self._generator.bit_generator.state
+        words = {
+            "state": hex(state["state"]["state"]),
+            "increment": hex(state["state"]["inc"]),
+            "half": int(state["uinteger"]) if state["has_uint32"] else None,
+        }
+        self._native.set_generator(json.dumps(words))
+
+    # -- copies
+
+    def __copy__(self) -> Env:
+        twin = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
+        if self._shown:
+            self._push_generator()
+            twin.__dict__.update(_shown=False, _generator=None)
+        twin.__dict__["_native"] = self._native.__copy__()
+        return twin
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._constants or name in self.__dict__.get("arguments", ()):
+            logger.warn(
+                f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
+            )
+        super().__setattr__(name, value)
+
+
+def metadata_from(description: dict[str, Any]) -> dict[str, Any]:
+    """Gymnasium's metadata."""
+    return {"render_modes": list(description["render_modes"]), "render_fps": description["render_fps"]}
+
+
+def entropy() -> int:
+    """A seed from the operating system, as numpy takes it."""
+    seed = np.random.SeedSequence().entropy
+    assert isinstance(seed, int)
+    return seed

@@ -13,8 +13,8 @@ __all__ = ["space_from"]
 def _bound(bound: Any, shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
     """A bound of a box: one number for all elements, or a flat list; infinity is ``"inf"`` or ``"-inf"``."""
     numbers = [float(x) if isinstance(x, str) else x for x in (bound if isinstance(bound, list) else [bound])]
-    finite = all(isinstance(x, int) or np.isfinite(x) for x in numbers)
-    array = np.array(numbers, dtype=dtype if finite else np.float64)
+    infinite = dtype.kind in "iu" and any(isinstance(x, float) and np.isinf(x) for x in numbers)
+    array = np.array(numbers, dtype=np.float64 if infinite else dtype)
     return array.reshape(shape) if isinstance(bound, list) else np.full(shape, array[0], array.dtype)
 
 

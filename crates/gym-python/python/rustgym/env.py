@@ -13,6 +13,7 @@ from gymnasium import logger
 from rustgym import _native
 from rustgym._json import to_json
 from rustgym._spaces import space_from
+from rustgym._window import Window
 
 __all__ = ["Env"]
 
@@ -42,13 +43,13 @@ class Env(gymnasium.Env[Any, Any]):
 
     Args:
         env_id: An id of the Rust registry, without the namespace ``rustgym/``; ``rustgym.ids()`` lists them.
-        render_mode: ``None``, or one of ``metadata["render_modes"]``.
+        render_mode: ``None``, or one of ``metadata["render_modes"]``. In the mode ``"human"`` each reset and step shows a picture
+            in a window of its own; where none can be opened, in one of pygame, if that is installed.
         kwargs: The arguments of that environment, as Gymnasium names them.
 
     Raises:
         TypeError: for an argument that the environment does not have.
         ValueError: for an argument with a bad value.
-        gymnasium.error.UnsupportedMode: for a render mode that the environment does not have.
 
     Every call gives new arrays and dicts: nothing returned changes later. Copies (``copy.copy``, ``copy.deepcopy``, ``pickle``)
     can be made at any step and continue as the original does. One environment may be used from several threads; their calls
@@ -66,8 +67,10 @@ class Env(gymnasium.Env[Any, Any]):
     # names whose values are what the dynamics were made with: setting them changes nothing
     _constants: frozenset[str] = frozenset()
 
-    _shown = False  # whether somebody holds the generator, which then must follow each step
+    # whether steps have more to do than the native ones: follow the generator that somebody holds, or show a picture
+    _is_watched = False
     _generator: np.random.Generator | None = None
+    _window: Window | None = None
 
     def __init__(self, env_id: str, *, render_mode: str | None = None, **kwargs: Any) -> None:
         spec = spec_of(env_id)
@@ -78,6 +81,7 @@ class Env(gymnasium.Env[Any, Any]):
                 raise TypeError(f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and render_mode")
         self.env_id = env_id
         self.render_mode = render_mode
+        self._given = kwargs
         self._native = self._make_native(to_json(kwargs))
         description = json.loads(self._native.describe())
         if not self.metadata["render_modes"]:
@@ -101,7 +105,12 @@ class Env(gymnasium.Env[Any, Any]):
         return env
 
     def _make_native(self, kwargs: str) -> _native.Env:
-        return _native.Env(self.env_id, kwargs, self.render_mode)
+        mode = self.render_mode if self.render_mode in ("human", "rgb_array", "ansi") else None
+        try:
+            return _native.Env(self.env_id, kwargs, mode)
+        except gymnasium.error.UnsupportedMode:
+            # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
+            return _native.Env(self.env_id, kwargs, None)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Starts an episode.
@@ -125,16 +134,29 @@ class Env(gymnasium.Env[Any, Any]):
                 raise gymnasium.error.Error(
                     f"Seed must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
                 ) from None
-        elif self._np_random_seed is None and not self._shown:
-            seed = entropy()
-        elif self._shown:
+        elif self._generator is not None:
             self._push_generator()
-        result = self._native.reset(None if seed is None else str(seed), to_json(options) if options else None)
+        elif self._np_random_seed is None:
+            seed = entropy()
+        arguments = None if seed is None else str(seed), to_json(options) if options else None
+        try:
+            result = self._native.reset(*arguments)
+        except gymnasium.error.UnsupportedMode as error:
+            self._open_window(str(error))
+            result = self._native.reset(*arguments)
         if seed is not None:
             self._np_random_seed = seed
-        if self._shown:
-            self._pull_generator()
+        if self._is_watched:
+            self._follow()
         return result
+
+    def _open_window(self, reason: str) -> None:
+        """Goes on with a window of pygame, where no other can be opened."""
+        self._window = Window(self.env_id, self.metadata["render_fps"], reason)
+        snapshot = self._native.snapshot()
+        self._native = _native.Env(self.env_id, to_json(self._given), "rgb_array")
+        self._native.restore(snapshot, False)
+        self._is_watched = True
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Takes a step.
@@ -150,12 +172,18 @@ class Env(gymnasium.Env[Any, Any]):
             gymnasium.error.InvalidAction: for what is not an action; nothing has changed then.
             gymnasium.error.ResetNeeded: before the first ``reset``.
         """
-        if self._shown:
+        if self._is_watched:
             self._push_generator()
             result = self._native.step(action)
-            self._pull_generator()
+            self._follow()
             return result
         return self._native.step(action)
+
+    def _follow(self) -> None:
+        """Brings what is seen from outside to where the environment is."""
+        self._pull_generator()
+        if self._window is not None:
+            self._window.show(self._native.render())
 
     def render(self) -> Any:
         """The picture or text that the render mode asks for.
@@ -171,16 +199,20 @@ class Env(gymnasium.Env[Any, Any]):
                 f'initialization, e.g. gym.make("{hint}", render_mode="rgb_array")'
             )
             return None
-        return self._native.render()
+        if self.render_mode not in self.metadata["render_modes"]:
+            modes = ", ".join(self.metadata["render_modes"])
+            raise gymnasium.error.UnsupportedMode(f"{self.env_id} cannot render as {self.render_mode}: its modes are {modes}")
+        return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:
         """Ends the use of the environment; more than once is fine."""
         self._native.close()
+        if self._window is not None:
+            self._window.close()
 
     def get_state(self) -> str:
         """The whole state, generator included, as JSON text: for planners, and to store."""
-        if self._shown:
-            self._push_generator()
+        self._push_generator()
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
@@ -190,8 +222,7 @@ class Env(gymnasium.Env[Any, Any]):
             ValueError: for the state of something else; the environment is then as it was.
         """
         self._native.restore(state, True)
-        if self._shown:
-            self._pull_generator()
+        self._follow()
 
     def _take_apart(self) -> tuple[list[Any], Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
@@ -205,30 +236,27 @@ class Env(gymnasium.Env[Any, Any]):
 
     @property
     def _np_random(self) -> np.random.Generator | None:  # type: ignore[override]
-        if not self._shown:
-            if self._np_random_seed is None or self._native.generator() is None:
-                return None
-            self._generator, self._shown = np.random.Generator(np.random.PCG64(0)), True
+        if self._generator is None and self._np_random_seed is not None and self._native.generator() is not None:
+            self._generator, self._is_watched = np.random.Generator(np.random.PCG64(0)), True
             self._pull_generator()
         return self._generator
 
     @_np_random.setter
     def _np_random(self, generator: np.random.Generator | None) -> None:
         if generator is None:
-            self._generator, self._shown = None, False
+            self._generator, self._is_watched = None, self._window is not None
             return
         if not isinstance(generator.bit_generator, np.random.PCG64):
             kind = type(generator.bit_generator).__name__
             raise ValueError(
                 f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
             )
-        self._generator, self._shown = generator, True
+        self._generator, self._is_watched = generator, True
         self._push_generator()
 
     def _pull_generator(self) -> None:
         """Brings the generator that somebody holds to where the environment's is."""
-        state = self._native.generator()
-        if state is None or self._generator is None:
+        if self._generator is None or (state := self._native.generator()) is None:
             return
         words = json.loads(state)
         half = words["half"]
@@ -255,12 +283,14 @@ class Env(gymnasium.Env[Any, Any]):
 
     def __copy__(self) -> Env:
         twin = object.__new__(type(self))
-        twin.__dict__.update(self.__dict__)
-        if self._shown:
-            self._push_generator()
-            twin.__dict__.update(_shown=False, _generator=None)
-        twin.__dict__["_native"] = self._native.__copy__()
+        self._push_generator()
+        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}
+        twin.__dict__.update(self.__dict__, **apart)
         return twin
+
+    def __getstate__(self) -> dict[str, Any]:
+        self._push_generator()
+        return {**self.__dict__, "_window": None, "_is_watched": self._generator is not None}
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self._constants or name in self.__dict__.get("arguments", ()):

@@ -46,7 +46,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned
             is valid until the call after next, which is enough for ``obs, next_obs`` and saves some allocations.
         max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
-        render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with one picture for each.
+        render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
 
     ``reset(seed=s)`` seeds environment ``i`` with ``s + i``, as Gymnasium's ``SyncVectorEnv`` does.
@@ -85,7 +85,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             num_envs,
             kind,
             to_json(kwargs),
-            render_mode,
+            render_mode and render_mode.removesuffix("_list"),
             max_episode_steps,
             self.autoreset_mode.value,
             threads,

@@ -79,16 +79,6 @@ class CarRacing(Box2DEnv):
 
     _id = "CarRacing-v3"
 
-    def _make_native(self, kwargs: str) -> Any:
-        mode = self.render_mode
-        if mode != "state_pixels":
-            return super()._make_native(kwargs)
-        self.render_mode = None
-        try:
-            return super()._make_native(kwargs)
-        finally:
-            self.render_mode = mode
-
     def render(self) -> Any:
         """As ``Env.render``; for ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
         return self._native.observation() if self.render_mode == "state_pixels" else super().render()

@@ -23,6 +23,7 @@ vectors to Stable-Baselines3.
 from __future__ import annotations
 
 import os
+import sys
 from typing import Any
 
 import gymnasium
@@ -33,7 +34,7 @@ from rustgym._native import PanicError
 from rustgym.env import Env
 from rustgym.registration import ids, make, make_vec, register, spec
 from rustgym.registration import _classes as _make_classes
-from rustgym.vector import VectorEnv
+from rustgym.vector_env import VectorEnv
 
 __version__ = _native.__version__
 
@@ -44,6 +45,10 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_native.after_fork_in_child)
 
 register()
+
+# `from rustgym.wrappers import ...`: the modules of Gymnasium that we have nothing in the place of
+for _name in ("error", "logger", "spaces", "utils", "vector", "wrappers"):
+    sys.modules[f"rustgym.{_name}"] = getattr(gymnasium, _name)
 
 #: What stands in for the classes and functions that programs import from ``gymnasium.envs``.
 CLASSES: dict[str, Any] = _make_classes()

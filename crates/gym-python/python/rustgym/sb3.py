@@ -17,7 +17,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv as BaseVecEnv
 
-from rustgym.vector import VectorEnv
+from rustgym.vector_env import VectorEnv
 
 __all__ = ["VecEnv"]
 

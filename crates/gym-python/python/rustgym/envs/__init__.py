@@ -23,7 +23,7 @@ from rustgym.envs.classic_control import (
     PendulumEnv,
 )
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
-from rustgym.vector import VectorEnv
+from rustgym.vector_env import VectorEnv
 
 __all__ = [
     "AcrobotEnv",

@@ -58,6 +58,17 @@ gym.register(id="Mine-v1", entry_point="rustgym.envs:CartPole_v1")
 assert gym.make("Mine-v1").spec.id == "Mine-v1" and gym.spec("Mine-v0").id == "Mine-v0"
 assert gym.make_vec("CartPole-v1", 4).num_envs == 4
 from rustgym.wrappers import TimeLimit
+import numpy as np
+from gymnasium.utils.env_checker import check_env
+class Mine(gym.Env):
+    observation_space, action_space = gym.spaces.Box(0, 1, (2,)), gym.spaces.Discrete(2)
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return self.np_random.random(2, np.float32), {}
+    def step(self, action):
+        return self.np_random.random(2, np.float32), 0.0, False, False, {}
+check_env(Mine())
+Mine().close()
 from rustgym.spaces import Box
 print(gym.__version__)
 """

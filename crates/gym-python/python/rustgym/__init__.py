@@ -27,9 +27,25 @@ import sys
 from typing import Any
 
 import gymnasium
-from gymnasium import *  # noqa: F403 - what we do not define is Gymnasium's
+from gymnasium import (  # what we do not define is Gymnasium's
+    ActionWrapper,
+    ObservationWrapper,
+    RewardWrapper,
+    Space,
+    VectorizeMode,
+    Wrapper,
+    error,
+    logger,
+    pprint_registry,
+    register_envs,
+    spaces,
+    utils,
+    vector,
+    wrappers,
+)
 
-from rustgym import _native, envs
+from rustgym import _native
+from rustgym import envs as envs
 from rustgym._native import PanicError
 from rustgym.env import Env
 from rustgym.registration import ids, make, make_vec, register, spec
@@ -38,7 +54,32 @@ from rustgym.vector_env import VectorEnv
 
 __version__ = _native.__version__
 
-__all__ = ["CLASSES", "Env", "PanicError", "VectorEnv", "envs", "ids", "make", "make_vec", "register", "spec"]
+__all__ = [
+    "CLASSES",
+    "ActionWrapper",
+    "Env",
+    "ObservationWrapper",
+    "PanicError",
+    "RewardWrapper",
+    "Space",
+    "VectorEnv",
+    "VectorizeMode",
+    "Wrapper",
+    "envs",
+    "error",
+    "ids",
+    "logger",
+    "make",
+    "make_vec",
+    "pprint_registry",
+    "register",
+    "register_envs",
+    "spaces",
+    "spec",
+    "utils",
+    "vector",
+    "wrappers",
+]
 
 # a child process has no threads but the one that forked: what needs others says so instead of waiting for them
 if hasattr(os, "register_at_fork"):

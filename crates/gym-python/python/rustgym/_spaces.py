@@ -45,7 +45,7 @@ def space_from(description: dict[str, Any] | None) -> spaces.Space[Any]:
             return spaces.Sequence(space_from(d["feature"]), stack=d["stack"])
         case "Graph":
             edges = d["edge_space"]
-            return spaces.Graph(space_from(d["node_space"]), space_from(edges) if edges else None)  # type: ignore[arg-type]
+            return spaces.Graph(space_from(d["node_space"]), space_from(edges) if edges else None)
         case "OneOf":
             return spaces.OneOf([space_from(member) for member in d["spaces"]])
         case kind:

@@ -10,14 +10,14 @@ import gymnasium
 import numpy as np
 from gymnasium import logger
 
-from rustgym import _native
+from rustgym import _native as native
 from rustgym._json import to_json
 from rustgym._spaces import space_from
 from rustgym._window import Window
 
 __all__ = ["Env"]
 
-_SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(_native.specs())}
+_SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
 
 
 def spec_of(env_id: str) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def spec_of(env_id: str) -> dict[str, Any]:
     try:
         return _SPECS[env_id]
     except KeyError:
-        _native.describe(env_id)  # raises, and says what is near the name
+        native.describe(env_id)  # raises, and says what is near the name
         raise
 
 
@@ -51,6 +51,8 @@ class Env(gymnasium.Env[Any, Any]):
         TypeError: for an argument that the environment does not have.
         ValueError: for an argument with a bad value.
 
+    A class of your own may have this one as its base, as it would have ``gymnasium.Env``: without an id it has Gymnasium's methods.
+
     Every call gives new arrays and dicts: nothing returned changes later. Copies (``copy.copy``, ``copy.deepcopy``, ``pickle``)
     can be made at any step and continue as the original does. One environment may be used from several threads; their calls
     come one after the other.
@@ -67,12 +69,19 @@ class Env(gymnasium.Env[Any, Any]):
     # names whose values are what the dynamics were made with: setting them changes nothing
     _constants: frozenset[str] = frozenset()
 
-    # whether steps have more to do than the native ones: follow the generator that somebody holds, or show a picture
-    _is_watched = False
+    # whether a step has more to do than the native one: follow the generator that somebody holds, or show a picture
+    _is_watched = True
     _generator: np.random.Generator | None = None
     _window: Window | None = None
 
-    def __init__(self, env_id: str, *, render_mode: str | None = None, **kwargs: Any) -> None:
+    # None in a class of somebody's own, which brings its own `reset` and `step`
+    _native: native.Env = None  # type: ignore[assignment]
+
+    def __init__(self, env_id: str | None = None, *, render_mode: str | None = None, **kwargs: Any) -> None:
+        if env_id is None:
+            if type(self) is Env or kwargs:
+                raise TypeError("rustgym.Env needs an id, such as \"CartPole-v1\": rustgym.ids() lists them")
+            return
         spec = spec_of(env_id)
         defaults = spec["defaults"]
         for name in kwargs:
@@ -82,6 +91,7 @@ class Env(gymnasium.Env[Any, Any]):
         self.env_id = env_id
         self.render_mode = render_mode
         self._given = kwargs
+        self._is_watched = False
         self._native = self._make_native(to_json(kwargs))
         description = json.loads(self._native.describe())
         if not self.metadata["render_modes"]:
@@ -94,23 +104,22 @@ class Env(gymnasium.Env[Any, Any]):
                 self.__dict__[name] = value
 
     @staticmethod
-    def _of(native: _native.Env, env_id: str, render_mode: str | None) -> Env:
+    def _of(inner: native.Env, env_id: str, render_mode: str | None) -> Env:
         """The environment around a native one, which may have wrappers of the Rust side."""
-        from rustgym import envs
+        import rustgym.envs as envs
 
-        cls: type[Env] = getattr(envs, envs.class_name(env_id))
-        env = cls(render_mode=render_mode)
-        env._native = native
+        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode)
+        env._native = inner
         env._np_random_seed = -1
         return env
 
-    def _make_native(self, kwargs: str) -> _native.Env:
+    def _make_native(self, kwargs: str) -> native.Env:
         mode = self.render_mode if self.render_mode in ("human", "rgb_array", "ansi") else None
         try:
-            return _native.Env(self.env_id, kwargs, mode)
+            return native.Env(self.env_id, kwargs, mode)
         except gymnasium.error.UnsupportedMode:
             # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
-            return _native.Env(self.env_id, kwargs, None)
+            return native.Env(self.env_id, kwargs, None)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Starts an episode.
@@ -127,6 +136,8 @@ class Env(gymnasium.Env[Any, Any]):
             gymnasium.error.Error: for a seed that is negative or no whole number.
             ValueError: for an option with a bad value.
         """
+        if self._native is None:
+            return super().reset(seed=seed, options=options)
         if seed is not None:
             try:
                 seed = operator.index(seed)
@@ -154,7 +165,7 @@ class Env(gymnasium.Env[Any, Any]):
         """Goes on with a window of pygame, where no other can be opened."""
         self._window = Window(self.env_id, self.metadata["render_fps"], reason)
         snapshot = self._native.snapshot()
-        self._native = _native.Env(self.env_id, to_json(self._given), "rgb_array")
+        self._native = native.Env(self.env_id, to_json(self._given), "rgb_array")
         self._native.restore(snapshot, False)
         self._is_watched = True
 
@@ -173,11 +184,18 @@ class Env(gymnasium.Env[Any, Any]):
             gymnasium.error.ResetNeeded: before the first ``reset``.
         """
         if self._is_watched:
-            self._push_generator()
-            result = self._native.step(action)
-            self._follow()
-            return result
+            return self._watched_step(action)
         return self._native.step(action)
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        result: tuple[Any, float, bool, bool, dict[str, Any]]
+        if self._native is None:
+            result = super().step(action)  # raises NotImplementedError
+            return result
+        self._push_generator()
+        result = self._native.step(action)
+        self._follow()
+        return result
 
     def _follow(self) -> None:
         """Brings what is seen from outside to where the environment is."""
@@ -192,6 +210,8 @@ class Env(gymnasium.Env[Any, Any]):
             For ``"rgb_array"`` a new ``uint8`` array of shape ``(height, width, 3)``, for ``"ansi"`` a ``str``, for
             ``"human"``, which shows each reset and step in a window by itself, ``None``.
         """
+        if self._native is None:
+            return super().render()
         if self.render_mode is None:
             hint = f"{self.spec.id}" if self.spec is not None else self.env_id
             logger.warn(
@@ -206,7 +226,8 @@ class Env(gymnasium.Env[Any, Any]):
 
     def close(self) -> None:
         """Ends the use of the environment; more than once is fine."""
-        self._native.close()
+        if self._native is not None:
+            self._native.close()
         if self._window is not None:
             self._window.close()
 
@@ -235,8 +256,9 @@ class Env(gymnasium.Env[Any, Any]):
     # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
 
     @property
-    def _np_random(self) -> np.random.Generator | None:  # type: ignore[override]
-        if self._generator is None and self._np_random_seed is not None and self._native.generator() is not None:
+    def _np_random(self) -> np.random.Generator | None:
+        has_one = self._native is not None and self._np_random_seed is not None and self._native.generator() is not None
+        if self._generator is None and has_one:
             self._generator, self._is_watched = np.random.Generator(np.random.PCG64(0)), True
             self._pull_generator()
         return self._generator
@@ -246,7 +268,7 @@ class Env(gymnasium.Env[Any, Any]):
         if generator is None:
             self._generator, self._is_watched = None, self._window is not None
             return
-        if not isinstance(generator.bit_generator, np.random.PCG64):
+        if self._native is not None and not isinstance(generator.bit_generator, np.random.PCG64):
             kind = type(generator.bit_generator).__name__
             raise ValueError(
                 f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
@@ -269,7 +291,7 @@ class Env(gymnasium.Env[Any, Any]):
 
     def _push_generator(self) -> None:
         """Brings the environment's generator to where the one is that somebody holds."""
-        if self._generator is None:
+        if self._generator is None or self._native is None:
             return
         state = self._generator.bit_generator.state
         words = {
@@ -282,6 +304,8 @@ class Env(gymnasium.Env[Any, Any]):
     # -- copies
 
     def __copy__(self) -> Env:
+        if self._native is None:
+            raise TypeError(f"{type(self).__name__} has no state of ours to copy: use copy.deepcopy")
         twin = object.__new__(type(self))
         self._push_generator()
         apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}

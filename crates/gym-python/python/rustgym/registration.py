@@ -112,7 +112,7 @@ def registry() -> dict[str, EnvSpec]:
 
 
 def _classes() -> dict[str, Any]:
-    from rustgym import envs
+    import rustgym.envs as envs
 
     where = {
         "classic_control": ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"],

@@ -102,7 +102,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
-    def reset(  # type: ignore[override]
+    def reset(
         self,
         *,
         seed: int | Sequence[int | None] | None = None,
@@ -179,7 +179,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         for index, info in zip(ids, infos, strict=True):
             columns = self._add_info(columns, info, index)
         columns["env_id"] = np.array(ids)
-        return (*results, columns)  # type: ignore[return-value]
+        return (*results, columns)
 
     def render(self) -> tuple[Any, ...] | None:
         """The picture or text of each environment."""

@@ -21,7 +21,7 @@ class Box2DEnv(Env):
         super().__init__(self._id, render_mode=render_mode, **kwargs)
 
     def _episode(self) -> dict[str, Any]:
-        _, episode = self._take_apart()
+        episode: dict[str, Any] | None = self._take_apart()[1]
         if episode is None:
             raise AttributeError(f"{self.env_id} has no state before the first reset")
         return episode

@@ -67,7 +67,7 @@ class Mine(gym.Env):
         return self.np_random.random(2, np.float32), {}
     def step(self, action):
         return self.np_random.random(2, np.float32), 0.0, False, False, {}
-check_env(Mine())
+check_env(Mine(), skip_render_check=True)
 Mine().close()
 from rustgym.spaces import Box
 print(gym.__version__)

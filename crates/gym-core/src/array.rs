@@ -291,7 +291,7 @@ impl Array {
     }
 
     /// Overwrites each number with an integer.
-    pub(crate) fn fill_int(&mut self, i: i64) {
+    pub fn fill_int(&mut self, i: i64) {
         with_type!(self.dtype(), T => {
             self.as_mut_slice::<T>().unwrap_or_default().fill(T::cast(Number::Int(i.into())));
         });

@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 
+use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
 
 use crate::Space;
@@ -193,6 +194,15 @@ impl Error {
     /// [`Error::Io`] of a file.
     pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
         Self::Io { path: path.display().to_string(), source }
+    }
+}
+
+impl From<SeedError> for Error {
+    fn from(error: SeedError) -> Self {
+        match error {
+            SeedError::Invalid(text) => Self::InvalidSeed(text),
+            error => Self::Custom(error.to_string()),
+        }
     }
 }
 

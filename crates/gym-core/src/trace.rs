@@ -121,7 +121,7 @@ impl TryFrom<&ResetRequest> for VectorReset {
             Some(list) if list.get().starts_with('[') => {
                 let list: Vec<Option<&RawValue>> = serde_json::from_str(list.get()).map_err(invalid)?;
                 let seeds = list.into_iter().map(|seed| seed.map(|digits| digits.get().parse()).transpose());
-                Seeds::Each(seeds.collect::<Result<_>>()?)
+                Seeds::Each(seeds.collect::<Result<_, _>>()?)
             }
             Some(digits) => Seeds::From(digits.get().parse()?),
         };

@@ -222,7 +222,7 @@ impl Vector {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
         let one = crate::env::reset_of(seed, options).or_raise()?;
         let each = seeds.map(|seeds| {
-            let seeds = seeds.into_iter().map(|seed| seed.map(|seed| seed.parse::<Seed>()).transpose());
+            let seeds = seeds.into_iter().map(|seed| seed.map(|seed| Ok(seed.parse::<Seed>()?)).transpose());
             seeds.collect::<gym::Result<Vec<_>>>()
         });
         let seeds = match each.transpose().or_raise()? {

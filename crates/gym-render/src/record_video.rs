@@ -5,9 +5,7 @@ use std::path::Path;
 
 use gym_core::registry::WrapperRegistration;
 use gym_core::render::{Frame, RenderMode, Rendered};
-use gym_core::{
-    BoxEnv, Env, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory,
-};
+use gym_core::{BoxEnv, Env, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory};
 
 use crate::recorder::not_frames;
 use crate::tape::{Tape, tape_options};
@@ -48,7 +46,7 @@ inventory::submit! {
 /// # }
 /// ```
 #[derive(Clone)]
-pub struct RecordVideo<E: Env> {
+pub struct RecordVideo<E: Env = BoxEnv> {
     env: E,
     tape: Tape,
     /// Frames taken out of the environment's list, until `render` hands them over.
@@ -70,6 +68,16 @@ impl<E: Env> RecordVideo<E> {
     }
 
     tape_options!();
+
+    /// The environment within.
+    pub fn get_ref(&self) -> &E {
+        &self.env
+    }
+
+    /// The environment within, to change it.
+    pub fn get_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     /// The environment within; a running recording ends.
     pub fn into_inner(mut self) -> E {
@@ -139,9 +147,18 @@ pub(crate) fn check_mode(target: String, mode: Option<RenderMode>) -> Result<()>
     }
 }
 
-impl<E: Env> Env for RecordVideo<E> {
+impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
+    type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;
+
+    fn inner(&self) -> &E {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -160,12 +177,6 @@ impl<E: Env> Env for RecordVideo<E> {
         Ok(outcome)
     }
 
-    fn render(&mut self) -> Result<Rendered> {
-        let mut rendered = Rendered::Shown;
-        self.render_into(&mut rendered)?;
-        Ok(rendered)
-    }
-
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.env.render_into(rendered)?;
         if let Rendered::Frames(frames) = rendered {
@@ -181,7 +192,7 @@ impl<E: Env> Env for RecordVideo<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         if self.tape.episode_trigger.is_some() || self.tape.step_trigger.is_some() {
             return None;
         }
@@ -192,17 +203,13 @@ impl<E: Env> Env for RecordVideo<E> {
             .arg("name_prefix", self.tape.name_prefix.as_str())
             .arg("fps", self.tape.fps)
             .arg("extension", self.tape.extension.as_str());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        Some(wrapper)
     }
 
     fn close(&mut self) {
         self.tape.stop();
         self.env.close();
     }
-
-    gym_core::forward!(
-        env: observation_space, action_space, snapshot, info, metadata, draw, ansi, base, generator, describe
-    );
 }
 
 impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {

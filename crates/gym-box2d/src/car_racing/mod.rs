@@ -483,7 +483,7 @@ impl Configure for CarRacing {
     }
 }
 
-/// Exceptions to the checks of `gym_core::conform`.
+/// Exceptions to the checks of gym-conform.
 const EXCEPTIONS: &[(&str, &str)] =
     &[("no-allocation", "the observation is a picture, and the rasteriser allocates its paths")];
 

@@ -134,7 +134,7 @@ impl Registration {
         self
     }
 
-    /// Checks of [`conform`](crate::conform) that this id may fail, each with the reason.
+    /// Checks of the crate gym-conform that this id may fail, each with the reason.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
         self.exceptions = exceptions;
@@ -165,12 +165,12 @@ impl Registration {
         self.description
     }
 
-    /// The checks of [`conform`](crate::conform) that this id may fail, each with the reason.
-    pub(crate) fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
+    /// The checks of the crate gym-conform that this id may fail, each with the reason.
+    pub fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
         self.exceptions
     }
 
-    /// Why this id may fail a check of [`conform`](crate::conform), if it may.
+    /// Why this id may fail a check of the crate gym-conform, if it may.
     pub fn exception(&self, check: &str) -> Option<&'static str> {
         self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
     }

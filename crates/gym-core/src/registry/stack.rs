@@ -52,9 +52,18 @@ struct Registered<E> {
     spec: Arc<EnvSpec>,
 }
 
-impl<E: Env> Env for Registered<E> {
+impl<E: Env> crate::Wrapper for Registered<E> {
+    type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;
+
+    fn inner(&self) -> &E {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)
@@ -72,9 +81,4 @@ impl<E: Env> Env for Registered<E> {
     fn describe(&self) -> String {
         format!("{}<{}>", self.env.describe(), self.spec.id)
     }
-
-    crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
-        generator, close
-    );
 }

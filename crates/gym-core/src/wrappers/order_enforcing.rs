@@ -1,10 +1,10 @@
 use crate::render::Rendered;
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
 /// Refuses to step or render before the first reset and after `close`, whatever the environment
 /// would do.
 #[derive(Clone, Debug)]
-pub struct OrderEnforcing<E> {
+pub struct OrderEnforcing<E = BoxEnv> {
     env: E,
     stage: Stage,
 }
@@ -16,15 +16,12 @@ enum Stage {
     Closed,
 }
 
+super::reach!(OrderEnforcing<E>);
+
 impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
         Self { env, stage: Stage::Made }
-    }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
     }
 
     fn check(&self, call: &'static str) -> Result<()> {
@@ -36,9 +33,11 @@ impl<E: Env> OrderEnforcing<E> {
     }
 }
 
-impl<E: Env> Env for OrderEnforcing<E> {
+impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         if self.stage == Stage::Closed {
@@ -52,11 +51,6 @@ impl<E: Env> Env for OrderEnforcing<E> {
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.check("step")?;
         self.env.step_into(action, observation)
-    }
-
-    fn render(&mut self) -> Result<Rendered> {
-        self.check("render")?;
-        self.env.render()
     }
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
@@ -83,6 +77,4 @@ impl<E: Env> Env for OrderEnforcing<E> {
     fn spec(&self) -> Option<EnvSpec> {
         self.env.spec().map(|spec| EnvSpec { order_enforce: true, ..spec })
     }
-
-    crate::forward!(env: observation_space, action_space, info, metadata, draw, ansi, base, generator, describe);
 }

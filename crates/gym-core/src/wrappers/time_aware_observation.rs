@@ -1,6 +1,6 @@
 use crate::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
 use crate::{
-    Array, DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    Array, BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
 /// Adds the number of steps taken in the episode to the observation.
@@ -8,7 +8,7 @@ use crate::{
 /// To a dict it is added under a key, to a tuple as its last member; anything else becomes a dict of
 /// `obs` and `time`. All this is then flattened to one row of numbers, unless told otherwise.
 #[derive(Clone, Debug)]
-pub struct TimeAwareObservation<E> {
+pub struct TimeAwareObservation<E = BoxEnv> {
     env: E,
     max_timesteps: u32,
     timesteps: u32,
@@ -27,6 +27,8 @@ struct Options {
     normalize_time: bool,
     dict_time_key: String,
 }
+
+super::reach!(TimeAwareObservation<E>);
 
 impl<E: Env> TimeAwareObservation<E> {
     /// Adds the time to the observations of `env`, which has a time limit in its [`spec`](Env::spec).
@@ -143,11 +145,6 @@ impl<E: Env> TimeAwareObservation<E> {
         self.max_timesteps
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     fn observe(&mut self, out: &mut Value) -> Result<()> {
         let time = f64::from(self.timesteps);
         let time = if self.options.normalize_time { time / f64::from(self.max_timesteps) } else { time };
@@ -195,9 +192,11 @@ impl<E: Env> TimeAwareObservation<E> {
     }
 }
 
-impl<E: Env> Env for TimeAwareObservation<E> {
+impl<E: Env> crate::Wrapper for TimeAwareObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -229,15 +228,12 @@ impl<E: Env> Env for TimeAwareObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("TimeAwareObservation")
-            .arg("flatten", self.options.flatten)
-            .arg("normalize_time", self.options.normalize_time)
-            .arg("dict_time_key", self.options.dict_time_key.as_str());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("TimeAwareObservation")
+                .arg("flatten", self.options.flatten)
+                .arg("normalize_time", self.options.normalize_time)
+                .arg("dict_time_key", self.options.dict_time_key.as_str()),
+        )
     }
-
-    crate::forward!(
-        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

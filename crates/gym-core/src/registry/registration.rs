@@ -6,9 +6,9 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
-use super::stack::stack;
+use super::stack::{Renders, stack};
+use crate::render::RenderMode;
 use crate::vector::{Autoreset, VectorEnv};
-
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -24,6 +24,16 @@ pub trait Configure: Env {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn configure(config: Self::Config) -> Result<Self>;
+
+    /// The environment that renders by itself in a mode, where [`render_into`](Env::render_into) is its own: `make`
+    /// then puts no [`Render`](crate::wrappers::Render) around it. `None`, by default, for those that are drawn.
+    ///
+    /// # Errors
+    /// As [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
+    fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
+        let _ = (config, mode);
+        Ok(None)
+    }
 }
 
 /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
@@ -58,6 +68,7 @@ pub struct Registration {
     nondeterministic: bool,
     without_arguments: bool,
     exceptions: &'static [(&'static str, &'static str)],
+    needs: Option<(&'static str, fn() -> bool)>,
     defaults: fn() -> Json,
     construct: fn(&EnvSpec) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
@@ -85,6 +96,7 @@ impl Registration {
             nondeterministic: false,
             without_arguments: false,
             exceptions: &[],
+            needs: None,
             defaults: defaults::<E>,
             construct: construct::<E>,
             vector_entry_point: None,
@@ -141,6 +153,14 @@ impl Registration {
         self
     }
 
+    /// Says what the environment needs that no crate brings, as in `ROMs`, and how to see whether it is there. Whatever goes
+    /// through the whole registry passes over such environments, or says what they need.
+    #[must_use]
+    pub const fn needs(mut self, what: &'static str, is_there: fn() -> bool) -> Self {
+        self.needs = Some((what, is_there));
+        self
+    }
+
     /// Says that the same seed can give different episodes.
     #[must_use]
     pub const fn nondeterministic(mut self) -> Self {
@@ -170,7 +190,17 @@ impl Registration {
         self.exceptions
     }
 
-    /// Why this id may fail a check of the crate gym-conform, if it may.
+    /// What it needs that no crate brings, if it needs something.
+    pub fn requirement(&self) -> Option<&'static str> {
+        self.needs.map(|(what, _)| what)
+    }
+
+    /// What it needs and is not there.
+    pub fn missing(&self) -> Option<&'static str> {
+        self.needs.filter(|(_, is_there)| !is_there()).map(|(what, _)| what)
+    }
+
+    /// Why this id may fail a check of [`conform`](crate::conform), if it may.
     pub fn exception(&self, check: &str) -> Option<&'static str> {
         self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
     }
@@ -239,8 +269,13 @@ fn defaults<E: Configure>() -> Json {
 
 fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
     let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
-    let config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
-    stack(E::configure(config)?, spec)
+    let config = || serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid);
+    if let Some(mode) = spec.render_mode
+        && let Some(env) = E::configure_to_render(config()?, mode.single())?
+    {
+        return stack(env, Renders::Itself, spec);
+    }
+    stack(E::configure(config()?)?, Renders::Drawings, spec)
 }
 
 /// Registers an environment when its crate is linked.

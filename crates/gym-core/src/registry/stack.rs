@@ -6,13 +6,21 @@ use super::EnvSpec;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
+/// Who makes an environment's pictures.
+pub(super) enum Renders {
+    /// The environment.
+    Itself,
+    /// The wrapper `Render`, from what the environment draws.
+    Drawings,
+}
+
 /// The environment of a spec in its stack, from the inside: `Render` if there is a render mode,
 /// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
-pub(super) fn stack<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
+pub(super) fn stack<E: Env>(env: E, renders: Renders, spec: &EnvSpec) -> Result<BoxEnv> {
     // the wrappers add themselves to the spec again
     let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec.clone() };
     let env = Registered { env, spec: Arc::new(bare) };
-    let Some(mode) = spec.render_mode else { return guarded(env, spec) };
+    let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else { return guarded(env, spec) };
     let mut render = Render::new(env, mode.single())?;
     if let Some((width, height)) = spec.render_size {
         render = render.with_size(width, height)?;

@@ -64,6 +64,7 @@ mod documents {
         Readme: "README.md",
         Rendering: "docs/rendering.md",
         Spaces: "docs/spaces.md",
+        Training: "docs/training.md",
         Vectors: "docs/vectors.md",
         Wrappers: "docs/wrappers.md",
     }

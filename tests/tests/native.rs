@@ -35,14 +35,7 @@ fn spec(id: &str, arguments: impl Into<Json>) -> EnvSpec {
 }
 
 fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn VectorEnv>> {
-    let spec = VectorSpec {
-        env: spec.clone(),
-        num_envs: n,
-        vectorization_mode: VectorKind::Native,
-        autoreset_mode: autoreset,
-        threads: None,
-    };
-    spec.make()
+    VectorSpec::new(spec.clone(), n, VectorKind::Native).autoreset(autoreset).make()
 }
 
 /// Scalar environments, reset as a vector's.
@@ -235,7 +228,7 @@ struct Bound {
     reward: f64,
 }
 
-/// Compares each of a million steps with one of the exact scalar dynamics from the same state. `options`
+/// Compares each of many steps with one of the exact scalar dynamics from the same state. `options`
 /// let episodes start anywhere; those that autoreset starts begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(
     config: D::Config,
@@ -244,7 +237,7 @@ fn compare_steps<D, const K: usize, const O: usize>(
 ) where
     D: Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
 {
-    const STEPS: usize = 1_000_000;
+    const STEPS: usize = 200_000;
     const N: usize = 1000;
     let dynamics = D::new(config).unwrap();
     let mut envs = NativeVectorEnv::new(dynamics.clone(), N, Some(150), Autoreset::NextStep).unwrap();
@@ -563,7 +556,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
         for actions in
             [Value::Null, Value::Int(0), Value::Array([0i64, 0].into()), Value::Array([0.0f64; 3].into())]
         {
-            assert!(refused(id, &actions).contains("array of just this shape and type"), "{id}");
+            assert!(refused(id, &actions).contains("is not an element of a batch of"), "{id}");
         }
         let (bad, index) = if ["MountainCarContinuous-v0", "Pendulum-v1"].contains(id) {
             (vec![boxed([0.0, 0.0, f32::NAN]), boxed([0.0, 0.0, f32::INFINITY])], 2)
@@ -605,7 +598,7 @@ fn environments_without_an_episode_are_named() {
     let before = columns.clone();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
     assert!(
-        error.to_string().starts_with(&format!("sub-environment {over}: its episode has ended")),
+        error.to_string().starts_with(&format!("sub-environment {over}: the episode has ended")),
         "{error}"
     );
     assert_eq!(columns, before);

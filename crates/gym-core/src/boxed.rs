@@ -4,9 +4,9 @@ use std::any::{Any, TypeId};
 use std::fmt;
 
 use crate::canvas::Canvas;
-use crate::render::{Metadata, Rendered};
+use crate::render::{Metadata, RenderMode, Rendered};
 use crate::wrapper::forward;
-use crate::{Element, Env, EnvSpec, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// An environment whose type is erased, with [`Value`]s for observations and actions.
 ///
@@ -55,6 +55,7 @@ trait Erased: Send {
     fn metadata(&self) -> Metadata;
     fn draw(&self, canvas: &mut dyn Canvas);
     fn ansi(&self) -> Option<String>;
+    fn render_mode(&self) -> Option<RenderMode>;
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()>;
     fn spec(&self) -> Option<EnvSpec>;
     fn describe(&self) -> String;
@@ -82,13 +83,7 @@ impl<E: Env> Erased for Layer<E> {
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(observation, |observation| env.step_into(action, observation))
         });
-        outcome.unwrap_or_else(|| {
-            Err(Error::InvalidAction {
-                action: action.to_string(),
-                space: self.0.action_space().to_string(),
-                hint: String::new(),
-            })
-        })
+        outcome.unwrap_or_else(|| Err(self.0.action_space().refuse_action(action)))
     }
 
     forward!(0);

@@ -3,7 +3,7 @@
 use std::any::{Any, TypeId};
 
 use crate::canvas::Canvas;
-use crate::render::{Metadata, Rendered};
+use crate::render::{Metadata, RenderMode, Rendered};
 use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
 
 /// A task for an agent: Gymnasium's `Env`.
@@ -189,6 +189,11 @@ pub trait Env: Clone + Send + 'static {
 
     /// The current state as text, for the mode `ansi`.
     fn ansi(&self) -> Option<String> {
+        None
+    }
+
+    /// What [`render`](Env::render) gives; `None` where the environment was made without a render mode.
+    fn render_mode(&self) -> Option<RenderMode> {
         None
     }
 

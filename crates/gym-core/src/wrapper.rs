@@ -4,7 +4,7 @@ use std::any::{Any, TypeId};
 
 use crate::canvas::Canvas;
 use crate::env::short_type_name;
-use crate::render::{Metadata, Rendered};
+use crate::render::{Metadata, RenderMode, Rendered};
 use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec};
 
 /// An environment around another one, that changes some of it: Gymnasium's `Wrapper`.
@@ -50,7 +50,8 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 /// ```
 ///
 /// Name the trait by its path where you implement it, as above, and do not import it: it has methods of
-/// the same names as [`Env`], and with both in scope `env.render_into(…)` could mean either.
+/// the same names as [`Env`], and with both in scope `env.render_into(…)` could mean either. Within the
+/// implementation itself, call the wrapper's own methods as `Env::reset_into(self, …)`.
 ///
 /// # What a wrapper owes
 /// - **State.** A wrapper that keeps something from step to step stores it beside the inner snapshot, in
@@ -163,6 +164,11 @@ pub trait Wrapper: Clone + Send + 'static {
         self.inner().ansi()
     }
 
+    /// As [`Env::render_mode`].
+    fn render_mode(&self) -> Option<RenderMode> {
+        self.inner().render_mode()
+    }
+
     /// As [`Env::render_into`].
     ///
     /// # Errors
@@ -219,6 +225,10 @@ macro_rules! forward {
 
         fn ansi(&self) -> Option<String> {
             self$(.$field)?.ansi()
+        }
+
+        fn render_mode(&self) -> Option<RenderMode> {
+            self$(.$field)?.render_mode()
         }
 
         fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {

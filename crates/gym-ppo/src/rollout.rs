@@ -1,14 +1,14 @@
 //! Experience: some steps of every environment under one policy, and what they were worth.
 
-use std::iter::zip;
 use std::time::{Duration, Instant};
 
 use candle_core::{Device, Tensor};
 use gym::vector::{Columns, VectorEnv};
 use gym::{Array, Generator, Value};
 
-use crate::Settings;
-use crate::agent::Agent;
+use crate::agent::{Agent, tensor};
+use crate::settings::Settings;
+use crate::store::Numbers;
 
 /// The columns of consecutive steps. The environments write straight into them: row 0 holds the
 /// observations that the first actions answer, row `t + 1` what came of the actions `t`.
@@ -33,7 +33,7 @@ pub(crate) struct Batch {
 
 impl Batch {
     pub(crate) fn len(&self) -> usize {
-        self.actions.elem_count()
+        self.log_probabilities.elem_count()
     }
 
     pub(crate) fn select(&self, indices: &Tensor) -> candle_core::Result<Self> {
@@ -49,12 +49,10 @@ impl Batch {
 }
 
 impl Rollout {
-    /// Resets the environments and makes room for `steps` steps.
-    pub(crate) fn new(envs: &mut impl VectorEnv, steps: usize, seed: u64) -> gym::Result<Self> {
-        let mut columns: Vec<Columns> = (0..=steps).map(|_| envs.columns()).collect::<gym::Result<_>>()?;
-        envs.reset_into(&seed.into(), &mut columns[0])?;
+    /// Makes room for `steps` steps of the environments.
+    pub(crate) fn new(envs: &dyn VectorEnv, steps: usize) -> gym::Result<Self> {
         Ok(Self {
-            columns,
+            columns: (0..=steps).map(|_| envs.columns()).collect::<gym::Result<_>>()?,
             actions: vec![Value::Null; steps],
             values: vec![Vec::new(); steps + 1],
             log_probabilities: vec![Vec::new(); steps],
@@ -62,34 +60,52 @@ impl Rollout {
         })
     }
 
+    /// Resets the environments.
+    pub(crate) fn reset(&mut self, envs: &mut dyn VectorEnv, seed: u64) -> gym::Result<()> {
+        envs.reset_into(&seed.into(), self.last_columns())
+    }
+
+    /// The columns that the next rollout begins with.
+    fn last_columns(&mut self) -> &mut Columns {
+        let last = self.actions.len();
+        &mut self.columns[last]
+    }
+
+    /// The observations that the next actions answer.
+    pub(crate) fn observations(&mut self) -> Numbers {
+        self.last_columns().observations.as_slice().map(<[f32]>::to_vec).unwrap_or_default()
+    }
+
+    /// Goes on from observations of a checkpoint.
+    pub(crate) fn set_observations(&mut self, numbers: &[f32]) -> anyhow::Result<()> {
+        let Value::Array(array) = &mut self.last_columns().observations else {
+            anyhow::bail!("this example needs rows of float32 numbers for observations");
+        };
+        *array = Array::from(numbers.to_vec()).reshape(array.shape())?;
+        Ok(())
+    }
+
     /// Steps the environments on, with actions drawn from the agent's policy, and shows `each` the
     /// columns after each step.
     pub(crate) fn collect(
         &mut self,
-        envs: &mut impl VectorEnv,
+        envs: &mut dyn VectorEnv,
         agent: &Agent,
         rng: &mut Generator,
-        mut each: impl FnMut(&Columns),
+        mut each: impl FnMut(&dyn VectorEnv),
     ) -> anyhow::Result<()> {
         let steps = self.actions.len();
-        if self.values[0].len() == envs.num_envs() {
-            // go on from where the last rollout ended
-            self.columns.swap(0, steps);
-        }
+        // go on from where the last rollout ended
+        self.columns.swap(0, steps);
         for t in 0..steps {
             let observations = matrix(&self.columns[t].observations)?;
-            let log_probabilities = agent.log_probabilities(&observations)?.to_vec2::<f32>()?;
-            let drawn: Vec<usize> = log_probabilities.iter().map(|row| sample(row, rng)).collect();
-            self.log_probabilities[t] =
-                zip(&log_probabilities, &drawn).map(|(row, action)| row[*action]).collect();
-            let drawn: Vec<i64> = drawn.iter().map(|action| *action as i64).collect();
-            self.actions[t] = Value::Array(Array::from(drawn));
+            (self.actions[t], self.log_probabilities[t]) = agent.sample(&observations, rng)?;
             self.values[t] = agent.values(&observations)?.to_vec1()?;
 
             let started = Instant::now();
             envs.step_into(&self.actions[t], &mut self.columns[t + 1])?;
             self.env_time += started.elapsed();
-            each(&self.columns[t + 1]);
+            each(envs);
         }
         self.values[steps] = agent.values(&matrix(&self.columns[steps].observations)?)?.to_vec1()?;
         Ok(())
@@ -125,10 +141,10 @@ impl Rollout {
         let advantages = rows(&advantages)?;
         let returns = (&advantages + rows(&self.values[..steps])?)?;
         let observations = self.columns[..steps].iter().map(|columns| matrix(&columns.observations));
-        let actions = self.actions.iter().filter_map(Value::as_slice::<i64>).collect::<Vec<_>>().concat();
+        let actions = self.actions.iter().map(tensor).collect::<candle_core::Result<Vec<_>>>()?;
         Ok(Batch {
             observations: Tensor::cat(&observations.collect::<anyhow::Result<Vec<_>>>()?, 0)?,
-            actions: Tensor::new(actions, &Device::Cpu)?,
+            actions: Tensor::cat(&actions, 0)?,
             log_probabilities: rows(&self.log_probabilities)?,
             advantages,
             returns,
@@ -138,20 +154,7 @@ impl Rollout {
 
 /// A column of observations as a matrix, a row per environment.
 fn matrix(observations: &Value) -> anyhow::Result<Tensor> {
-    let array = observations.as_array().and_then(|array| Some((array.as_slice::<f32>()?, array.shape())));
-    match array {
-        Some((numbers, &[n, width])) => Ok(Tensor::from_slice(numbers, (n, width), &Device::Cpu)?),
-        _ => anyhow::bail!("this example needs rows of float32 numbers for observations"),
-    }
-}
-
-/// Draws an index by the logarithms of its probabilities.
-fn sample(log_probabilities: &[f32], rng: &mut Generator) -> usize {
-    let draw = rng.random() as f32;
-    let mut sum = 0.0;
-    let below = |log_probability: &&f32| {
-        sum += log_probability.exp();
-        sum <= draw
-    };
-    log_probabilities.iter().take_while(below).count().min(log_probabilities.len() - 1)
+    let matrix = tensor(observations)?;
+    anyhow::ensure!(matrix.dims().len() == 2, "this example needs rows of float32 numbers for observations");
+    Ok(matrix)
 }

@@ -3,12 +3,13 @@
 use std::fmt;
 use std::path::Path;
 
+use gym_core::registry::VectorWrapperRegistration;
 use gym_core::render::{Frame, Rendered};
-use gym_core::vector::{Autoreset, Columns, VectorReset};
-use gym_core::{Error, Result, Value, VectorEnv};
+use gym_core::vector::{Autoreset, Columns, Progress, VectorReset, VectorWrapper};
+use gym_core::{Error, Kwargs, Result, Value, VectorEnv, WrapperSpec, inventory};
 
 use crate::png::tile;
-use crate::record_video::check_mode;
+use crate::record_video::{check_known_mode, video_folder};
 use crate::recorder::not_frames;
 use crate::tape::{Tape, tape_options};
 
@@ -29,13 +30,21 @@ use crate::tape::{Tape, tape_options};
 /// # Ok(())
 /// # }
 /// ```
-pub struct RecordVectorVideo<V> {
+pub struct RecordVectorVideo<V = Box<dyn VectorEnv>> {
     envs: V,
     tape: Tape,
     aspect_ratio: f64,
     first_only: bool,
-    /// Whether the next step resets the first sub-environment.
-    reset_is_due: bool,
+}
+
+/// Gymnasium's name of the wrapper.
+const NAME: &str = "RecordVideo";
+
+inventory::submit! {
+    VectorWrapperRegistration {
+        name: NAME,
+        wrap: |envs, kwargs| Ok(Box::new(RecordVectorVideo::from_kwargs(envs, kwargs)?)),
+    }
 }
 
 impl<V: VectorEnv> RecordVectorVideo<V> {
@@ -43,11 +52,13 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     ///
     /// # Errors
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// sub-environments has another render mode.
+    /// sub-environments has no render mode or one that gives no frames.
     pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
-        check_mode(envs.describe(), envs.spec().and_then(|spec| spec.env.render_mode))?;
+        if let Some(spec) = envs.spec() {
+            check_known_mode(envs.describe(), spec.env.render_mode)?;
+        }
         let tape = Tape::new(folder.as_ref(), envs.metadata().render_fps)?;
-        Ok(Self { envs, tape, aspect_ratio: 1.0, first_only: false, reset_is_due: false })
+        Ok(Self { envs, tape, aspect_ratio: 1.0, first_only: false })
     }
 
     tape_options!();
@@ -62,6 +73,34 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     #[must_use]
     pub fn first_only(self) -> Self {
         Self { first_only: true, ..self }
+    }
+
+    /// Records `envs` as a spec says.
+    fn from_kwargs(envs: V, kwargs: &Kwargs) -> Result<Self> {
+        let mut kwargs = kwargs.clone();
+        let aspect_ratio = kwargs.remove("video_aspect_ratio");
+        let first_only = kwargs.remove("record_first_only");
+        let mut video = Self::new(envs, video_folder(&kwargs)?)?;
+        video.tape.configure(&kwargs)?;
+        for (name, value) in [("video_aspect_ratio", &aspect_ratio), ("record_first_only", &first_only)] {
+            let Some(value) = value else { continue };
+            match (name, value.as_f64(), value.as_bool()) {
+                ("video_aspect_ratio", Some(ratio), _) => video.aspect_ratio = ratio,
+                ("record_first_only", _, Some(first)) => video.first_only = first,
+                _ => return Err(Error::argument(NAME, format!("`{name}` cannot be {value}"))),
+            }
+        }
+        Ok(video)
+    }
+
+    /// The vector within.
+    pub fn get_ref(&self) -> &V {
+        &self.envs
+    }
+
+    /// The vector within, to be changed. What is reset or stepped past the wrapper, it does not see.
+    pub fn get_mut(&mut self) -> &mut V {
+        &mut self.envs
     }
 
     /// The vector within; a running recording ends.
@@ -101,44 +140,54 @@ fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     grids.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(n)
 }
 
-impl<V: VectorEnv> VectorEnv for RecordVectorVideo<V> {
+impl<V: VectorEnv> VectorWrapper for RecordVectorVideo<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        let wrapper = self.tape.wrapper_spec(NAME)?;
+        let wrapper = wrapper.arg("video_aspect_ratio", self.aspect_ratio);
+        Some(wrapper.arg("record_first_only", self.first_only))
+    }
+
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        self.envs.reset_into(reset, columns)?;
-        if reset.selects(0) {
-            self.reset_is_due = false;
+        columns.begin();
+        let result = self.envs.reset_into(reset, columns);
+        if columns.progress.first() == Some(&Progress::Started) {
             self.tape.episode();
         }
-        self.capture()
+        if columns.any_progress() { result.and(self.capture()) } else { result }
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
+        columns.begin();
+        let result = self.envs.step_into(actions, columns);
+        if !columns.any_progress() {
+            return result;
+        }
         let done = columns.done(0);
-        let began = match self.autoreset() {
-            Autoreset::NextStep => std::mem::replace(&mut self.reset_is_due, done),
-            Autoreset::SameStep => done,
-            Autoreset::Disabled => false,
-        };
+        let same_step = self.envs.autoreset() == Autoreset::SameStep;
+        let began = columns.progress[0] == Progress::Started || done && same_step;
         if began {
             self.tape.episode();
         }
         self.tape.step();
-        self.capture()?;
+        let captured = self.capture();
         if done && !began {
             self.tape.end_of_episode();
         }
-        Ok(())
+        result.and(captured)
     }
 
     fn close(&mut self) {
         self.tape.stop();
         self.envs.close();
     }
-
-    gym_core::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, info, final_info, infos,
-        visit_envs, render, metadata, spec, describe
-    );
 }
 
 impl<V: fmt::Debug> fmt::Debug for RecordVectorVideo<V> {

@@ -59,10 +59,10 @@ impl<E: Env> RecordVideo<E> {
     /// Records `env` to a folder, which is made if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// environment has another render mode.
+    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
+    /// without a render mode or with one that gives no frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        check_mode(env.describe(), env.spec().and_then(|spec| spec.render_mode))?;
+        check_mode(&env)?;
         let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
         Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
     }
@@ -87,31 +87,8 @@ impl<E: Env> RecordVideo<E> {
 
     /// Records `env` as a spec says.
     fn from_kwargs(env: E, kwargs: &Kwargs) -> Result<Self> {
-        let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
-        let folder = folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))?;
-        let mut video = Self::new(env, folder)?;
-        for (name, value) in kwargs {
-            let number = value.as_u64();
-            match (name.as_str(), value.as_str()) {
-                ("video_folder", _) => {}
-                ("name_prefix", Some(prefix)) => video.tape.name_prefix = prefix.to_owned(),
-                ("extension", Some(extension)) => video.tape.extension = extension.to_owned(),
-                ("video_length", _) if number.is_some() => {
-                    video.tape.video_length = number.unwrap_or_default();
-                }
-                ("fps", _) if value.is_null() => {}
-                ("fps", _) if number.is_some_and(|fps| u32::try_from(fps).is_ok()) => {
-                    video.tape.fps = number.unwrap_or_default() as u32;
-                }
-                _ => {
-                    let reason = format!(
-                        "`{name}` cannot be {value}: its arguments are video_folder, video_length, name_prefix, fps \
-                         and extension"
-                    );
-                    return Err(Error::argument(NAME, reason));
-                }
-            }
-        }
+        let mut video = Self::new(env, video_folder(kwargs)?)?;
+        video.tape.configure(kwargs)?;
         Ok(video)
     }
 
@@ -135,16 +112,29 @@ impl<E: Env> RecordVideo<E> {
     }
 }
 
-/// Fails for a known render mode that gives no frames.
-pub(crate) fn check_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
-    match mode {
-        Some(mode) if mode.single() != RenderMode::RgbArray => Err(Error::UnsupportedMode {
-            target,
-            mode: "frames to record".into(),
-            reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
-        }),
-        _ => Ok(()),
-    }
+/// The folder that a spec names.
+pub(crate) fn video_folder(kwargs: &Kwargs) -> Result<&str> {
+    let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
+    folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))
+}
+
+/// Fails for an environment that will render no frames.
+pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
+    check_known_mode(env.describe(), env.render_mode())
+}
+
+/// Fails unless the render mode gives frames.
+pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
+    let was = match mode {
+        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
+        Some(mode) => format!("its render mode is {mode}"),
+        None => "it has no render mode".into(),
+    };
+    Err(Error::UnsupportedMode {
+        target,
+        mode: "frames to record".into(),
+        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    })
 }
 
 impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
@@ -193,17 +183,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        if self.tape.episode_trigger.is_some() || self.tape.step_trigger.is_some() {
-            return None;
-        }
-        // a path that is not Unicode is no JSON
-        let wrapper = WrapperSpec::new(NAME)
-            .arg("video_folder", self.tape.folder.to_str()?)
-            .arg("video_length", self.tape.video_length)
-            .arg("name_prefix", self.tape.name_prefix.as_str())
-            .arg("fps", self.tape.fps)
-            .arg("extension", self.tape.extension.as_str());
-        Some(wrapper)
+        self.tape.wrapper_spec(NAME)
     }
 
     fn close(&mut self) {

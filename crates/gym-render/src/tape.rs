@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
+use gym_core::{Error, Kwargs, Result, WrapperSpec};
 
 use crate::VideoWriter;
 
@@ -53,6 +53,46 @@ impl Tape {
             recording: None,
             error: None,
         })
+    }
+
+    /// Takes the arguments of a spec, but for the folder.
+    pub(crate) fn configure(&mut self, kwargs: &Kwargs) -> Result<()> {
+        for (name, value) in kwargs {
+            let number = value.as_u64();
+            match (name.as_str(), value.as_str()) {
+                ("video_folder", _) => {}
+                ("name_prefix", Some(prefix)) => self.name_prefix = prefix.to_owned(),
+                ("extension", Some(extension)) => self.extension = extension.to_owned(),
+                ("video_length", _) if number.is_some() => self.video_length = number.unwrap_or_default(),
+                ("fps", _) if value.is_null() => {}
+                ("fps", _) if number.is_some_and(|fps| u32::try_from(fps).is_ok()) => {
+                    self.fps = number.unwrap_or_default() as u32;
+                }
+                _ => {
+                    let reason = format!(
+                        "`{name}` cannot be {value}: its arguments are video_folder, video_length, name_prefix, fps \
+                         and extension"
+                    );
+                    return Err(Error::argument("RecordVideo", reason));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The arguments as a spec holds them; `None` with a trigger, which is a function.
+    pub(crate) fn wrapper_spec(&self, name: &str) -> Option<WrapperSpec> {
+        if self.episode_trigger.is_some() || self.step_trigger.is_some() {
+            return None;
+        }
+        // a path that is not Unicode is no JSON
+        let wrapper = WrapperSpec::new(name)
+            .arg("video_folder", self.folder.to_str()?)
+            .arg("video_length", self.video_length)
+            .arg("name_prefix", self.name_prefix.as_str())
+            .arg("fps", self.fps)
+            .arg("extension", self.extension.as_str());
+        Some(wrapper)
     }
 
     /// An episode begins: starts a recording if it is wanted.

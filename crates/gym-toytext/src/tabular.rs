@@ -232,6 +232,19 @@ impl Packed for Cell {
         cells.states[lane] = self.state;
         cells.probabilities[lane] = self.probability;
     }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.state.to_le_bytes());
+        bytes.extend(self.probability.to_le_bytes());
+    }
+
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let (state, rest) = bytes.split_first_chunk()?;
+        let (probability, rest) = rest.split_first_chunk()?;
+        *bytes = rest;
+        let probability = f64::from_le_bytes(*probability);
+        Some(Self { state: u32::from_le_bytes(*state), probability })
+    }
 }
 
 /// Gymnasium's `initial_state_distrib`: how likely each state is at the start.

@@ -439,7 +439,7 @@ impl Env for CarRacing {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("CarRacing", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -21,6 +21,7 @@ pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
+pub use vector_wrappers::VectorWrapperRegistration;
 pub use wrappers::WrapperRegistration;
 
 use crate::{Error, Result};
@@ -153,7 +154,7 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
         }
         version => Error::VersionNotFound {
             name: id.unversioned(),
-            version: version.unwrap_or_default(),
+            version,
             available: versions.iter().map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", "),
         },
     }

@@ -34,6 +34,12 @@ pub trait Configure: Env {
         let _ = (config, mode);
         Ok(None)
     }
+
+    /// The arguments with what was left to chance decided, such as a map that the constructor drew: the
+    /// spec then rebuilds this environment and no other. `None` where nothing is left to chance.
+    fn config(&self) -> Option<&Self::Config> {
+        None
+    }
 }
 
 /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
@@ -46,6 +52,10 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
     fn configure(config: D::Config) -> Result<Self> {
         Self::new(config)
+    }
+
+    fn config(&self) -> Option<&D::Config> {
+        Some(self.dynamics().config())
     }
 }
 
@@ -268,22 +278,58 @@ fn defaults<E: Configure>() -> Json {
 }
 
 fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
-    let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
-    let config = || serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid);
-    if let Some(mode) = spec.render_mode
-        && let Some(env) = E::configure_to_render(config()?, mode.single())?
+    let invalid = |error: serde_json::Error| {
+        let mut reason = error.to_string();
+        if reason.contains("invalid type: null") {
+            reason += " (null is also what becomes of a number that is NaN or infinite: give a finite one)";
+        }
+        Error::argument(format!("`{}`", spec.id), reason)
+    };
+    let read = || serde_json::from_value::<E::Config>(Json::Object(spec.kwargs.clone())).map_err(invalid);
+    let config = read()?;
+    let asked = serde_json::to_value(&config).map_err(invalid)?;
+    let by_itself = match spec.render_mode {
+        Some(mode) => E::configure_to_render(read()?, mode.single())?,
+        None => None,
+    };
+    let (env, renders) = match by_itself {
+        Some(env) => (env, Renders::Itself),
+        None => (E::configure(config)?, Renders::Drawings),
+    };
+    let mut spec = spec.clone();
+    if let Some(Json::Object(decided)) =
+        env.config().map(serde_json::to_value).transpose().map_err(invalid)?
     {
-        return stack(env, Renders::Itself, spec);
+        let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
+        spec.kwargs.extend(by_chance);
     }
-    stack(E::configure(config()?)?, Renders::Drawings, spec)
+    stack(env, renders, &spec)
 }
 
 /// Registers an environment when its crate is linked.
 ///
-/// ```text
-/// gym_core::register!(
-///     Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
-/// );
+/// ```
+/// use gym_core::{Registration, register};
+/// # use gym_core::{Configure, Env, NoArguments, Outcome, Reset, Result, Space};
+/// # #[derive(Clone)]
+/// # struct Corridor;
+/// # impl Env for Corridor {
+/// #     type Observation = i64;
+/// #     type Action = i64;
+/// #     fn observation_space(&self) -> Space { Space::discrete(5) }
+/// #     fn action_space(&self) -> Space { Space::discrete(2) }
+/// #     fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> { *observation = 0; Ok(()) }
+/// #     fn step_into(&mut self, _: &i64, _: &mut i64) -> Result<Outcome> { Ok(Outcome::default()) }
+/// # }
+/// # impl Configure for Corridor {
+/// #     type Config = NoArguments;
+/// #     fn configure(_: NoArguments) -> Result<Self> { Ok(Self) }
+/// # }
+///
+/// register!(Registration::new::<Corridor>("my_envs/Corridor-v0").max_episode_steps(500).reward_threshold(0.9));
+/// # fn main() {
+/// assert!(gym_core::make("my_envs/Corridor-v0").is_ok());
+/// # }
 /// ```
 ///
 /// A crate that is a dependency but is never named is not linked, and its environments are then

@@ -18,7 +18,15 @@ pub(super) enum Renders {
 /// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
 pub(super) fn stack<E: Env>(env: E, renders: Renders, spec: &EnvSpec) -> Result<BoxEnv> {
     // the wrappers add themselves to the spec again
-    let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec.clone() };
+    let bare = EnvSpec {
+        max_episode_steps: None,
+        order_enforce: false,
+        disable_env_checker: true,
+        render_mode: None,
+        render_size: None,
+        additional_wrappers: Vec::new(),
+        ..spec.clone()
+    };
     let env = Registered { env, spec: Arc::new(bare) };
     let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else { return guarded(env, spec) };
     let mut render = Render::new(env, mode.single())?;

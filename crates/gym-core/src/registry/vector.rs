@@ -6,18 +6,18 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::{EnvBuilder, EnvSpec, builder, find};
-use crate::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorEnv};
-use crate::{BoxEnv, Error, Result};
+use crate::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorEnv, size, slot};
+use crate::{BoxEnv, Env, Error, Result, WrapperSpec};
 
 /// Makes a vector of `num_envs` environments, as Gymnasium's `make_vec`.
 ///
-/// Without a kind it is native where the id has a native vector, and sync otherwise; see
-/// [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit
+/// Without a kind it is native where the id has a native vector that can do what is asked for, and sync
+/// otherwise; see [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit
 /// included.
 ///
 /// # Errors
-/// As [`make`](crate::make); [`Error::InvalidArgument`] for no environments or a kind that the id does
-/// not have.
+/// As [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than memory holds, or a
+/// kind that the id does not have.
 pub fn make_vec(
     id: &str,
     num_envs: usize,
@@ -74,8 +74,10 @@ impl FromStr for VectorKind {
     }
 }
 
-/// Everything needed to make a vector again: that of its sub-environments, and its own options.
+/// Everything needed to make a vector again: that of its sub-environments, its own options, and the
+/// wrappers around it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct VectorSpec {
     /// How each sub-environment is made.
     #[serde(flatten)]
@@ -90,19 +92,53 @@ pub struct VectorSpec {
     /// On how many threads, where async; `None` for one per core.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
+    /// Wrappers around the vector, innermost first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vector_wrappers: Vec<WrapperSpec>,
 }
 
 impl VectorSpec {
-    /// Makes the vector.
+    /// A vector of `num_envs` environments without wrappers around it, reset on the next step.
+    pub fn new(env: EnvSpec, num_envs: usize, kind: VectorKind) -> Self {
+        Self {
+            env,
+            num_envs,
+            vectorization_mode: kind,
+            autoreset_mode: Autoreset::default(),
+            threads: None,
+            vector_wrappers: Vec::new(),
+        }
+    }
+
+    /// The same with its sub-environments reset at another time.
+    #[must_use]
+    pub fn autoreset(self, autoreset: Autoreset) -> Self {
+        Self { autoreset_mode: autoreset, ..self }
+    }
+
+    /// The spec of this vector in one more wrapper.
+    #[must_use]
+    pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
+        self.vector_wrappers.push(wrapper);
+        self
+    }
+
+    /// Makes the vector in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`].
+    /// As [`make_vec`], and for a wrapper that is not known.
     pub fn make(&self) -> Result<Box<dyn VectorEnv>> {
-        let Self { env, num_envs, autoreset_mode, threads, .. } = self.clone();
+        self.vector_wrappers.iter().try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
+    }
+
+    /// Makes the vector without wrappers around it.
+    fn make_bare(&self) -> Result<Box<dyn VectorEnv>> {
+        let spec = Self { vector_wrappers: Vec::new(), ..self.clone() };
+        let Self { env, num_envs, autoreset_mode, threads, .. } = spec.clone();
         match self.vectorization_mode {
             VectorKind::Sync => {
                 let vector = SyncVectorEnv::new(envs(&env, num_envs)?)?;
-                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(self.clone())))
+                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Async => {
                 let vector = AsyncVectorEnv::new(envs(&env, num_envs)?)?;
@@ -110,7 +146,7 @@ impl VectorSpec {
                     Some(threads) => vector.with_threads(threads)?,
                     None => vector,
                 };
-                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(self.clone())))
+                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Native => {
                 let refuse =
@@ -120,7 +156,6 @@ impl VectorSpec {
                 };
                 match native_obstacle(&env) {
                     Some(reason) => refuse(reason),
-                    None if num_envs == 0 => refuse("there are no sub-environments: at least one is needed"),
                     None => entry_point(&env, num_envs, autoreset_mode),
                 }
             }
@@ -128,8 +163,17 @@ impl VectorSpec {
     }
 }
 
+/// What an environment in the stack of `make` takes of the memory at least, beside its observations: its own
+/// state, its spec, and the boxes of its wrappers.
+const ENV_BYTES: usize = 1024;
+
+/// `n` environments; the first one tells whether there can be so many.
 fn envs(spec: &EnvSpec, n: usize) -> Result<Vec<BoxEnv>> {
-    (0..n).map(|_| spec.make()).collect()
+    let first = spec.make()?;
+    let observation = first.observation_space();
+    let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
+    size::check(n, &observation, &first.action_space(), bytes)?;
+    std::iter::once(Ok(first)).chain((1..n).map(|_| spec.make())).collect()
 }
 
 /// What a spec asks for that only environments can give.
@@ -165,8 +209,9 @@ pub struct VectorBuilder {
 }
 
 impl VectorBuilder {
-    /// How the sub-environments are stepped. Where this is not said, the vector is native if the id has a
-    /// native vector and neither wrappers nor a render mode are wanted, and else sync.
+    /// How the sub-environments are stepped. Where this is not said, the vector is native if there is a
+    /// native vector that can do what is asked for, and sync if not: with wrappers of environments, a
+    /// render mode, a time limit above 65534 steps, or an argument that only environments have.
     #[must_use]
     pub fn kind(self, kind: VectorKind) -> Self {
         Self { kind: Some(kind), ..self }
@@ -189,15 +234,7 @@ impl VectorBuilder {
     /// # Errors
     /// As [`EnvBuilder::spec`].
     pub fn spec(self) -> Result<VectorSpec> {
-        let Self { env, num_envs, kind, autoreset, threads } = self;
-        let env = env.spec()?;
-        let has_native = || Ok::<_, Error>(find(&env.id)?.native_vector().is_some());
-        let vectorization_mode = match kind {
-            Some(kind) => kind,
-            None if native_obstacle(&env).is_none() && has_native()? => VectorKind::Native,
-            None => VectorKind::Sync,
-        };
-        Ok(VectorSpec { env, num_envs, vectorization_mode, autoreset_mode: autoreset, threads })
+        self.resolve().map(|(spec, _)| spec)
     }
 
     /// Makes the vector.
@@ -205,6 +242,24 @@ impl VectorBuilder {
     /// # Errors
     /// As [`make_vec`].
     pub fn build(self) -> Result<Box<dyn VectorEnv>> {
-        self.spec()?.make()
+        match self.resolve()? {
+            (_, Some(vector)) => Ok(vector),
+            (spec, None) => spec.make(),
+        }
+    }
+
+    /// The spec, and the vector if it had to be made to know the kind.
+    fn resolve(self) -> Result<(VectorSpec, Option<Box<dyn VectorEnv>>)> {
+        let Self { env, num_envs, kind, autoreset, threads } = self;
+        let new = VectorSpec::new(env.spec()?, num_envs, kind.unwrap_or(VectorKind::Native));
+        let spec = VectorSpec { threads, ..new.autoreset(autoreset) };
+        if kind.is_some() {
+            return Ok((spec, None));
+        }
+        // a native vector says itself what it cannot do; what sync cannot do either, that will say
+        match spec.make() {
+            Ok(vector) => Ok((spec, Some(vector))),
+            Err(_) => Ok((VectorSpec { vectorization_mode: VectorKind::Sync, ..spec }, None)),
+        }
     }
 }

@@ -78,6 +78,16 @@ impl Space {
         })
     }
 
+    /// How many numbers an element has, at least; other parts count as one.
+    pub(crate) fn len_of_row(&self) -> usize {
+        let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
+        match self {
+            Self::Tuple(space) => sum(&mut space.spaces().iter().map(Self::len_of_row)),
+            Self::Dict(space) => sum(&mut space.spaces().iter().map(|(_, space)| space.len_of_row())),
+            _ => self.shape().map_or(1, |shape| shape.iter().product()),
+        }
+    }
+
     pub(super) fn refuse_batch(&self, batch: &Value, fault: &Fault) -> crate::Error {
         super::not_in(batch, &format_args!("a batch of {self}"), fault)
     }
@@ -333,7 +343,7 @@ mod tests {
             Space::discrete(3).check_batch(&Value::Array([0.0f32].into()), 1).unwrap_err().to_string();
         assert_eq!(
             error,
-            "[0.0] is not an element of a batch of Discrete(3): the numbers are float32 and should be int64"
+            "the numbers are float32 and should be int64: convert them first: [0.0] is not an element of a batch of Discrete(3)"
         );
     }
 }

@@ -41,6 +41,17 @@ impl<const N: usize> From<[f64; N]> for Bound {
 }
 
 impl Bound {
+    /// The bound as numbers of a space's type, in which those of an array count.
+    pub(crate) fn in_type_of(self, space: &Space) -> Self {
+        match (self, space.dtype()) {
+            (Self::Array(array), Some(dtype)) if dtype != array.dtype() => {
+                let data = Data::from_f64(dtype, array.iter_f64());
+                Array::new(array.shape(), data).map_or(Self::Array(array), Self::Array)
+            }
+            (bound, _) => bound,
+        }
+    }
+
     /// A number or nested lists, with infinity as a string.
     pub(crate) fn to_json(&self) -> Json {
         match self {

@@ -1,6 +1,6 @@
 //! The infos of sub-environments as columns: Gymnasium's `_add_info`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Columns, VectorEnv};
 use crate::spaces::number::{Number, Numeric, with_type};
@@ -10,6 +10,11 @@ use crate::{Array, DType, Info, Value};
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
     let n = envs.num_envs();
     let space = envs.single_observation_space();
+    let (mut columns_there, mut entries) = (BTreeSet::new(), Info::new());
+    envs.column_infos(&mut |key, column| {
+        columns_there.insert(key.to_owned());
+        entries.insert(key.to_owned(), column);
+    });
     let mut group = Group::new(n);
     for index in 0..n {
         if columns.has_final.get(index) == Some(&true) {
@@ -21,9 +26,14 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
             envs.final_info(index, &mut |key, value| entries.push((key.to_owned(), value)));
             group.add("final_info", index, Value::Dict(entries));
         }
-        envs.info(index, &mut |key, value| group.add(key, index, value));
+        envs.info(index, &mut |key, value| {
+            if !columns_there.contains(key) {
+                group.add(key, index, value);
+            }
+        });
     }
-    group.into_entries().collect()
+    entries.extend(group.into_entries());
+    entries
 }
 
 /// A truth value for each sub-environment, as infos hold it.

@@ -5,8 +5,11 @@ mod infos;
 pub mod native;
 mod pool;
 mod reset;
-mod slot;
+pub(crate) mod size;
+pub(crate) mod slot;
+mod stored;
 mod sync;
+mod wrapper;
 pub mod wrappers;
 
 use std::any::Any;
@@ -15,20 +18,21 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::render::{Metadata, Rendered};
-use crate::{Env, Error, Info, Result, Sampler, Seed, Space, Value};
+use crate::{Env, Error, Info, Result, Sampler, Seed, Snapshot, Space, Value};
 
 pub use crate::registry::{VectorKind, VectorSpec};
-pub use columns::Columns;
+pub use columns::{Columns, Progress};
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
+pub use wrapper::VectorWrapper;
 pub use wrappers::VectorWrap;
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Autoreset {
     /// On the next step: that step ignores the action, starts the next episode and gives its first
-    /// observation, with a reward of 0 and no flag set. A learner leaves this transition out.
+    /// observation, with a reward of 0 and no flag set. Do not train on this transition.
     #[default]
     NextStep,
     /// On the same step: the observation is the first of the next episode, and the last of the one
@@ -68,8 +72,9 @@ pub enum ObservationMode {
 /// }
 /// ```
 ///
-/// Wrappers of vectors are `VectorEnv`s again, and so is `Box<dyn VectorEnv>`.
-pub trait VectorEnv: Send {
+/// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`], and so does
+/// `Box<dyn VectorEnv>`.
+pub trait VectorEnv: Any + Send {
     /// How many sub-environments there are: at least one.
     fn num_envs(&self) -> usize;
 
@@ -101,7 +106,8 @@ pub trait VectorEnv: Send {
     /// [`Error::NotInSpace`] unless `actions` has the form of the batched action space, and
     /// [`Error::SubEnvironment`] if one cannot step because it must be reset first: then nothing has
     /// changed. [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the
-    /// others have then taken their step.
+    /// others have then taken their step, as [`Columns::progress`] tells. (A native vector checks all
+    /// actions first, so none has stepped then.)
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()>;
 
     /// Shows `visit` each entry of the [`info`](Env::info) of sub-environment `index` about the last
@@ -118,12 +124,23 @@ pub trait VectorEnv: Send {
         let _ = (index, visit);
     }
 
+    /// Shows `visit` the entries of [`infos`](Self::infos) that are columns already, each with its mask
+    /// under the key with an underscore before it. They stand for the entries of
+    /// [`info`](Self::info) under the same key.
+    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = visit;
+    }
+
     /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns, to go with the columns of
     /// the same step.
     ///
     /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
     /// what is not there is zero in a column of numbers and `Null` in any other. With
     /// [`Autoreset::SameStep`], `final_obs` and `final_info` tell of the episodes that have ended.
+    ///
+    /// Made of [`info`](Self::info), [`final_info`](Self::final_info) and
+    /// [`column_infos`](Self::column_infos), which is what a vector or a wrapper implements: so the order
+    /// of wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)
     }
@@ -177,6 +194,41 @@ pub trait VectorEnv: Send {
     fn describe(&self) -> String {
         let name = crate::env::short_type_name::<Self>();
         format!("{name}(num_envs={})", self.num_envs())
+    }
+
+    /// The whole state, generators and resets that are due included, in a form that can be stored: a
+    /// vector built alike that restores it continues identically, bit for bit.
+    ///
+    /// What [`info`](Self::info) tells of the last step is part of it where the sub-environments keep
+    /// it. [`final_info`](Self::final_info) and the wall-clock time of episodes are not.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if this vector or a sub-environment has no stored form, [`Error::Custom`] while
+    /// sub-environments are pending.
+    fn snapshot(&self) -> Result<Snapshot> {
+        Err(no_snapshots(&self.describe()))
+    }
+
+    /// Continues from a snapshot of a vector built alike: the same environments, number, autoreset mode
+    /// and wrappers. Snapshots of sync and of async vectors are interchangeable.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if the snapshot is of something else or was damaged, [`Error::Closed`] after
+    /// `close`, and [`Error::SubEnvironment`] if one refuses its part. The vector is then as it was
+    /// before.
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let _ = snapshot;
+        Err(no_snapshots(&self.describe()))
+    }
+
+    /// The vector within, of a wrapper. The method `wrapper` of `dyn VectorEnv` finds one by its type.
+    fn within(&self) -> Option<&dyn VectorEnv> {
+        None
+    }
+
+    /// The vector within, of a wrapper, to be changed.
+    fn within_mut(&mut self) -> Option<&mut dyn VectorEnv> {
+        None
     }
 
     /// Ends the use of all sub-environments: later steps are an `Err`.
@@ -271,74 +323,54 @@ impl dyn VectorEnv {
     }
 }
 
-impl fmt::Debug for dyn VectorEnv {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.describe())
+impl dyn VectorEnv {
+    /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers if it
+    /// is of that type.
+    ///
+    /// The type of a wrapper names the vector within, which is `Box<dyn VectorEnv>` unless it says
+    /// otherwise. So it is for wrappers that a [`VectorSpec`] has made, and for the first wrapper around
+    /// [`make_vec`](crate::make_vec):
+    ///
+    /// ```text
+    /// use gym::vector::wrappers::{ClipAction, NormalizeObservation};
+    /// let statistics = envs.wrapper::<NormalizeObservation>();
+    /// let statistics = envs.wrapper::<NormalizeObservation<ClipAction>>(); // around a ClipAction
+    /// let workers = envs.wrapper::<AsyncVectorEnv>();
+    /// ```
+    pub fn wrapper<W: VectorEnv>(&self) -> Option<&W> {
+        let mut layer = self;
+        loop {
+            let any: &dyn Any = layer;
+            if let Some(found) = any.downcast_ref() {
+                return Some(found);
+            }
+            layer = layer.within()?;
+        }
+    }
+
+    /// As [`wrapper`](Self::wrapper), to be changed. What is reset or stepped past the wrappers around
+    /// it, these do not see.
+    pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
+        let mut layer = self;
+        loop {
+            let any: &dyn Any = layer;
+            if any.is::<W>() {
+                let any: &mut dyn Any = layer;
+                return any.downcast_mut();
+            }
+            layer = layer.within_mut()?;
+        }
     }
 }
 
-impl<V: VectorEnv + ?Sized> VectorEnv for Box<V> {
-    fn num_envs(&self) -> usize {
-        (**self).num_envs()
-    }
+fn no_snapshots(vector: &str) -> Error {
+    Error::Snapshot(format!(
+        "{vector} has no snapshots: implement `VectorEnv::snapshot` and `restore` for it"
+    ))
+}
 
-    fn single_observation_space(&self) -> Space {
-        (**self).single_observation_space()
-    }
-
-    fn single_action_space(&self) -> Space {
-        (**self).single_action_space()
-    }
-
-    fn autoreset(&self) -> Autoreset {
-        (**self).autoreset()
-    }
-
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        (**self).reset_into(reset, columns)
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        (**self).step_into(actions, columns)
-    }
-
-    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        (**self).info(index, visit);
-    }
-
-    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        (**self).final_info(index, visit);
-    }
-
-    fn infos(&self, columns: &Columns) -> Info {
-        (**self).infos(columns)
-    }
-
-    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
-        (**self).visit_envs(visit)
-    }
-
-    fn render(&mut self) -> Result<Vec<Rendered>> {
-        (**self).render()
-    }
-
-    fn metadata(&self) -> Metadata {
-        (**self).metadata()
-    }
-
-    fn spec(&self) -> Option<VectorSpec> {
-        (**self).spec()
-    }
-
-    fn describe(&self) -> String {
-        (**self).describe()
-    }
-
-    fn close(&mut self) {
-        (**self).close();
-    }
-
-    fn observation_space(&self) -> Result<Space> {
-        (**self).observation_space()
+impl fmt::Debug for dyn VectorEnv {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.describe())
     }
 }

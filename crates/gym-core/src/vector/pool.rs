@@ -1,7 +1,7 @@
 //! A vector on a pool of threads.
 //!
 //! Sub-environments travel: a worker gets them by value, steps them and sends them back, so that nothing
-//! is shared and nothing waits for a lock. Who is `home` can be talked to, who is away cannot.
+//! is shared and nothing waits for a lock. `home[i]` is `None` while a worker owns environment `i`.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -12,10 +12,11 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use super::slot::{Slot, Spaces, describe, slots};
+use super::size::MAX_THREADS;
+use super::slot::{self, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, Error, Reset, Result, Space, Value};
+use crate::{BoxEnv, Env, EnvSpec, Error, Reset, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///
@@ -36,6 +37,9 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
+    /// Of the first sub-environment, which may be away when they are asked for.
+    metadata: Metadata,
+    env_spec: Option<EnvSpec>,
 }
 
 /// A sub-environment with what it is sent for.
@@ -71,22 +75,27 @@ impl<E: Env> AsyncVectorEnv<E> {
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let pool = Pool::new(cores.min(slots.len()))?;
+        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS))?;
+        let first = slots.first().map(|slot| &slot.env);
+        let metadata = first.map_or_else(Metadata::default, Env::metadata);
+        let env_spec = first.and_then(Env::spec);
         let home = slots.into_iter().enumerate();
         let home =
             home.map(|(index, slot)| Some(Box::new(Traveller { index, slot, reset: None, result: Ok(()) })));
         let autoreset = Autoreset::default();
-        Ok(Self { home: home.collect(), ready: VecDeque::new(), pool, spaces, autoreset, spec: None })
+        let (home, ready) = (home.collect(), VecDeque::new());
+        Ok(Self { home, ready, pool, spaces, autoreset, spec: None, metadata, env_spec })
     }
 
     /// With so many threads; they make no difference to the results.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for 0 threads, [`Error::Custom`] while sub-environments are pending or if
+    /// [`Error::InvalidArgument`] for 0 or for more than 1024 threads, [`Error::Custom`] while sub-environments are pending or if
     /// the operating system gives no threads.
     pub fn with_threads(self, threads: usize) -> Result<Self> {
-        if threads == 0 {
-            return Err(Error::argument("an async vector", "threads is 0: it must be at least 1"));
+        if !(1..=MAX_THREADS).contains(&threads) {
+            let reason = format!("threads is {threads}: it must be from 1 to {MAX_THREADS}");
+            return Err(Error::argument("an async vector", reason));
         }
         if self.num_pending() > 0 {
             return Err(Error::custom("sub-environments are still pending: receive them first"));
@@ -318,8 +327,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     }
 
     fn metadata(&self) -> Metadata {
-        let first = self.home.iter().flatten().next();
-        first.map_or_else(Metadata::default, |traveller| traveller.slot.env.metadata())
+        self.metadata.clone()
     }
 
     fn spec(&self) -> Option<VectorSpec> {
@@ -327,8 +335,18 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     }
 
     fn describe(&self) -> String {
-        let env = self.home.iter().flatten().next().and_then(|traveller| traveller.slot.env.spec());
-        describe("AsyncVectorEnv", env, self.home.len())
+        describe("AsyncVectorEnv", self.env_spec.clone(), self.home.len())
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.all_home()?;
+        slot::snapshot(self.autoreset, self.home.iter().flatten().map(|traveller| &traveller.slot))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.all_home()?;
+        let mut slots: Vec<_> = self.home.iter_mut().flatten().map(|traveller| &mut traveller.slot).collect();
+        slot::restore(snapshot, self.autoreset, &self.spaces, &mut slots)
     }
 
     /// Waits for those that are pending.

@@ -3,8 +3,11 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::{Autoreset, Columns, ObservationMode};
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value};
+use serde::{Deserialize, Serialize};
+
+use super::stored::Kept;
+use super::{Autoreset, Columns, ObservationMode, Progress, size};
+use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// A sub-environment with what it answered last. Sync and async vectors are made of these.
 pub(super) struct Slot<E> {
@@ -16,13 +19,14 @@ pub(super) struct Slot<E> {
     /// `has_final`.
     spare: Value,
     outcome: Outcome,
-    has_info: bool,
+    /// What it was last asked for, if it answered.
+    progress: Progress,
     has_final: bool,
     final_info: Vec<(String, Value)>,
     stage: Stage,
 }
 
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Stage {
     Made,
     Running,
@@ -31,11 +35,19 @@ enum Stage {
     Closed,
 }
 
+/// The stored form of a [`Slot`].
+#[derive(Serialize, Deserialize)]
+pub(super) struct StoredSlot {
+    env: Snapshot,
+    stage: Stage,
+    /// Whether [`info`](Slot::info) tells something.
+    progress: Progress,
+    observation: Kept,
+}
+
 /// The error of a step that only a reset can help.
 pub(super) fn episode_over() -> Error {
-    Error::custom(
-        "its episode has ended and it resets itself no more: reset it, with a mask that leaves the others alone",
-    )
+    Error::custom("the episode has ended and autoreset is disabled: call `reset_into` with a mask")
 }
 
 impl<E: Env> Slot<E> {
@@ -47,7 +59,7 @@ impl<E: Env> Slot<E> {
             spare: observation.clone(),
             observation,
             outcome: Outcome::default(),
-            has_info: false,
+            progress: Progress::Unchanged,
             has_final: false,
             final_info: Vec::new(),
             stage: Stage::Made,
@@ -62,7 +74,7 @@ impl<E: Env> Slot<E> {
             Stage::Done => Err(episode_over()),
             Stage::Made => Err(Error::ResetNeeded("step")),
             Stage::Panicked => {
-                Err(Error::custom("it panicked before: reset it, with a mask that leaves the others alone"))
+                Err(Error::custom("it panicked in an earlier call: call `reset_into` with a mask"))
             }
             Stage::Closed => Err(Error::Closed("step")),
         }
@@ -79,7 +91,7 @@ impl<E: Env> Slot<E> {
         }
         self.answer(|slot| {
             slot.begin(reset)?;
-            slot.has_info = true;
+            slot.progress = Progress::Started;
             Ok(())
         })
     }
@@ -88,8 +100,10 @@ impl<E: Env> Slot<E> {
         self.answer(|slot| {
             if slot.stage == Stage::Done {
                 slot.begin(&Reset::default())?;
+                slot.progress = Progress::Started;
             } else {
                 slot.outcome = slot.advance()?;
+                slot.progress = Progress::Stepped;
                 if slot.stage == Stage::Done && autoreset == Autoreset::SameStep {
                     let Self { env, final_info, .. } = slot;
                     final_info.clear();
@@ -98,7 +112,6 @@ impl<E: Env> Slot<E> {
                     slot.has_final = true;
                 }
             }
-            slot.has_info = true;
             Ok(())
         })
     }
@@ -147,7 +160,7 @@ impl<E: Env> Slot<E> {
 
     /// Forgets what it answered last, but for the observation.
     pub(super) fn clear(&mut self) {
-        (self.outcome, self.has_info, self.has_final) = (Outcome::default(), false, false);
+        (self.outcome, self.progress, self.has_final) = (Outcome::default(), Progress::Unchanged, false);
     }
 
     /// Leaves what it answered in a row of the columns.
@@ -156,6 +169,7 @@ impl<E: Env> Slot<E> {
         columns.terminated[row] = self.outcome.terminated;
         columns.truncated[row] = self.outcome.truncated;
         columns.has_final[row] = self.has_final;
+        columns.progress[row] = self.progress;
         spaces.observation.write_row(&mut columns.observations, row, &self.observation)?;
         if self.has_final {
             spaces.observation.write_row(&mut columns.final_observations, row, &self.spare)?;
@@ -164,7 +178,7 @@ impl<E: Env> Slot<E> {
     }
 
     pub(super) fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        if self.has_info {
+        if self.progress != Progress::Unchanged {
             self.env.info(visit);
         }
     }
@@ -173,6 +187,40 @@ impl<E: Env> Slot<E> {
         if self.has_final {
             self.final_info.iter().for_each(|(key, value)| visit(key, value.clone()));
         }
+    }
+
+    pub(super) fn store(&self) -> Result<StoredSlot> {
+        let Self { env, stage, progress, observation, .. } = self;
+        Ok(StoredSlot {
+            env: env.snapshot()?,
+            stage: *stage,
+            progress: *progress,
+            observation: Kept(observation.clone()),
+        })
+    }
+
+    /// Whether [`restore`](Self::restore) would be refused: tries it on a clone.
+    pub(super) fn check_restore(&self, spaces: &Spaces, stored: &StoredSlot) -> Result<()> {
+        if self.stage == Stage::Closed {
+            return Err(Error::Closed("restore"));
+        }
+        if stored.stage == Stage::Closed {
+            return Err(Error::Snapshot("it was taken after `close`".into()));
+        }
+        let mut batch = spaces.observation.empty_batch(1)?;
+        spaces.observation.write_row(&mut batch, 0, &stored.observation.0).map_err(|_| {
+            Error::Snapshot(format!("its observation {} has another form", stored.observation.0))
+        })?;
+        self.env.clone().restore(&stored.env)
+    }
+
+    /// Continues from what was stored, once it was [checked](Self::check_restore).
+    pub(super) fn restore(&mut self, stored: StoredSlot) -> Result<()> {
+        self.env.restore(&stored.env)?;
+        self.clear();
+        (self.stage, self.progress) = (stored.stage, stored.progress);
+        self.observation = stored.observation.0;
+        Ok(())
     }
 
     pub(super) fn close(&mut self) {
@@ -205,6 +253,56 @@ impl Spaces {
     }
 }
 
+/// The stored form of the sub-environments of a vector, sync or async.
+#[derive(Serialize, Deserialize)]
+struct StoredSlots {
+    autoreset: Autoreset,
+    slots: Vec<StoredSlot>,
+}
+
+/// The snapshot of some sub-environments.
+pub(super) fn snapshot<'a, E: Env>(
+    autoreset: Autoreset,
+    slots: impl Iterator<Item = &'a Slot<E>>,
+) -> Result<Snapshot> {
+    let stored = slots.enumerate().map(|(index, slot)| slot.store().map_err(|error| error.at_env(index)));
+    Snapshot::of(&StoredSlots { autoreset, slots: stored.collect::<Result<_>>()? })
+}
+
+/// Restores all sub-environments, or none if one refuses.
+pub(super) fn restore<E: Env>(
+    snapshot: &Snapshot,
+    autoreset: Autoreset,
+    spaces: &Spaces,
+    slots: &mut [&mut Slot<E>],
+) -> Result<()> {
+    let stored: StoredSlots = snapshot.get()?;
+    if stored.autoreset != autoreset {
+        let reason = format!(
+            "it is of a vector with autoreset {:?}, and this one has {autoreset:?}",
+            stored.autoreset
+        );
+        return Err(Error::Snapshot(reason));
+    }
+    if stored.slots.len() != slots.len() {
+        let reason =
+            format!("it is of {} sub-environments, and here are {}", stored.slots.len(), slots.len());
+        return Err(Error::Snapshot(reason));
+    }
+    for (index, (slot, stored)) in slots.iter().zip(&stored.slots).enumerate() {
+        slot.check_restore(spaces, stored).map_err(|error| error.at_env(index))?;
+    }
+    for (index, (slot, stored)) in slots.iter_mut().zip(stored.slots).enumerate() {
+        slot.restore(stored).map_err(|error| error.at_env(index))?;
+    }
+    Ok(())
+}
+
+/// What a sub-environment takes of the memory, at least.
+pub(crate) fn slot_bytes<E>(observation: &Space) -> usize {
+    size_of::<Slot<E>>() + 2 * 8 * observation.len_of_row()
+}
+
 /// The sub-environments of a vector.
 ///
 /// Fails if there are none, or if their spaces differ by more than the mode allows.
@@ -218,6 +316,7 @@ pub(super) fn slots<E: Env>(
         return refuse("there are no sub-environments: at least one is needed".into());
     };
     let (observation, action) = (first.observation_space(), first.action_space());
+    size::check(envs.len(), &observation, &action, slot_bytes::<E>(&observation))?;
     for (index, env) in envs.iter().enumerate() {
         let (seen, taken) = (env.observation_space(), env.action_space());
         let (fits, rule) = match mode {

@@ -1,10 +1,10 @@
 use std::any::Any;
 use std::fmt;
 
-use super::slot::{Slot, Spaces, describe, slots};
+use super::slot::{self, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, Error, Result, Space, Value};
+use crate::{BoxEnv, Env, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///
@@ -13,7 +13,7 @@ use crate::{BoxEnv, Env, Error, Result, Space, Value};
 ///
 /// ```text
 /// use gym::vector::{SyncVectorEnv, VectorEnv};
-/// let mut envs = SyncVectorEnv::new((0..8).map(|_| CartPole::default()))?; // typed
+/// let mut envs = SyncVectorEnv::new(cart_poles)?;                         // typed, such as a Vec<CartPole>
 /// let mut envs = gym::make_vec("CartPole-v1", 8, VectorKind::Sync)?;       // erased
 /// ```
 pub struct SyncVectorEnv<E: Env = BoxEnv> {
@@ -154,6 +154,15 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     fn describe(&self) -> String {
         let env = self.slots.first().and_then(|slot| slot.env.spec());
         describe("SyncVectorEnv", env, self.slots.len())
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        slot::snapshot(self.autoreset, self.slots.iter())
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let mut slots: Vec<_> = self.slots.iter_mut().collect();
+        slot::restore(snapshot, self.autoreset, &self.spaces, &mut slots)
     }
 
     fn close(&mut self) {

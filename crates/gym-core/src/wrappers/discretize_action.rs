@@ -40,7 +40,7 @@ impl<E: Env> DiscretizeAction<E> {
     pub fn revert_action(&self, action: &E::Action) -> Result<Value> {
         let action = action.to_value();
         let Some(array) = action.as_array().filter(|array| array.len() == self.grid.len()) else {
-            return Err(super::invalid_action(&action, &self.env.action_space()));
+            return Err(self.env.action_space().refuse_action(&action));
         };
         let nearest = |i: usize| {
             let distance = |bin: &i64| (self.grid.center(i, *bin) - array.data().get_f64(i)).abs();
@@ -69,7 +69,7 @@ impl<E: Env> crate::Wrapper for DiscretizeAction<E> {
     fn step_into(&mut self, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, space, grid, inner, .. } = self;
         if !space.contains(action) {
-            return Err(super::invalid_action(action, space));
+            return Err(space.refuse_action(action));
         }
         if let Value::Array(array) = inner {
             grid.split(action, |i, bin| array.set_f64(i, grid.center(i, bin)));

@@ -122,7 +122,11 @@ impl<E: Env> crate::Wrapper for FrameStackObservation<E> {
         let padding = match &self.padding {
             Padding::Reset => Json::from("reset"),
             Padding::Zero => Json::from("zero"),
-            Padding::Custom(value) => self.inner_space.to_json(value).ok()?,
+            Padding::Custom(value) => match self.inner_space.to_json(value).ok()? {
+                // this text would be read as one of the other two
+                text if text == "reset" || text == "zero" => return None,
+                json => json,
+            },
         };
         Some(
             WrapperSpec::new("FrameStackObservation")

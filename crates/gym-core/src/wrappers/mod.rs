@@ -193,18 +193,13 @@ fn expect_action<A: Element>(space: &Space, action: &A, inner: &mut Value) -> Re
         }
         _ => false,
     };
-    if has_form { Ok(()) } else { Err(invalid_action(&action.to_value(), space)) }
-}
-
-fn invalid_action(action: &Value, space: &Space) -> Error {
-    let hint = String::new();
-    Error::InvalidAction { action: action.to_string(), space: space.to_string(), hint }
+    if has_form { Ok(()) } else { Err(space.refuse_action(&action.to_value())) }
 }
 
 /// Takes a step with the typed form of an action.
 fn act<E: Env>(env: &mut E, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
     E::Action::with(action, |action| env.step_into(action, observation))
-        .unwrap_or_else(|| Err(invalid_action(action, &env.action_space())))
+        .unwrap_or_else(|| Err(env.action_space().refuse_action(action)))
 }
 
 /// The box that a wrapper needs for a space.

@@ -137,6 +137,10 @@ impl<E: Env> crate::Wrapper for NormalizeObservation<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon))
+        let wrapper = WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon);
+        Some(match self.update_running_mean {
+            true => wrapper,
+            false => wrapper.arg("update_running_mean", false),
+        })
     }
 }

@@ -107,6 +107,11 @@ impl<E: Env> crate::Wrapper for NormalizeReward<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon))
+        let wrapper =
+            WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon);
+        Some(match self.update_running_mean {
+            true => wrapper,
+            false => wrapper.arg("update_running_mean", false),
+        })
     }
 }

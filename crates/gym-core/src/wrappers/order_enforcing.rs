@@ -1,8 +1,8 @@
 use crate::render::Rendered;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
-/// Refuses to step or render before the first reset and after `close`, whatever the environment
-/// would do.
+/// Refuses to step or render before the first reset, and everything after `close`, whatever the
+/// environment would do.
 #[derive(Clone, Debug)]
 pub struct OrderEnforcing<E = BoxEnv> {
     env: E,
@@ -13,6 +13,8 @@ pub struct OrderEnforcing<E = BoxEnv> {
 enum Stage {
     Made,
     Reset,
+    /// Never in a snapshot, so that none can close an environment.
+    #[serde(skip)]
     Closed,
 }
 
@@ -22,6 +24,10 @@ impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
         Self { env, stage: Stage::Made }
+    }
+
+    fn check_open(&self, call: &'static str) -> Result<()> {
+        if self.stage == Stage::Closed { Err(Error::Closed(call)) } else { Ok(()) }
     }
 
     fn check(&self, call: &'static str) -> Result<()> {
@@ -40,9 +46,7 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        if self.stage == Stage::Closed {
-            return Err(Error::Closed("reset"));
-        }
+        self.check_open("reset")?;
         self.env.reset_into(reset, observation)?;
         self.stage = Stage::Reset;
         Ok(())
@@ -59,10 +63,12 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
+        self.check_open("snapshot")?;
         Snapshot::of(&(self.env.snapshot()?, self.stage))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.check_open("restore")?;
         let (env, stage) = snapshot.get()?;
         self.env.restore(&env)?;
         self.stage = stage;
@@ -75,6 +81,10 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| EnvSpec { order_enforce: true, ..spec })
+        // inside all other wrappers it is the one of `make`; further out, one more of them
+        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+            true => EnvSpec { order_enforce: true, ..spec },
+            false => spec.wrapped(WrapperSpec::new("OrderEnforcing")),
+        })
     }
 }

@@ -1,4 +1,4 @@
-use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space};
+use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, WrapperSpec};
 
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
@@ -61,6 +61,10 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| EnvSpec { disable_env_checker: false, ..spec })
+        // inside all other wrappers it is the one of `make`; further out, one more of them
+        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+            true => EnvSpec { disable_env_checker: false, ..spec },
+            false => spec.wrapped(WrapperSpec::new("PassiveEnvChecker")),
+        })
     }
 }

@@ -70,13 +70,15 @@ impl<E: Env> RecordEpisodeStatistics<E> {
         }
     }
 
-    /// Records the last `buffer_length` episodes instead.
+    /// Records the last `buffer_length` episodes instead; of those recorded already, the last stay.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        episode_buffer(buffer_length)?;
-        Ok(Self { buffer_length, ..self })
+        let mut episodes = episode_buffer(buffer_length)?;
+        let Self { record, .. } = &self;
+        episodes.extend(record.episodes.iter().skip(record.episodes.len().saturating_sub(buffer_length)));
+        Ok(Self { buffer_length, record: Record { episodes, ..self.record }, ..self })
     }
 
     /// Names the entry of `info`: Gymnasium's `stats_key`, for a stack with two of these wrappers.
@@ -123,7 +125,7 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
         record.just_ended = outcome.done();
         if record.just_ended {
             record.episode_count += 1;
-            if record.episodes.len() == self.buffer_length {
+            while record.episodes.len() >= self.buffer_length {
                 record.episodes.pop_front();
             }
             let seconds = self.started.map_or(0.0, |started| started.elapsed().as_secs_f64());

@@ -123,6 +123,10 @@ impl<E: Env> crate::Wrapper for Render<E> {
         Ok(outcome)
     }
 
+    fn render_mode(&self) -> Option<RenderMode> {
+        Some(self.mode)
+    }
+
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         let used = std::mem::replace(rendered, Rendered::Shown);
         if self.mode == RenderMode::Human {
@@ -148,7 +152,13 @@ impl<E: Env> crate::Wrapper for Render<E> {
 
     fn spec(&self) -> Option<EnvSpec> {
         let size = (self.size != self.env.metadata().render_size).then_some(self.size);
-        self.env.spec().map(|spec| EnvSpec { render_mode: Some(self.mode), render_size: size, ..spec })
+        let spec = self.env.spec()?;
+        // a spec has one render mode, inside all wrappers
+        (spec.render_mode.is_none() && spec.additional_wrappers.is_empty()).then(|| EnvSpec {
+            render_mode: Some(self.mode),
+            render_size: size,
+            ..spec
+        })
     }
 
     fn describe(&self) -> String {

@@ -39,6 +39,14 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
         Ok(outcome)
     }
 
+    fn render_mode(&self) -> Option<RenderMode> {
+        match self.env.render_mode()? {
+            RenderMode::RgbArray => Some(RenderMode::RgbArrayList),
+            RenderMode::Ansi => Some(RenderMode::AnsiList),
+            mode => Some(mode),
+        }
+    }
+
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         let mut frames = Vec::new();
         let mut texts = Vec::new();
@@ -63,11 +71,12 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        let list = |mode| match mode {
+        let spec = self.env.spec()?;
+        let list = match spec.render_mode? {
             RenderMode::RgbArray => RenderMode::RgbArrayList,
             RenderMode::Ansi => RenderMode::AnsiList,
-            other => other,
+            _ => return None,
         };
-        self.env.spec().map(|spec| EnvSpec { render_mode: spec.render_mode.map(list), ..spec })
+        Some(EnvSpec { render_mode: Some(list), ..spec })
     }
 }

@@ -86,8 +86,10 @@ impl<E: Env> TimeAwareObservation<E> {
         flatten: bool,
         normalize_time: bool,
         dict_time_key: Option<String>,
+        max_timesteps: Option<u32>,
     ) -> Result<Self> {
-        let Some(limit) = env.spec().and_then(|spec| spec.time_limit()) else { return Self::new(env) };
+        let known = || env.spec().and_then(|spec| spec.time_limit());
+        let Some(limit) = max_timesteps.or_else(known) else { return Self::new(env) };
         let dict_time_key = dict_time_key.unwrap_or_else(|| "time".into());
         Self::build(env, limit, Options { flatten, normalize_time, dict_time_key })
     }
@@ -229,11 +231,14 @@ impl<E: Env> crate::Wrapper for TimeAwareObservation<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(
-            WrapperSpec::new("TimeAwareObservation")
-                .arg("flatten", self.options.flatten)
-                .arg("normalize_time", self.options.normalize_time)
-                .arg("dict_time_key", self.options.dict_time_key.as_str()),
-        )
+        let wrapper = WrapperSpec::new("TimeAwareObservation")
+            .arg("flatten", self.options.flatten)
+            .arg("normalize_time", self.options.normalize_time)
+            .arg("dict_time_key", self.options.dict_time_key.as_str());
+        let known = self.env.spec().and_then(|spec| spec.time_limit());
+        Some(match known == Some(self.max_timesteps) {
+            true => wrapper,
+            false => wrapper.arg("max_timesteps", self.max_timesteps),
+        })
     }
 }

@@ -1,6 +1,8 @@
-//! The stored form of a generator: JSON cannot hold PCG64's 128-bit numbers, so they are hex strings.
+//! The stored form of a generator. JSON cannot hold PCG64's 128-bit numbers: there they are hex strings. In
+//! a binary format they are numbers.
 
 use rand_pcg::Pcg64;
+use serde::de::value::SeqDeserializer;
 use serde::de::{DeserializeOwned, Deserializer, Error as _};
 use serde::ser::Error as _;
 use serde::{Deserialize, Serialize, Serializer};
@@ -37,6 +39,9 @@ fn from_hex(text: &str) -> Result<u128, String> {
 
 impl Serialize for Generator {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if !serializer.is_human_readable() {
+            return (&self.pcg, self.half).serialize(serializer);
+        }
         let Fields { state, increment } = through_json(&self.pcg).map_err(S::Error::custom)?;
         Stored { state: to_hex(state), increment: to_hex(increment), half: self.half }.serialize(serializer)
     }
@@ -44,6 +49,14 @@ impl Serialize for Generator {
 
 impl<'de> Deserialize<'de> for Generator {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if !deserializer.is_human_readable() {
+            let (state, increment, half) = <(u128, u128, Option<u32>)>::deserialize(deserializer)?;
+            if increment % 2 == 0 {
+                return Err(D::Error::custom("an increment of a generator must be odd"));
+            }
+            let fields = SeqDeserializer::<_, D::Error>::new([state, increment].into_iter());
+            return Ok(Self { pcg: Pcg64::deserialize(fields)?, half });
+        }
         let stored = Stored::deserialize(deserializer)?;
         let state = from_hex(&stored.state).map_err(D::Error::custom)?;
         let increment = from_hex(&stored.increment).map_err(D::Error::custom)?;

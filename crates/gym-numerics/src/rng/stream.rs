@@ -4,12 +4,14 @@ use std::fmt;
 
 use rand::Rng;
 use rand_pcg::Pcg64;
+use serde::de::{DeserializeOwned, Deserializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::Generator;
 
 /// A stream of random numbers that is kept for each of many environments: a [`Generator`], or what
 /// is needed to go on from one.
-pub trait Stream: Clone + fmt::Debug + Send + 'static {
+pub trait Stream: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static {
     /// The stream that continues where a generator is.
     fn new(generator: Generator) -> Self;
 
@@ -58,6 +60,19 @@ impl Stream for WordStream {
         debug_assert!(generator.half.is_none(), "half a word would be lost");
         self.0 = generator.pcg;
         result
+    }
+}
+
+/// As a [`Generator`].
+impl Serialize for WordStream {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Generator { pcg: self.0.clone(), half: None }.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for WordStream {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Generator::deserialize(deserializer).map(Self::new)
     }
 }
 

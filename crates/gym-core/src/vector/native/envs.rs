@@ -8,9 +8,10 @@ use super::step::{Block, NO_LIMIT, Step};
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::render::Metadata;
 use crate::rng::Stream;
+use crate::spaces::array_of;
 use crate::vector::slot::{describe, episode_over};
-use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
-use crate::{Error, Generator, Result, Space, Value};
+use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
+use crate::{Error, Generator, Result, Snapshot, Space, Value};
 
 /// Environments stepped by one loop with vector instructions: the vector behind
 /// [`entry_point`](super::entry_point).
@@ -19,29 +20,33 @@ use crate::{Error, Generator, Result, Space, Value};
 /// CartPole.
 #[derive(Clone)]
 pub struct NativeVectorEnv<D: Native> {
-    dynamics: D,
+    pub(super) dynamics: D,
     spec: Option<VectorSpec>,
-    num_envs: usize,
-    limit: u16,
-    autoreset: Autoreset,
+    pub(super) num_envs: usize,
+    pub(super) limit: u16,
+    pub(super) autoreset: Autoreset,
     observation_space: Space,
+    action_space: Space,
     level: Level,
     closed: bool,
     /// None before the first reset.
-    blocks: Vec<Block<D>>,
+    pub(super) blocks: Vec<Block<D>>,
     /// One for each environment, and for each place in the last block that has none.
-    streams: Vec<D::Stream>,
+    pub(super) streams: Vec<D::Stream>,
     /// The last states of episodes, where infos tell of them.
-    finals: Vec<D::Packed>,
+    pub(super) finals: Vec<D::Packed>,
     /// Which environments the last reset has left out, if any.
-    left_out: Vec<bool>,
+    pub(super) left_out: Vec<bool>,
+    /// Actions that came as another type of numbers.
+    cast: Value,
 }
 
 impl<D: Native> NativeVectorEnv<D> {
     /// `num_envs` environments whose episodes are truncated after `max_episode_steps`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for no environments, or a limit that is 0 or above 65534.
+    /// [`Error::InvalidArgument`] for no environments or more than memory holds, or a limit that is 0 or
+    /// above 65534.
     pub fn new(
         dynamics: D,
         num_envs: usize,
@@ -49,9 +54,6 @@ impl<D: Native> NativeVectorEnv<D> {
         autoreset: Autoreset,
     ) -> Result<Self> {
         let refuse = |reason: String| Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
-        if num_envs == 0 {
-            return refuse("num_envs is 0: it must be at least 1".into());
-        }
         let limit = match max_episode_steps.map(u16::try_from) {
             None => NO_LIMIT,
             Some(Ok(limit)) if (1..NO_LIMIT).contains(&limit) => limit,
@@ -62,7 +64,9 @@ impl<D: Native> NativeVectorEnv<D> {
                 ));
             }
         };
-        let observation_space = dynamics.observation_space();
+        let (observation_space, action_space) = (dynamics.observation_space(), dynamics.action_space());
+        let bytes = size_of::<Block<D>>() / LANES + size_of::<D::Stream>();
+        size::check(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
             dynamics,
             spec: None,
@@ -70,12 +74,14 @@ impl<D: Native> NativeVectorEnv<D> {
             limit,
             autoreset,
             observation_space,
+            action_space,
             level: Level::new(),
             closed: false,
             blocks: Vec::new(),
             streams: Vec::new(),
             finals: Vec::new(),
             left_out: Vec::new(),
+            cast: Value::Null,
         })
     }
 
@@ -96,8 +102,51 @@ impl<D: Native> NativeVectorEnv<D> {
         (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(index % LANES))
     }
 
-    fn check_open(&self, call: &'static str) -> Result<()> {
+    pub(super) fn check_open(&self, call: &'static str) -> Result<()> {
         if self.closed { Err(Error::Closed(call)) } else { Ok(()) }
+    }
+
+    /// Makes blocks and streams for all environments, none of which counts as reset.
+    pub(super) fn make_room(&mut self, state: D::Packed, stream: &D::Stream) -> Result<()> {
+        let full = |_| {
+            let reason = format!("num_envs is {}: so many do not fit in memory", self.num_envs);
+            Error::argument(format!("a native vector of {}", D::NAME), reason)
+        };
+        let n = self.num_envs.div_ceil(LANES);
+        let (mut blocks, mut streams, mut finals) = (Vec::new(), Vec::new(), Vec::new());
+        blocks.try_reserve_exact(n).map_err(full)?;
+        streams.try_reserve_exact(n * LANES).map_err(full)?;
+        let block = Block { states: state.splat(), steps: [0; LANES], due: 0, unset: u32::MAX, ended: 0 };
+        blocks.resize(n, block);
+        if let (Some(last), rest @ 1..) = (blocks.last_mut(), self.num_envs % LANES) {
+            last.unset >>= LANES - rest;
+        }
+        streams.resize(n * LANES, stream.clone());
+        if D::INFO && self.autoreset == Autoreset::SameStep {
+            finals.try_reserve_exact(self.num_envs).map_err(full)?;
+            finals.resize(self.num_envs, state);
+        }
+        (self.blocks, self.streams, self.finals) = (blocks, streams, finals);
+        Ok(())
+    }
+
+    /// A batch of actions in the numbers of the action space, if it has the form of one.
+    #[cold]
+    fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
+        self.action_space.check_batch(actions, self.num_envs)?;
+        let (Some(array), Some(dtype)) = (actions.as_array(), self.action_space.dtype()) else {
+            return Err(mismatch::<D>("actions"));
+        };
+        let mut cast = std::mem::take(&mut self.cast);
+        array_of(&mut cast, dtype, array.shape()).assign_cast(array)?;
+        Ok(cast)
+    }
+
+    /// Keeps the storage of a cast for the next one.
+    fn keep(&mut self, cast: Value) {
+        if cast != Value::Null {
+            self.cast = cast;
+        }
     }
 
     /// Whether each environment has an episode to go on with, or one to begin by itself.
@@ -154,7 +203,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     }
 
     fn single_action_space(&self) -> Space {
-        self.dynamics.action_space()
+        self.action_space.clone()
     }
 
     fn autoreset(&self) -> Autoreset {
@@ -165,8 +214,8 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         self.check_open("reset")?;
         reset.check(self.num_envs)?;
         columns.prepare(&self.observation_space, self.num_envs)?;
-        let Columns { observations, rewards, terminated, truncated, has_final, .. } = columns;
-        let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>())?;
+        let Columns { observations, rewards, terminated, truncated, has_final, progress, .. } = columns;
+        let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?;
 
         for block in &mut self.blocks {
             block.ended = 0;
@@ -181,6 +230,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                         if fresh { dynamics.observe(&state) } else { dynamics.observe_state(&state) };
                     D::Observation::write_rows(&mut rows, i, &[observation]);
                 }
+                progress[i] = Progress::Unchanged;
                 continue;
             }
             let start = reset.of(i).unwrap_or_default();
@@ -194,22 +244,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             let state =
                 stream.lend(|rng| self.dynamics.start(&start, rng)).map_err(|error| error.at_env(i))?;
             if self.blocks.is_empty() {
-                let block = Block {
-                    states: D::pack(&state).splat(),
-                    steps: [0; LANES],
-                    due: 0,
-                    unset: u32::MAX,
-                    ended: 0,
-                };
-                let mut blocks = vec![block; self.num_envs.div_ceil(LANES)];
-                if let (Some(last), rest @ 1..) = (blocks.last_mut(), self.num_envs % LANES) {
-                    last.unset >>= LANES - rest;
-                }
-                self.streams = vec![stream.clone(); blocks.len() * LANES];
-                if D::INFO && self.autoreset == Autoreset::SameStep {
-                    self.finals = vec![D::pack(&state); self.num_envs];
-                }
-                self.blocks = blocks;
+                self.make_room(D::pack(&state), &stream)?;
             }
             self.streams[i] = stream;
             let block = &mut self.blocks[at];
@@ -217,6 +252,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             block.due &= !(1 << lane);
             block.unset &= !(1 << lane);
             D::Observation::write_rows(&mut rows, i, &[self.dynamics.observe(&state)]);
+            progress[i] = Progress::Started;
         }
         self.left_out.clear();
         if let Some(mask) = &reset.mask {
@@ -231,36 +267,46 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.check_open("step")?;
+        // the numbers are taken as they are where they can be
+        let mut cast = Value::Null;
+        let items = match D::Action::items(actions, self.num_envs) {
+            Some(items) => items,
+            None => {
+                cast = self.cast_actions(actions)?;
+                D::Action::items(&cast, self.num_envs).ok_or_else(|| mismatch::<D>("actions"))?
+            }
+        };
         self.check_ready()?;
-        let items = D::Action::items(actions, self.num_envs).ok_or_else(|| Error::InvalidAction {
-            action: actions.to_string(),
-            space: self.action_space().map_or_else(|error| error.to_string(), |space| space.to_string()),
-            hint: "; a native vector takes an array of just this shape and type".into(),
-        })?;
         let level = self.level;
         let valid = dispatch!(level, _simd => all_valid::<D::Action>(items));
         if !valid {
             self.refuse(items)?;
         }
         columns.prepare(&self.observation_space, self.num_envs)?;
-        let Columns { observations, rewards, terminated, truncated, final_observations, has_final } = columns;
+        let Columns { observations, rewards, terminated, truncated, final_observations, has_final, progress } =
+            columns;
         has_final.fill(false);
+        progress.fill(Progress::Stepped);
         let step = Step {
             dynamics: &self.dynamics,
             autoreset: self.autoreset,
             limit: self.limit,
             actions: items,
-            observations: D::Observation::rows(observations).ok_or_else(|| mismatch::<D>())?,
+            observations: D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?,
             rewards,
             terminated,
             truncated,
-            final_observations: D::Observation::rows(final_observations).ok_or_else(|| mismatch::<D>())?,
+            final_observations: D::Observation::rows(final_observations)
+                .ok_or_else(|| mismatch::<D>("observations"))?,
             has_final,
+            progress,
             finals: &mut self.finals,
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        dispatch!(level, _simd => step.run(blocks, streams))
+        let result = dispatch!(level, _simd => step.run(blocks, streams));
+        self.keep(cast);
+        result
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -292,6 +338,14 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         describe("NativeVectorEnv", self.spec.clone().map(|spec| spec.env), self.num_envs)
     }
 
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.store()
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.read(snapshot)
+    }
+
     fn close(&mut self) {
         self.closed = true;
         self.blocks = Vec::new();
@@ -305,6 +359,6 @@ fn all_valid<A: ActionColumn>(items: &[A::Item]) -> bool {
     items.iter().fold(true, |valid, item| valid & A::is_valid(*item))
 }
 
-fn mismatch<D: Native>() -> Error {
-    Error::Contract(format!("the observations of {} do not fit their space", D::NAME))
+fn mismatch<D: Native>(which: &str) -> Error {
+    Error::Contract(format!("the {which} of {} do not fit their space", D::NAME))
 }

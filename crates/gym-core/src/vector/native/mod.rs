@@ -22,6 +22,7 @@
 mod columns;
 mod envs;
 mod packed;
+mod snapshot;
 mod step;
 
 use serde_json::Value as Json;
@@ -109,11 +110,6 @@ pub fn entry_point<D: Native>(
     D::supports(&config)
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
-    Ok(Box::new(envs.with_spec(VectorSpec {
-        env: spec.clone(),
-        num_envs,
-        vectorization_mode: VectorKind::Native,
-        autoreset_mode: autoreset,
-        threads: None,
-    })))
+    let spec = VectorSpec::new(spec.clone(), num_envs, VectorKind::Native).autoreset(autoreset);
+    Ok(Box::new(envs.with_spec(spec)))
 }

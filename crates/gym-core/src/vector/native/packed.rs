@@ -1,6 +1,9 @@
-//! How the states of a block lie in memory.
+//! How the states of a block lie in memory, and in snapshots.
 
 use std::fmt;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::LANES;
 
@@ -17,6 +20,14 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
 
     /// Overwrites that of an environment, below [`LANES`].
     fn set(self, block: &mut Self::Block, lane: usize);
+
+    /// Appends its stored form.
+    fn put(self, bytes: &mut Vec<u8>);
+
+    /// Reads what [`put`](Self::put) wrote and goes on behind it, or `None` where nothing of the kind is
+    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Dynamics::is_valid)
+    /// to say.
+    fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 
 /// A few numbers: the first ones of all environments lie together, then the second ones, ...
@@ -38,13 +49,29 @@ impl<const K: usize> Packed for [f64; K] {
             block[k][lane] = self[k];
         }
     }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    }
+
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let mut numbers = [0.0; K];
+        for x in &mut numbers {
+            let (first, rest) = bytes.split_first_chunk()?;
+            (*x, *bytes) = (f64::from_le_bytes(*first), rest);
+        }
+        Some(numbers)
+    }
 }
 
 /// A state in one piece.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole<S>(pub S);
 
-impl<S: Copy + fmt::Debug + Send + Sync + 'static> Packed for Whole<S> {
+impl<S> Packed for Whole<S>
+where
+    S: Copy + fmt::Debug + Send + Sync + Serialize + DeserializeOwned + 'static,
+{
     type Block = [S; LANES];
 
     fn splat(self) -> Self::Block {
@@ -59,5 +86,19 @@ impl<S: Copy + fmt::Debug + Send + Sync + 'static> Packed for Whole<S> {
     #[inline(always)]
     fn set(self, block: &mut Self::Block, lane: usize) {
         block[lane] = self.0;
+    }
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        match postcard::to_extend(&self.0, std::mem::take(bytes)) {
+            Ok(extended) => *bytes = extended,
+            // what is missing is found when it is read
+            Err(error) => log::warn!("a state has no stored form: {error}"),
+        }
+    }
+
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let (state, rest) = postcard::take_from_bytes(bytes).ok()?;
+        *bytes = rest;
+        Some(Self(state))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::rng::Stream;
-use crate::vector::Autoreset;
+use crate::vector::{Autoreset, Progress};
 use crate::{Element, Reset, Result};
 
 /// The environments that lie together. Their flags are sets of bits, the lowest for the first.
@@ -47,6 +47,7 @@ pub(super) struct Step<'a, D: Native> {
     pub(super) truncated: &'a mut [bool],
     pub(super) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(super) has_final: &'a mut [bool],
+    pub(super) progress: &'a mut [Progress],
     /// The last states of the episodes that have ended, where [`Native::INFO`] asks for them.
     pub(super) finals: &'a mut [D::Packed],
 }
@@ -123,6 +124,7 @@ impl<D: Native> Step<'_, D> {
                     results.rewards[lane] = 0.0;
                     results.terminated[lane] = false;
                     results.truncated[lane] = false;
+                    self.progress[first + lane] = Progress::Started;
                 }
                 block.due = done & !block.due;
             }

@@ -1,19 +1,21 @@
-use super::cast_actions;
+use super::{cast_actions, reach};
 use crate::spaces::BoxSpace;
 use crate::transform::clip::clip;
-use crate::vector::{Columns, VectorEnv};
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::wrappers::expect_box;
-use crate::{Result, Space, Value};
+use crate::{Result, Space, Value, WrapperSpec};
 
 /// Clips actions to the bounds of the sub-environments' `Box`, and so takes any numbers: its own action
 /// space is unbounded.
 #[derive(Clone, Debug)]
-pub struct ClipAction<V> {
+pub struct ClipAction<V = Box<dyn VectorEnv>> {
     envs: V,
     space: Space,
     bounds: BoxSpace,
     inner: Value,
 }
+
+reach!(ClipAction);
 
 impl<V: VectorEnv> ClipAction<V> {
     /// Clips the actions for `envs`.
@@ -26,14 +28,21 @@ impl<V: VectorEnv> ClipAction<V> {
         let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?.into();
         Ok(Self { envs, space, bounds, inner: Value::Null })
     }
-
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
-    }
 }
 
-impl<V: VectorEnv> VectorEnv for ClipAction<V> {
+impl<V: VectorEnv> VectorWrapper for ClipAction<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("ClipAction"))
+    }
+
     fn single_action_space(&self) -> Space {
         self.space.clone()
     }
@@ -43,9 +52,4 @@ impl<V: VectorEnv> VectorEnv for ClipAction<V> {
         clip(array, &self.bounds);
         self.envs.step_into(&self.inner, columns)
     }
-
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, autoreset, reset_into, info, final_info, infos, visit_envs,
-        render, metadata, spec, describe, close
-    );
 }

@@ -1,13 +1,17 @@
+use super::{each_reward, reach};
 use crate::transform::clip::RewardBounds;
-use crate::vector::{Columns, VectorEnv};
-use crate::{Result, Value};
+use crate::transform::number_to_json;
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::{Result, Value, WrapperSpec};
 
 /// Clips rewards between bounds, either of which may be left out.
 #[derive(Clone, Debug)]
-pub struct ClipReward<V> {
+pub struct ClipReward<V = Box<dyn VectorEnv>> {
     envs: V,
     bounds: RewardBounds,
 }
+
+reach!(ClipReward);
 
 impl<V: VectorEnv> ClipReward<V> {
     /// Clips the rewards of `envs`.
@@ -21,22 +25,25 @@ impl<V: VectorEnv> ClipReward<V> {
     ) -> Result<Self> {
         Ok(Self { envs, bounds: RewardBounds::new(min_reward.into(), max_reward.into())? })
     }
-
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
-    }
 }
 
-impl<V: VectorEnv> VectorEnv for ClipReward<V> {
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
-        columns.rewards.iter_mut().for_each(|reward| *reward = self.bounds.clip(*reward));
-        Ok(())
+impl<V: VectorEnv> VectorWrapper for ClipReward<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
     }
 
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, reset_into, info, final_info,
-        infos, visit_envs, render, metadata, spec, describe, close
-    );
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        let RewardBounds { min, max } = self.bounds;
+        let wrapper = WrapperSpec::new("ClipReward");
+        Some(wrapper.arg("min_reward", number_to_json(min)).arg("max_reward", number_to_json(max)))
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        let Self { envs, bounds } = self;
+        each_reward(envs, actions, columns, |reward| bounds.clip(reward))
+    }
 }

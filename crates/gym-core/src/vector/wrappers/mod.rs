@@ -28,95 +28,49 @@ pub use transform_observation::TransformObservation;
 pub use transform_reward::TransformReward;
 pub use wrap::VectorWrap;
 
-use super::{Columns, VectorEnv};
+use super::{Columns, Progress, VectorEnv};
 use crate::spaces::array_of;
 use crate::{Array, Error, Result, Space, Value};
 
-/// Implements methods of [`VectorEnv`](crate::VectorEnv) by calling the same method of a field.
-///
-/// ```text
-/// gym_core::forward_vector!(envs: num_envs, autoreset, info, final_info, infos, visit_envs, render, close);
-/// ```
-#[macro_export]
-macro_rules! forward_vector {
-    ($field:tt: $($method:ident),+ $(,)?) => { $($crate::forward_vector!(@ $field $method);)+ };
-    (@ $field:tt num_envs) => {
-        fn num_envs(&self) -> usize { self.$field.num_envs() }
-    };
-    (@ $field:tt single_observation_space) => {
-        fn single_observation_space(&self) -> $crate::Space { self.$field.single_observation_space() }
-    };
-    (@ $field:tt single_action_space) => {
-        fn single_action_space(&self) -> $crate::Space { self.$field.single_action_space() }
-    };
-    (@ $field:tt observation_space) => {
-        fn observation_space(&self) -> $crate::Result<$crate::Space> { self.$field.observation_space() }
-    };
-    (@ $field:tt autoreset) => {
-        fn autoreset(&self) -> $crate::vector::Autoreset { self.$field.autoreset() }
-    };
-    (@ $field:tt reset_into) => {
-        fn reset_into(
-            &mut self,
-            reset: &$crate::vector::VectorReset,
-            columns: &mut $crate::vector::Columns,
-        ) -> $crate::Result<()> {
-            self.$field.reset_into(reset, columns)
+/// The methods that lead to the vector within, of a wrapper with the field `envs`.
+macro_rules! reach {
+    ($name:ident $(, $parameter:ident)*) => {
+        impl<V $(, $parameter)*> $name<V $(, $parameter)*> {
+            /// The vector within.
+            pub fn get_ref(&self) -> &V {
+                &self.envs
+            }
+
+            /// The vector within, to be changed. What is reset or stepped past the wrapper, it does not
+            /// see.
+            pub fn get_mut(&mut self) -> &mut V {
+                &mut self.envs
+            }
+
+            /// The vector within, without the wrapper.
+            pub fn into_inner(self) -> V {
+                self.envs
+            }
         }
-    };
-    (@ $field:tt step_into) => {
-        fn step_into(
-            &mut self,
-            actions: &$crate::Value,
-            columns: &mut $crate::vector::Columns,
-        ) -> $crate::Result<()> {
-            self.$field.step_into(actions, columns)
-        }
-    };
-    (@ $field:tt info) => {
-        fn info(&self, index: usize, visit: &mut dyn FnMut(&str, $crate::Value)) {
-            self.$field.info(index, visit);
-        }
-    };
-    (@ $field:tt final_info) => {
-        fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, $crate::Value)) {
-            self.$field.final_info(index, visit);
-        }
-    };
-    (@ $field:tt infos) => {
-        fn infos(&self, columns: &$crate::vector::Columns) -> $crate::Info { self.$field.infos(columns) }
-    };
-    (@ $field:tt visit_envs) => {
-        fn visit_envs(
-            &mut self,
-            visit: &mut dyn FnMut(usize, &mut dyn ::std::any::Any),
-        ) -> $crate::Result<()> {
-            self.$field.visit_envs(visit)
-        }
-    };
-    (@ $field:tt render) => {
-        fn render(&mut self) -> $crate::Result<::std::vec::Vec<$crate::render::Rendered>> {
-            self.$field.render()
-        }
-    };
-    (@ $field:tt metadata) => {
-        fn metadata(&self) -> $crate::render::Metadata { self.$field.metadata() }
-    };
-    (@ $field:tt spec) => {
-        fn spec(&self) -> Option<$crate::vector::VectorSpec> { self.$field.spec() }
-    };
-    (@ $field:tt describe) => {
-        fn describe(&self) -> String { $crate::vector::wrappers::describe(self, &self.$field) }
-    };
-    (@ $field:tt close) => {
-        fn close(&mut self) { self.$field.close(); }
     };
 }
+use reach;
 
-/// `<Wrapper, inner>`, as Gymnasium prints a stack of vector wrappers.
-#[doc(hidden)]
-pub fn describe<W, V: VectorEnv>(_wrapper: &W, inner: &V) -> String {
-    format!("<{}, {}>", crate::env::short_type_name::<W>(), inner.describe())
+/// Steps the vector within and maps the rewards of all sub-environments that went on.
+fn each_reward(
+    envs: &mut impl VectorEnv,
+    actions: &Value,
+    columns: &mut Columns,
+    map: impl Fn(f64) -> f64,
+) -> Result<()> {
+    columns.begin();
+    let result = envs.step_into(actions, columns);
+    for (reward, progress) in columns.rewards.iter_mut().zip(&columns.progress) {
+        if *progress != Progress::Unchanged {
+            *reward = map(*reward);
+        }
+    }
+    result
 }
 
 /// Leaves a batch of actions in `inner`, cast to the type of the space, if it has the form of one.
@@ -138,12 +92,19 @@ struct Inner {
 }
 
 impl Inner {
-    /// Lets the vector within fill the columns, with its observations going here.
-    fn fill(&mut self, columns: &mut Columns, fill: impl FnOnce(&mut Columns) -> Result<()>) -> Result<()> {
+    /// Lets the vector within fill the columns, with its observations going here; then, if any
+    /// sub-environment went on, the wrapper fills them.
+    fn fill(
+        &mut self,
+        columns: &mut Columns,
+        fill: impl FnOnce(&mut Columns) -> Result<()>,
+    ) -> (Result<()>, bool) {
+        columns.begin();
         self.swap(columns);
         let result = fill(columns);
         self.swap(columns);
-        result
+        let goes_on = columns.any_progress();
+        (result, goes_on)
     }
 
     fn swap(&mut self, columns: &mut Columns) {
@@ -161,21 +122,21 @@ impl Inner {
     }
 }
 
-/// `VectorEnv` for a wrapper that changes observations by a function without state. The wrapper has the
+/// The methods of [`VectorWrapper`](crate::vector::VectorWrapper) for a wrapper that changes observations by a function without state. The wrapper has the
 /// fields `envs` and `inner`, and a method `observe(&self, columns: &mut Columns) -> Result<()>` that maps
 /// from `inner`.
 macro_rules! observation_methods {
     () => {
         fn reset_into(&mut self, reset: &$crate::vector::VectorReset, columns: &mut Columns) -> Result<()> {
             let Self { envs, inner, .. } = self;
-            inner.fill(columns, |columns| envs.reset_into(reset, columns))?;
-            self.observe(columns)
+            let (result, goes_on) = inner.fill(columns, |columns| envs.reset_into(reset, columns));
+            if goes_on { result.and(self.observe(columns)) } else { result }
         }
 
         fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
             let Self { envs, inner, .. } = self;
-            inner.fill(columns, |columns| envs.step_into(actions, columns))?;
-            self.observe(columns)
+            let (result, goes_on) = inner.fill(columns, |columns| envs.step_into(actions, columns));
+            if goes_on { result.and(self.observe(columns)) } else { result }
         }
     };
 }

@@ -1,7 +1,9 @@
+use super::reach;
 use crate::statistics::moments::{Batch, Samples};
 use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
-use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset};
-use crate::{BoxEnv, Result, Value, wrappers};
+use crate::vector::stored::Kept;
+use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
+use crate::{BoxEnv, Error, Result, Snapshot, Value, WrapperSpec, wrappers};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated over all
 /// sub-environments as it goes, to the bit as Gymnasium's does.
@@ -9,18 +11,18 @@ use crate::{BoxEnv, Result, Value, wrappers};
 /// A reset with a mask starts the returns of those sub-environments anew, and of no others. (Gymnasium's
 /// forgets them all.)
 #[derive(Clone, Debug)]
-pub struct NormalizeReward<V> {
+pub struct NormalizeReward<V = Box<dyn VectorEnv>> {
     envs: V,
     gamma: f64,
     epsilon: f64,
     update_running_mean: bool,
     /// Kept as `float32`, as by Gymnasium.
     discounted_rewards: Vec<f32>,
-    /// Where the next step is a reset: its reward counts for nothing.
-    is_done: Vec<bool>,
     statistics: RunningMeanStd,
     samples: Samples<f32>,
 }
+
+reach!(NormalizeReward);
 
 impl<V: VectorEnv> NormalizeReward<V> {
     /// Normalizes the rewards of `envs` by returns discounted with `gamma` per step.
@@ -36,7 +38,6 @@ impl<V: VectorEnv> NormalizeReward<V> {
             epsilon: wrappers::NormalizeReward::<BoxEnv>::EPSILON,
             update_running_mean: true,
             discounted_rewards: vec![0.0; n],
-            is_done: vec![false; n],
             statistics: RunningMeanStd::new_f64(1),
             samples: Samples::default(),
         })
@@ -57,14 +58,19 @@ impl<V: VectorEnv> NormalizeReward<V> {
         self.update_running_mean = update;
     }
 
-    /// The estimated variance of the discounted return.
-    pub fn variance(&self) -> f64 {
-        self.statistics.scalar_variance()
+    /// Mean, variance and count of the discounted return.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.statistics
     }
 
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
+    /// Goes on from other statistics, such as those of a training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if they are of more than one number.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(1)?;
+        self.statistics = statistics;
+        Ok(())
     }
 
     fn estimate(&mut self) {
@@ -75,43 +81,74 @@ impl<V: VectorEnv> NormalizeReward<V> {
     }
 }
 
-impl<V: VectorEnv> VectorEnv for NormalizeReward<V> {
+impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        let wrapper =
+            WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon);
+        Some(if self.update_running_mean { wrapper } else { wrapper.arg("update_running_mean", false) })
+    }
+
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        self.envs.reset_into(reset, columns)?;
-        for index in (0..self.is_done.len()).filter(|index| reset.selects(*index)) {
-            (self.discounted_rewards[index], self.is_done[index]) = (0.0, false);
+        columns.begin();
+        let result = self.envs.reset_into(reset, columns);
+        for (discounted, progress) in self.discounted_rewards.iter_mut().zip(&columns.progress) {
+            if *progress == Progress::Started {
+                *discounted = 0.0;
+            }
         }
-        Ok(())
+        result
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
-        let same_step = self.autoreset() == Autoreset::SameStep;
+        columns.begin();
+        let result = self.envs.step_into(actions, columns);
         self.samples.begin(1);
-        for (index, reward) in columns.rewards.iter().enumerate() {
-            if same_step || !self.is_done[index] {
+        for (index, discounted) in self.discounted_rewards.iter_mut().enumerate() {
+            // the reward of a step that was a reset counts for nothing
+            if columns.progress.get(index) == Some(&Progress::Stepped) {
                 // the product with gamma is float32, and the rest float64
-                let kept = f64::from(self.discounted_rewards[index] * self.gamma as f32);
+                let kept = f64::from(*discounted * self.gamma as f32);
                 let kept = kept * f64::from(!columns.terminated[index]);
-                self.discounted_rewards[index] = (kept + reward) as f32;
-                self.samples.extend([self.discounted_rewards[index]]);
+                *discounted = (kept + columns.rewards[index]) as f32;
+                self.samples.extend([*discounted]);
             }
-            self.is_done[index] = columns.done(index);
         }
         if self.update_running_mean && !self.samples.is_empty() {
             self.estimate();
         }
-        if same_step {
-            let done = self.is_done.iter().zip(&mut self.discounted_rewards).filter(|(done, _)| **done);
-            done.for_each(|(_, discounted_reward)| *discounted_reward = 0.0);
-        }
         let std = (self.statistics.scalar_variance() + self.epsilon).sqrt();
-        columns.rewards.iter_mut().for_each(|reward| *reward /= std);
-        Ok(())
+        let same_step = self.envs.autoreset() == Autoreset::SameStep;
+        for (index, discounted) in self.discounted_rewards.iter_mut().enumerate() {
+            if columns.progress.get(index).is_some_and(|progress| *progress != Progress::Unchanged) {
+                columns.rewards[index] /= std;
+                if same_step && columns.done(index) {
+                    *discounted = 0.0;
+                }
+            }
+        }
+        result
     }
 
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, info, final_info, infos,
-        visit_envs, render, metadata, spec, describe, close
-    );
+    fn snapshot(&self) -> Result<Snapshot> {
+        let Self { envs, statistics, update_running_mean, discounted_rewards, .. } = self;
+        Snapshot::of(&(envs.snapshot()?, statistics, update_running_mean, Kept::numbers(discounted_rewards)))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (envs, statistics, update, discounted): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
+        let discounted = discounted.into_numbers(self.discounted_rewards.len())?;
+        statistics.expect_len(1).map_err(|error| Error::Snapshot(error.to_string()))?;
+        self.envs.restore(&envs)?;
+        (self.statistics, self.update_running_mean, self.discounted_rewards) =
+            (statistics, update, discounted);
+        Ok(())
+    }
 }

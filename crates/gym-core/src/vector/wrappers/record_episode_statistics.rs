@@ -1,21 +1,25 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset, infos};
+use serde::{Deserialize, Serialize};
+
+use super::reach;
+use crate::vector::{Columns, Progress, VectorEnv, VectorReset, VectorWrapper, infos};
 use crate::wrappers::{EpisodeStatistics, episode_buffer};
-use crate::{Info, Result, Value};
+use crate::{Error, Result, Snapshot, Value, WrapperSpec};
 
 /// Keeps the return, length and duration of each sub-environment's episodes.
 ///
 /// For a step in which episodes ended, [`infos`](VectorEnv::infos) have an entry `episode` with the
 /// columns `r` (return), `l` (length in steps) and `t` (seconds since the reset, to the microsecond), zero
 /// where no episode ended, and the mask `_episode`. The last episodes are kept in
-/// [`episodes`](Self::episodes).
+/// [`episodes`](Self::episodes). The entry belongs to the step that ended the episode in each
+/// [`Autoreset`](crate::vector::Autoreset) mode, and stands beside `final_info`, not in it.
 ///
 /// A reset with a mask starts the statistics of those sub-environments anew, and of no others.
 /// (Gymnasium's loses them all.)
 #[derive(Clone, Debug)]
-pub struct RecordEpisodeStatistics<V> {
+pub struct RecordEpisodeStatistics<V = Box<dyn VectorEnv>> {
     envs: V,
     buffer_length: usize,
     stats_key: String,
@@ -25,8 +29,10 @@ pub struct RecordEpisodeStatistics<V> {
 }
 
 /// The episode of one sub-environment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Running {
+    /// Wall-clock time is no part of a snapshot.
+    #[serde(skip, default = "Instant::now")]
     started: Instant,
     episode_return: f64,
     length: u64,
@@ -39,6 +45,8 @@ impl Running {
         Self { started: Instant::now(), episode_return: 0.0, length: 0, ended: None }
     }
 }
+
+reach!(RecordEpisodeStatistics);
 
 impl<V: VectorEnv> RecordEpisodeStatistics<V> {
     /// Records the last 100 episodes of `envs`.
@@ -54,7 +62,9 @@ impl<V: VectorEnv> RecordEpisodeStatistics<V> {
     /// # Errors
     /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        Ok(Self { buffer_length, episodes: episode_buffer(buffer_length)?, ..self })
+        let mut episodes = episode_buffer(buffer_length)?;
+        episodes.extend(self.episodes.into_iter().rev().take(buffer_length).rev());
+        Ok(Self { buffer_length, episodes, ..self })
     }
 
     /// Names the entry of the infos: Gymnasium's `stats_key`.
@@ -78,32 +88,17 @@ impl<V: VectorEnv> RecordEpisodeStatistics<V> {
         self.running.get(index)?.ended.as_ref()
     }
 
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
-    }
-}
-
-impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        self.envs.reset_into(reset, columns)?;
+    /// Counts what the sub-environments that went on have done.
+    fn record(&mut self, columns: &Columns) {
         for (index, running) in self.running.iter_mut().enumerate() {
             running.ended = None;
-            if reset.selects(index) {
-                *running = Running::new();
-            }
-        }
-        Ok(())
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
-        let next_step = self.autoreset() == Autoreset::NextStep;
-        for (index, running) in self.running.iter_mut().enumerate() {
-            let has_ended = running.ended.take().is_some();
-            if has_ended && next_step {
-                *running = Running::new(); // this step was the reset
-                continue;
+            match columns.progress.get(index) {
+                None | Some(Progress::Unchanged) => continue,
+                Some(Progress::Started) => {
+                    *running = Running::new();
+                    continue;
+                }
+                Some(Progress::Stepped) => {}
             }
             running.episode_return += columns.rewards[index];
             running.length += 1;
@@ -122,7 +117,36 @@ impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
                 self.episode_count += 1;
             }
         }
-        Ok(())
+    }
+}
+
+impl<V: VectorEnv> VectorWrapper for RecordEpisodeStatistics<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        let wrapper = WrapperSpec::new("RecordEpisodeStatistics");
+        let wrapper = wrapper.arg("buffer_length", self.buffer_length);
+        Some(wrapper.arg("stats_key", self.stats_key.as_str()))
+    }
+
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        columns.begin();
+        let result = self.envs.reset_into(reset, columns);
+        self.record(columns);
+        result
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        columns.begin();
+        let result = self.envs.step_into(actions, columns);
+        self.record(columns);
+        result
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -132,30 +156,44 @@ impl<V: VectorEnv> VectorEnv for RecordEpisodeStatistics<V> {
         }
     }
 
-    fn infos(&self, columns: &Columns) -> Info {
-        let mut infos = self.envs.infos(columns);
+    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.envs.column_infos(visit);
         let ended = || self.running.iter().map(|running| running.ended);
-        if ended().any(|episode| episode.is_some()) {
-            let real = |of: fn(EpisodeStatistics) -> f64| {
-                let column: Vec<f64> = ended().map(|episode| episode.map_or(0.0, of)).collect();
-                Value::Array(column.into())
-            };
-            let lengths: Vec<i64> = ended().map(|episode| episode.map_or(0, |e| e.length as i64)).collect();
-            let columns = [
-                ("r", real(|episode| episode.episode_return)),
-                ("l", Value::Array(lengths.into())),
-                ("t", real(|episode| episode.seconds)),
-            ];
-            let mask: Vec<bool> = ended().map(|episode| episode.is_some()).collect();
-            let columns = columns.map(|(key, column)| (key.to_owned(), column));
-            infos.insert(self.stats_key.clone(), Value::Dict(columns.into()));
-            infos.insert(format!("_{}", self.stats_key), infos::flags(&mask));
+        if ended().all(|episode| episode.is_none()) {
+            return;
         }
-        infos
+        let real = |of: fn(EpisodeStatistics) -> f64| {
+            let column: Vec<f64> = ended().map(|episode| episode.map_or(0.0, of)).collect();
+            Value::Array(column.into())
+        };
+        let lengths: Vec<i64> = ended().map(|episode| episode.map_or(0, |e| e.length as i64)).collect();
+        let columns = [
+            ("r", real(|episode| episode.episode_return)),
+            ("l", Value::Array(lengths.into())),
+            ("t", real(|episode| episode.seconds)),
+        ];
+        let mask: Vec<bool> = ended().map(|episode| episode.is_some()).collect();
+        let columns = columns.map(|(key, column)| (key.to_owned(), column));
+        visit(&self.stats_key, Value::Dict(columns.into()));
+        visit(&format!("_{}", self.stats_key), infos::flags(&mask));
     }
 
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, final_info, visit_envs, render,
-        metadata, spec, describe, close
-    );
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.envs.snapshot()?, &self.running, self.episode_count, &self.episodes))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (envs, running, count, mut episodes): (_, Vec<Running>, _, VecDeque<EpisodeStatistics>) =
+            snapshot.get()?;
+        if running.len() != self.running.len() {
+            let [there, here] = [running.len(), self.running.len()];
+            return Err(Error::Snapshot(format!("it is of {there} sub-environments, and here are {here}")));
+        }
+        let mut kept = episode_buffer(self.buffer_length)?;
+        self.envs.restore(&envs)?;
+        let surplus = episodes.len().saturating_sub(self.buffer_length);
+        kept.extend(episodes.drain(surplus..));
+        (self.running, self.episode_count, self.episodes) = (running, count, kept);
+        Ok(())
+    }
 }

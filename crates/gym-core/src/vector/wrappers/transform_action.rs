@@ -1,6 +1,7 @@
 use std::fmt;
 
-use crate::vector::{Columns, VectorEnv};
+use super::reach;
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::{Result, Space, Value};
 
 /// Applies a function to the actions of all sub-environments together, before they get them.
@@ -11,33 +12,33 @@ pub struct TransformAction<V, F> {
     space: Option<Space>,
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send> TransformAction<V, F> {
+reach!(TransformAction, F);
+
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformAction<V, F> {
     /// Transforms the actions for `envs`: `func` takes and gives a batch. Without a space, which is that
     /// of a single action, the actions to transform lie in the space of `envs`.
     pub fn new(envs: V, func: F, single_action_space: impl Into<Option<Space>>) -> Self {
         Self { envs, func, space: single_action_space.into() }
     }
-
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
-    }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send> VectorEnv for TransformAction<V, F> {
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for TransformAction<V, F> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
     fn single_action_space(&self) -> Space {
         self.space.clone().unwrap_or_else(|| self.envs.single_action_space())
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.single_action_space().check_batch(actions, self.envs.num_envs())?;
+        VectorEnv::single_action_space(self).check_batch(actions, self.envs.num_envs())?;
         self.envs.step_into(&(self.func)(actions), columns)
     }
-
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, autoreset, reset_into, info, final_info, infos, visit_envs,
-        render, metadata, spec, describe, close
-    );
 }
 
 impl<V: fmt::Debug, F> fmt::Debug for TransformAction<V, F> {

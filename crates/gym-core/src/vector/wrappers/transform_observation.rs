@@ -1,7 +1,7 @@
 use std::fmt;
 
-use super::{Inner, observation_methods};
-use crate::vector::{Columns, VectorEnv};
+use super::{Inner, observation_methods, reach};
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::{Error, Result, Space, Value};
 
 /// Applies a function to the observations of all sub-environments together, also to the final ones.
@@ -13,17 +13,14 @@ pub struct TransformObservation<V, F> {
     inner: Inner,
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send> TransformObservation<V, F> {
+reach!(TransformObservation, F);
+
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation<V, F> {
     /// Transforms the observations of `envs`: `func` takes and gives a batch. Without a space, which is
     /// that of a single observation, the transformed ones lie in the space of `envs`.
     pub fn new(envs: V, func: F, single_observation_space: impl Into<Option<Space>>) -> Self {
         let space = single_observation_space.into().unwrap_or_else(|| envs.single_observation_space());
         Self { envs, func, space, inner: Inner::default() }
-    }
-
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
     }
 
     fn observe(&self, columns: &mut Columns) -> Result<()> {
@@ -42,17 +39,20 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send> TransformObservation<V, F> {
     }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send> VectorEnv for TransformObservation<V, F> {
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for TransformObservation<V, F> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
     fn single_observation_space(&self) -> Space {
         self.space.clone()
     }
 
     observation_methods!();
-
-    crate::forward_vector!(
-        envs: num_envs, single_action_space, autoreset, info, final_info, visit_envs, render, metadata, spec,
-        describe, close
-    );
 }
 
 impl<V: fmt::Debug, F> fmt::Debug for TransformObservation<V, F> {

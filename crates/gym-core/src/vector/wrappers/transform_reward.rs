@@ -1,6 +1,7 @@
 use std::fmt;
 
-use crate::vector::{Columns, VectorEnv};
+use super::{each_reward, reach};
+use crate::vector::{Columns, VectorEnv, VectorWrapper};
 use crate::{Result, Value};
 
 /// Applies a function to each reward.
@@ -10,29 +11,27 @@ pub struct TransformReward<V, F> {
     func: F,
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send> TransformReward<V, F> {
+reach!(TransformReward, F);
+
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> TransformReward<V, F> {
     /// Transforms the rewards of `envs`.
     pub fn new(envs: V, func: F) -> Self {
         Self { envs, func }
     }
-
-    /// The vector within.
-    pub fn into_inner(self) -> V {
-        self.envs
-    }
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send> VectorEnv for TransformReward<V, F> {
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
-        columns.rewards.iter_mut().for_each(|reward| *reward = (self.func)(*reward));
-        Ok(())
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> VectorWrapper for TransformReward<V, F> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.envs
     }
 
-    crate::forward_vector!(
-        envs: num_envs, single_observation_space, observation_space, single_action_space, autoreset, reset_into, info, final_info,
-        infos, visit_envs, render, metadata, spec, describe, close
-    );
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.envs
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        each_reward(&mut self.envs, actions, columns, &self.func)
+    }
 }
 
 impl<V: fmt::Debug, F> fmt::Debug for TransformReward<V, F> {

@@ -23,7 +23,7 @@ pub trait VectorWrap: VectorEnv + Sized {
         single_observation_space: impl Into<Option<Space>>,
     ) -> TransformObservation<Self, F>
     where
-        F: Fn(&Value) -> Value + Send,
+        F: Fn(&Value) -> Value + Send + 'static,
     {
         TransformObservation::new(self, func, single_observation_space)
     }
@@ -55,7 +55,7 @@ pub trait VectorWrap: VectorEnv + Sized {
         single_action_space: impl Into<Option<Space>>,
     ) -> TransformAction<Self, F>
     where
-        F: Fn(&Value) -> Value + Send,
+        F: Fn(&Value) -> Value + Send + 'static,
     {
         TransformAction::new(self, func, single_action_space)
     }
@@ -81,7 +81,7 @@ pub trait VectorWrap: VectorEnv + Sized {
     }
 
     /// [`TransformReward`].
-    fn transform_reward<F: Fn(f64) -> f64 + Send>(self, func: F) -> TransformReward<Self, F> {
+    fn transform_reward<F: Fn(f64) -> f64 + Send + 'static>(self, func: F) -> TransformReward<Self, F> {
         TransformReward::new(self, func)
     }
 

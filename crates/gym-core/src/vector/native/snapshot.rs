@@ -1,0 +1,142 @@
+//! The stored form of a native vector: columns of numbers, not an object for each environment.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+use super::step::NO_LIMIT;
+use super::{LANES, Native, NativeVectorEnv, Packed};
+use crate::vector::Autoreset;
+use crate::vector::stored::{pack, unpack};
+use crate::{Error, Result, Snapshot};
+
+/// What the vector was built with, which is compared, and what it has come to.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    name: String,
+    config: Json,
+    num_envs: usize,
+    autoreset: Autoreset,
+    limit: u16,
+    /// [`Numbers`] in binary form; none before the first reset.
+    numbers: Option<String>,
+}
+
+/// All that changes from step to step.
+#[derive(Serialize, Deserialize)]
+struct Numbers<S> {
+    /// As [`Packed::put`] writes them, one after the other.
+    states: Vec<u8>,
+    streams: Vec<S>,
+    steps: Vec<u16>,
+    due: Vec<u32>,
+    unset: Vec<u32>,
+    left_out: Vec<bool>,
+}
+
+impl<D: Native> NativeVectorEnv<D> {
+    fn stored(&self, numbers: Option<String>) -> Result<Stored> {
+        let config = serde_json::to_value(self.dynamics.config());
+        Ok(Stored {
+            name: D::NAME.into(),
+            config: config.map_err(|error| Error::Snapshot(error.to_string()))?,
+            num_envs: self.num_envs,
+            autoreset: self.autoreset,
+            limit: self.limit,
+            numbers,
+        })
+    }
+
+    pub(super) fn store(&self) -> Result<Snapshot> {
+        if self.blocks.is_empty() {
+            return Snapshot::of(&self.stored(None)?);
+        }
+        let (mut states, mut steps) = (Vec::new(), Vec::new());
+        for i in 0..self.num_envs {
+            let (block, lane) = (&self.blocks[i / LANES], i % LANES);
+            D::Packed::get(&block.states, lane).put(&mut states);
+            steps.push(block.steps[lane]);
+        }
+        let numbers = Numbers {
+            states,
+            streams: self.streams[..self.num_envs].to_vec(),
+            steps,
+            due: self.blocks.iter().map(|block| block.due).collect(),
+            unset: self.blocks.iter().map(|block| block.unset).collect(),
+            left_out: self.left_out.clone(),
+        };
+        Snapshot::of(&self.stored(Some(pack(&numbers)?))?)
+    }
+
+    pub(super) fn read(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.check_open("restore")?;
+        let Stored { name, config, num_envs, autoreset, limit, numbers } = snapshot.get()?;
+        let own = self.stored(None)?;
+        if (&name, &config) != (&own.name, &own.config) {
+            let reason =
+                format!("it is of a {name} with {config}, and this is a {} with {}", own.name, own.config);
+            return Err(Error::Snapshot(reason));
+        }
+        if (num_envs, autoreset, limit) != (own.num_envs, own.autoreset, own.limit) {
+            return Err(Error::Snapshot(format!(
+                "it is of {num_envs} environments with autoreset {autoreset:?} and a limit of {limit} steps, \
+                 and these are {} with {:?} and {}",
+                own.num_envs, own.autoreset, own.limit
+            )));
+        }
+        let Some(numbers) = numbers else {
+            (self.blocks, self.streams, self.finals) = (Vec::new(), Vec::new(), Vec::new());
+            self.left_out.clear();
+            return Ok(());
+        };
+        let numbers: Numbers<D::Stream> = unpack(&numbers)?;
+        let states = self.check(&numbers)?;
+        let (Some(state), Some(stream)) = (states.last(), numbers.streams.last()) else { return Ok(()) };
+        self.make_room(*state, stream)?;
+        for (i, state) in states.into_iter().enumerate() {
+            let (block, lane) = (&mut self.blocks[i / LANES], i % LANES);
+            state.set(&mut block.states, lane);
+            block.steps[lane] = numbers.steps[i];
+        }
+        for ((block, due), unset) in self.blocks.iter_mut().zip(numbers.due).zip(numbers.unset) {
+            (block.due, block.unset) = (due, unset);
+        }
+        self.streams[..num_envs].clone_from_slice(&numbers.streams);
+        self.left_out = numbers.left_out;
+        Ok(())
+    }
+
+    /// The states, if all numbers are such that a vector can go on from them.
+    fn check(&self, numbers: &Numbers<D::Stream>) -> Result<Vec<D::Packed>> {
+        let n = self.num_envs;
+        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} are not those of a {}", D::NAME)));
+        let Numbers { states, streams, steps, due, unset, left_out } = numbers;
+        let mut bytes = states.as_slice();
+        if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {
+            return refuse("columns");
+        }
+        if steps.iter().any(|steps| *steps >= NO_LIMIT) {
+            return refuse("counts of steps");
+        }
+        let blocks = n.div_ceil(LANES);
+        let beyond = |block: usize| {
+            let len = LANES.min(n - block * LANES);
+            if len == LANES { 0 } else { u32::MAX << len }
+        };
+        let fits = |flags: &[u32]| {
+            flags.len() == blocks && flags.iter().enumerate().all(|(i, flags)| flags & beyond(i) == 0)
+        };
+        let never_due = self.autoreset == Autoreset::SameStep;
+        if !fits(due) || !fits(unset) || never_due && due.iter().any(|due| *due != 0) {
+            return refuse("flags");
+        }
+        let mut states = Vec::with_capacity(n);
+        for steps in steps {
+            let Some(state) = D::Packed::take(&mut bytes) else { return refuse("states") };
+            if !self.dynamics.is_valid(&D::unpack(state, *steps == 0)) {
+                return refuse("states");
+            }
+            states.push(state);
+        }
+        if bytes.is_empty() { Ok(states) } else { refuse("states") }
+    }
+}

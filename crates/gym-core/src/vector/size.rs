@@ -1,0 +1,56 @@
+//! How many sub-environments there can be.
+
+use std::hint::black_box;
+
+use crate::spaces::MAX_ELEMENTS;
+use crate::{Error, Result, Space};
+
+/// More threads than any machine has cores to gain from; so many can be had on common systems.
+pub(super) const MAX_THREADS: usize = 1024;
+
+/// Refuses a number of sub-environments that cannot be, before anything is built: none, more than batched
+/// spaces can hold, or more than memory holds at `bytes` for each beside its row of the columns.
+pub(crate) fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
+    if n == 0 {
+        return Err(Error::argument("a vector", "there are no sub-environments: at least one is needed"));
+    }
+    check_len(n, action.len_of_row())?;
+    check_bytes(n, observation, bytes.saturating_add(8 * action.len_of_row()))
+}
+
+/// Refuses columns of more rows than can be.
+pub(super) fn check_rows(n: usize, observation: &Space) -> Result<()> {
+    check_bytes(n, observation, 0)
+}
+
+/// As [`check_rows`], where each sub-environment takes `bytes` beside its row.
+fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
+    let numbers = observation.len_of_row();
+    check_len(n, numbers)?;
+    // observations and final observations, as numbers of up to 8 bytes; reward and flags
+    if fits(n.checked_mul((2 * 8 * numbers + 16).saturating_add(bytes))) {
+        return Ok(());
+    }
+    Err(Error::argument("a vector", format!("num_envs is {n}: so many do not fit in memory")))
+}
+
+/// Whether a batch can have `n` elements of so many numbers.
+fn check_len(n: usize, numbers: usize) -> Result<()> {
+    let most = MAX_ELEMENTS / numbers.max(1);
+    if n <= most {
+        return Ok(());
+    }
+    let reason = format!(
+        "num_envs is {n}: at most {most} are possible, as a batch has at most {MAX_ELEMENTS} numbers"
+    );
+    Err(Error::argument("a vector", reason))
+}
+
+/// Whether the system would give so much memory.
+fn fits(bytes: Option<usize>) -> bool {
+    let mut probe = Vec::<u8>::new();
+    let reserved = bytes.is_some_and(|bytes| probe.try_reserve_exact(bytes).is_ok());
+    // the compiler may otherwise leave out memory that nobody uses
+    black_box(&mut probe);
+    reserved
+}

@@ -1,0 +1,68 @@
+//! Checkpoints: everything that a training needs to go on as if it had never stopped.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use candle_core::{Device, Tensor};
+use gym::vector::VectorSpec;
+use gym::{Generator, Snapshot};
+use serde::{Deserialize, Serialize};
+
+use crate::adam::StoredAdam;
+use crate::settings::Settings;
+
+/// The numbers of a tensor, row by row.
+pub(crate) type Numbers = Vec<f32>;
+
+/// A training between two rounds of learning.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Checkpoint {
+    pub(crate) seed: u64,
+    pub(crate) settings: Settings,
+    /// How the vector is made, wrappers included.
+    pub(crate) spec: VectorSpec,
+    /// What it has come to.
+    pub(crate) envs: Snapshot,
+    /// The observations that the next actions answer, a row for each environment.
+    pub(crate) observations: Numbers,
+    pub(crate) agent: StoredAdam,
+    pub(crate) rng: Generator,
+    pub(crate) steps: u64,
+    /// The returns of all episodes so far.
+    pub(crate) returns: Vec<f64>,
+}
+
+impl Checkpoint {
+    fn path(folder: &Path) -> PathBuf {
+        folder.join("checkpoint.json")
+    }
+
+    /// The checkpoint in a folder, if there is one.
+    pub(crate) fn find(folder: &Path) -> Result<Option<Self>> {
+        let path = Self::path(folder);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).map(Some).with_context(|| path.display().to_string())
+    }
+
+    /// Replaces the checkpoint in a folder: whoever is killed meanwhile leaves the one before.
+    pub(crate) fn write(&self, folder: &Path) -> Result<()> {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        gym::file::write(&Self::path(folder), &serde_json::to_vec(self)?)?;
+        Ok(())
+    }
+}
+
+/// The numbers of a tensor.
+pub(crate) fn numbers(tensor: &Tensor) -> candle_core::Result<Numbers> {
+    tensor.flatten_all()?.to_vec1()
+}
+
+/// A tensor of these numbers in the form of another one.
+pub(crate) fn tensor(numbers: &[f32], form: &Tensor) -> Result<Tensor> {
+    let (given, needed) = (numbers.len(), form.elem_count());
+    ensure!(given == needed, "the checkpoint has {given} numbers where the agent has {needed}");
+    Ok(Tensor::from_slice(numbers, form.shape(), &Device::Cpu)?)
+}

@@ -1,0 +1,111 @@
+//! A training that is killed and resumed ends as one that was not: the same weights, moments, statistics,
+//! generators and returns, bit for bit.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+
+fn program(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gym-ppo"));
+    command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+fn training(folder: &Path, id: &str, steps: u64, checkpoint: &str) -> Command {
+    let mut command = program(folder);
+    let steps = steps.to_string();
+    command.args([id, "--steps", &steps, "--seed", "3", "--save-every", "1", "--plot", "ppo.svg"]);
+    command.args(["--checkpoint", checkpoint]);
+    command
+}
+
+/// What a folder holds, without the wall-clock time of episodes.
+fn checkpoint(folder: &Path) -> Option<Json> {
+    fn without_clock(json: &mut Json) {
+        match json {
+            Json::Object(entries) => {
+                entries.remove("t");
+                entries.values_mut().for_each(without_clock);
+            }
+            Json::Array(items) => items.iter_mut().for_each(without_clock),
+            _ => {}
+        }
+    }
+    let text = std::fs::read_to_string(folder.join("checkpoint.json")).ok()?;
+    // a file is replaced as a whole, so what can be read is complete
+    let mut json = serde_json::from_str(&text).expect("a checkpoint is never half written");
+    without_clock(&mut json);
+    Some(json)
+}
+
+fn steps(checkpoint: &Json) -> u64 {
+    checkpoint["steps"].as_u64().expect("a number of steps")
+}
+
+fn killed_and_resumed(id: &str, total: u64) {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(training(folder.path(), id, total, "whole").status().unwrap().success());
+    let whole = checkpoint(&folder.path().join("whole")).unwrap();
+    assert!(steps(&whole) >= total, "{id}");
+
+    let resumed = folder.path().join("killed");
+    let (mut kills, started) = (0, Instant::now());
+    loop {
+        let before = checkpoint(&resumed).map_or(0, |checkpoint| steps(&checkpoint));
+        let mut child = training(folder.path(), id, total, "killed").spawn().unwrap();
+        // twice it dies as soon as it has come further
+        let killed = loop {
+            if child.try_wait().unwrap().is_some() {
+                break false;
+            }
+            let now = checkpoint(&resumed).map_or(0, |checkpoint| steps(&checkpoint));
+            if kills < 2 && now > before && now < total {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                break true;
+            }
+            assert!(started.elapsed() < Duration::from_secs(600), "{id} hangs");
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        if !killed {
+            break;
+        }
+        kills += 1;
+    }
+    assert!(kills > 0, "{id}: it was too fast to be killed");
+    let resumed = checkpoint(&resumed).unwrap();
+    assert!(resumed == whole, "{id}: after {kills} kills the training is another one");
+
+    let video = folder.path().join("videos");
+    let output = program(folder.path())
+        .args(["evaluate", "killed", "--episodes", "2", "--video", "videos"])
+        .stdout(Stdio::piped())
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("episode 1: return"), "{id}: {text}");
+    assert_eq!(std::fs::read_dir(video).unwrap().count(), 2, "{id}");
+}
+
+#[test]
+fn discrete_actions_resume() {
+    killed_and_resumed("CartPole-v1", 8192);
+}
+
+#[test]
+fn continuous_actions_with_normalization_resume() {
+    killed_and_resumed("Pendulum-v1", 16_384);
+}
+
+#[test]
+fn a_checkpoint_of_another_training_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(training(folder.path(), "CartPole-v1", 256, "run").status().unwrap().success());
+    let other = training(folder.path(), "Pendulum-v1", 256, "run").stderr(Stdio::piped()).output().unwrap();
+    let text = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(!other.status.success() && text.contains("CartPole-v1 with seed 3"), "{text}");
+    let none = program(folder.path()).args(["evaluate", "nowhere"]).stderr(Stdio::piped()).output().unwrap();
+    assert!(String::from_utf8_lossy(&none.stderr).contains("no checkpoint"));
+}

@@ -1,0 +1,395 @@
+//! A vector that is stored and restored continues identically: every kind, autoreset mode and wrapper, also in
+//! another process. A snapshot that is refused changes nothing.
+
+use std::process::Command;
+
+use gym::vector::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
+use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
+use gym::{BoxEnv, Env, Info, Sampler, Snapshot, Value, VectorEnv, WrapperSpec, builder, make_vec};
+use serde_json::{Value as Json, json};
+
+const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+const KINDS: [VectorKind; 3] = [VectorKind::Sync, VectorKind::Async, VectorKind::Native];
+const N: usize = 5;
+
+/// A vector whose episodes end often.
+fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> VectorSpec {
+    let vector = builder(id).max_episode_steps(9).vector(N).kind(kind).autoreset(autoreset);
+    let wrappers = wrappers.as_array().expect("a list").iter();
+    wrappers.fold(vector.spec().unwrap(), |spec, wrapper| {
+        spec.wrapped(serde_json::from_value(wrapper.clone()).unwrap())
+    })
+}
+
+/// What is seen after a call: columns, and infos without the clock.
+type Seen = (Columns, Info);
+
+fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
+    let mut infos = envs.infos(columns);
+    let mut columns = columns.clone();
+    // the other rows may hold anything
+    let finals = envs.single_observation_space().iterate(&columns.final_observations).unwrap();
+    let finals = finals.zip(&columns.has_final).filter(|(_, there)| **there).map(|(row, _)| row);
+    columns.final_observations = Value::Tuple(finals.collect());
+    if let Some(Value::Dict(entries)) = infos.get_mut("episode") {
+        entries.retain(|(key, _)| key != "t");
+    }
+    (columns, infos)
+}
+
+/// Random steps, with resets by mask: of those whose episode is over, and in other modes now and then of one.
+fn play(envs: &mut dyn VectorEnv, columns: &mut Columns, actions: &mut Sampler, steps: usize) -> Vec<Seen> {
+    let mut history = Vec::new();
+    for step in 0..steps {
+        envs.step_into(&actions.sample(), columns).unwrap();
+        history.push(seen(envs, columns));
+        let mut mask: Vec<bool> = (0..N).map(|i| columns.done(i)).collect();
+        if envs.autoreset() != Autoreset::Disabled {
+            // a due reset of its own is still due after a reset by mask that leaves it out
+            mask = (0..N).map(|i| step % 7 == 3 && i == step % N).collect();
+        }
+        if mask.contains(&true) {
+            envs.reset_into(&VectorReset::default().mask(mask), columns).unwrap();
+            history.push(seen(envs, columns));
+        }
+    }
+    history
+}
+
+fn stored(envs: &dyn VectorEnv) -> Snapshot {
+    let text = serde_json::to_string(&envs.snapshot().unwrap()).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// A snapshot without the wall-clock time of episodes.
+fn without_clock(snapshot: &Snapshot) -> Json {
+    fn clean(json: &mut Json) {
+        match json {
+            Json::Object(entries) => {
+                entries.remove("t");
+                entries.values_mut().for_each(clean);
+            }
+            Json::Array(items) => items.iter_mut().for_each(clean),
+            _ => {}
+        }
+    }
+    let mut json = json!(snapshot);
+    clean(&mut json);
+    json
+}
+
+fn continues(spec: &VectorSpec, steps: usize) {
+    let what = json!(spec).to_string();
+    let mut envs = spec.make().unwrap();
+    let mut columns = envs.columns().unwrap();
+    let mut actions = envs.action_sampler(3).unwrap();
+    envs.reset_into(&11.into(), &mut columns).unwrap();
+    play(&mut *envs, &mut columns, &mut actions, steps);
+
+    let snapshot = stored(&*envs);
+    let mut restored = spec.make().unwrap();
+    restored.restore(&snapshot).unwrap_or_else(|error| panic!("{what}: {error}"));
+    assert_eq!(stored(&*restored), snapshot, "{what}");
+    let mut own = restored.columns().unwrap();
+    let mut same_actions = actions.clone();
+    let expected = play(&mut *envs, &mut columns, &mut actions, 40);
+    let answered = play(&mut *restored, &mut own, &mut same_actions, 40);
+    for (step, (answered, expected)) in answered.iter().zip(&expected).enumerate() {
+        assert_eq!(answered, expected, "{what}: {step}");
+    }
+    assert_eq!(without_clock(&stored(&*restored)), without_clock(&stored(&*envs)), "{what}");
+}
+
+fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
+    let has_native = gym::registry::find(id).unwrap().native_vector().is_some();
+    KINDS.into_iter().filter(move |kind| *kind != VectorKind::Native || has_native)
+}
+
+#[test]
+fn every_kind_continues_in_every_mode() {
+    for id in
+        ["CartPole-v1", "Pendulum-v1", "MountainCarContinuous-v0", "Blackjack-v1", "Taxi-v4", "FrozenLake-v1"]
+    {
+        for (kind, mode) in kinds_of(id).flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+            for steps in [0, 9, 23] {
+                continues(&spec(id, kind, mode, &json!([])), steps);
+            }
+        }
+    }
+    continues(&spec("LunarLander-v3", VectorKind::Async, Autoreset::NextStep, &json!([])), 17);
+}
+
+#[test]
+fn every_wrapper_continues() {
+    let stacks = [
+        json!([{"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": 3}}]),
+        json!([{"name": "NormalizeObservation"}, {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}}]),
+        json!([{"name": "NormalizeReward"}, {"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}]),
+        json!([
+            {"name": "ClipAction"},
+            {"name": "RescaleAction", "kwargs": {"min_action": "-inf", "max_action": "inf"}},
+            {"name": "RescaleObservation", "kwargs": {"min_obs": -1.0, "max_obs": [1.0, 2.0, 3.0]}},
+            {"name": "ClipReward", "kwargs": {"min_reward": -5.0}}
+        ]),
+    ];
+    for stack in stacks {
+        for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+            continues(&spec("Pendulum-v1", kind, mode, &stack), 23);
+        }
+    }
+}
+
+/// Wrappers of the sub-environments keep statistics and queues of their own.
+#[test]
+fn wrapped_environments_continue() {
+    let env = ["NormalizeObservation", "NormalizeReward"].map(WrapperSpec::new).into_iter();
+    let env = env.fold(builder("Pendulum-v1").max_episode_steps(9), gym::registry::EnvBuilder::wrap);
+    let env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", 3));
+    for mode in MODES {
+        let vector = env.clone().vector(N).kind(VectorKind::Async).autoreset(mode).threads(2);
+        continues(&vector.spec().unwrap(), 14);
+    }
+}
+
+/// The snapshots of a sync vector fit an async one: the threads make no difference.
+#[test]
+fn sync_and_async_are_interchangeable() {
+    for mode in MODES {
+        let [sync, pool] =
+            [VectorKind::Sync, VectorKind::Async].map(|kind| spec("CartPole-v1", kind, mode, &json!([])));
+        let (mut a, mut b) = (sync.make().unwrap(), pool.make().unwrap());
+        let mut columns = a.columns().unwrap();
+        let mut actions = a.action_sampler(0).unwrap();
+        a.reset_into(&3.into(), &mut columns).unwrap();
+        play(&mut *a, &mut columns, &mut actions, 12);
+        b.restore(&stored(&*a)).unwrap();
+        let mut other = columns.clone();
+        let mut same = actions.clone();
+        assert_eq!(play(&mut *b, &mut other, &mut same, 30), play(&mut *a, &mut columns, &mut actions, 30));
+    }
+}
+
+const CHILD: &str = "GYM_TEST_SNAPSHOT_FOLDER";
+
+/// What the other process does: reads spec, snapshot and actions, and prints what it sees.
+#[test]
+fn child() {
+    let Some(folder) = std::env::var_os(CHILD).map(std::path::PathBuf::from) else { return };
+    let text = std::fs::read_to_string(folder.join("run.json")).unwrap();
+    let runs: Vec<(VectorSpec, Snapshot)> = serde_json::from_str(&text).unwrap();
+    let seen = runs.iter().map(|(spec, snapshot)| {
+        let mut envs = spec.make().unwrap();
+        envs.restore(snapshot).unwrap();
+        let mut columns = envs.columns().unwrap();
+        let mut actions = envs.action_sampler(8).unwrap();
+        format!("{:?}", play(&mut *envs, &mut columns, &mut actions, 40))
+    });
+    std::fs::write(folder.join("seen.json"), serde_json::to_string(&seen.collect::<Vec<_>>()).unwrap())
+        .unwrap();
+}
+
+#[test]
+fn another_process_continues() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
+    let (mut runs, mut expected) = (Vec::new(), Vec::new());
+    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        let spec = spec("CartPole-v1", kind, mode, &wrappers);
+        let mut envs = spec.make().unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&1.into(), &mut columns).unwrap();
+        let mut actions = envs.action_sampler(7).unwrap();
+        play(&mut *envs, &mut columns, &mut actions, 31);
+        let snapshot = envs.snapshot().unwrap();
+        let mut actions = envs.action_sampler(8).unwrap();
+        expected.push(format!("{:?}", play(&mut *envs, &mut columns, &mut actions, 40)));
+        runs.push((spec, snapshot));
+    }
+    std::fs::write(folder.path().join("run.json"), serde_json::to_string(&runs).unwrap()).unwrap();
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "child"])
+        .env(CHILD, folder.path())
+        .output()
+        .unwrap();
+    assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stdout));
+    let seen = std::fs::read_to_string(folder.path().join("seen.json")).unwrap();
+    let seen: Vec<String> = serde_json::from_str(&seen).unwrap();
+    assert_eq!(seen, expected);
+}
+
+/// Each string and each number in the data in turn is spoilt, and what remains is offered to the vector.
+fn spoilt(json: &Json) -> Vec<Json> {
+    let mut all = Vec::new();
+    match json {
+        Json::Array(items) => {
+            all.push(Json::Array(Vec::new()));
+            for (i, item) in items.iter().enumerate() {
+                all.extend(spoilt(item).into_iter().map(|spoilt| {
+                    let mut items = items.clone();
+                    items[i] = spoilt;
+                    Json::Array(items)
+                }));
+            }
+        }
+        Json::Object(entries) => {
+            all.push(Json::Object(Default::default()));
+            for (key, item) in entries {
+                all.extend(spoilt(item).into_iter().map(|spoilt| {
+                    let mut entries = entries.clone();
+                    entries.insert(key.clone(), spoilt);
+                    Json::Object(entries)
+                }));
+            }
+        }
+        Json::String(text) => {
+            all.push(json!(text.get(..text.len() / 2).unwrap_or("")));
+            all.push(json!(null));
+        }
+        Json::Number(_) => all.extend([json!("x"), json!(-1e300)]),
+        Json::Bool(_) | Json::Null => all.push(json!("x")),
+    }
+    all
+}
+
+#[test]
+fn a_refused_snapshot_changes_nothing() {
+    let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
+    let mut refused = 0;
+    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        let own = spec("CartPole-v1", kind, mode, &wrappers);
+        let mut envs = own.make().unwrap();
+        let mut columns = envs.columns().unwrap();
+        let mut actions = envs.action_sampler(0).unwrap();
+        envs.reset_into(&5.into(), &mut columns).unwrap();
+        play(&mut *envs, &mut columns, &mut actions, 13);
+        let before = envs.snapshot().unwrap();
+        play(&mut *envs, &mut columns, &mut actions, 4);
+        let now = envs.snapshot().unwrap();
+
+        let others = [
+            spec("Pendulum-v1", kind, mode, &wrappers),
+            spec("CartPole-v1", kind, mode, &json!([])),
+            builder("CartPole-v1").vector(N + 1).kind(kind).autoreset(mode).spec().unwrap(),
+            spec(
+                "CartPole-v1",
+                kind,
+                MODES[(MODES.iter().position(|m| *m == mode).unwrap() + 1) % 3],
+                &wrappers,
+            ),
+        ];
+        for other in others {
+            let mut vector = other.make().unwrap();
+            vector.reset_into(&0.into(), &mut Columns::default()).unwrap();
+            let error = envs.restore(&vector.snapshot().unwrap()).unwrap_err().to_string();
+            assert!(error.contains("cannot restore"), "{error}");
+            assert_eq!(envs.snapshot().unwrap(), now, "{}: {error}", json!(other));
+        }
+        for spoilt in spoilt(&json!(before)) {
+            let snapshot: Snapshot = serde_json::from_value(spoilt.clone()).unwrap();
+            if envs.restore(&snapshot).is_err() {
+                refused += 1;
+                assert_eq!(envs.snapshot().unwrap(), now, "{spoilt}");
+            } else {
+                // it is a state of such a vector, such as that before the first reset: go on, then back
+                for _ in 0..3 {
+                    let _ = envs.step_into(&actions.clone().sample(), &mut columns);
+                }
+                envs.restore(&now).unwrap();
+            }
+        }
+        envs.close();
+        assert!(envs.restore(&before).is_err(), "a closed vector stays closed");
+        assert!(envs.step_into(&actions.sample(), &mut columns).is_err());
+    }
+    assert!(refused > 300, "{refused}");
+}
+
+/// The reset that a sub-environment is due is the vector's, not the environment's: putting the environments'
+/// own snapshots back loses it, and the vector's keeps it.
+#[test]
+fn a_reset_that_is_due_is_part_of_the_state() {
+    for kind in KINDS {
+        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([])).make().unwrap();
+        let mut columns = envs.reset(0).unwrap();
+        let push = Value::Array([1i64; N].into());
+        while !columns.done(0) {
+            envs.step_into(&push, &mut columns).unwrap();
+        }
+        let mut restored = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([])).make().unwrap();
+        restored.restore(&stored(&*envs)).unwrap();
+        let (a, b) = (envs.step(&push).unwrap(), restored.step(&push).unwrap());
+        assert_eq!(a, b);
+        assert_eq!((a.rewards[0], a.done(0)), (0.0, false), "the step was a reset");
+    }
+}
+
+#[test]
+fn a_million_cartpoles_are_stored_in_little() {
+    const N: usize = 1_000_000;
+    let make = || make_vec("CartPole-v1", N, VectorKind::Native).unwrap();
+    let mut envs = make();
+    let mut columns = envs.reset(0).unwrap();
+    let actions = Value::Array(vec![1i64; N].into());
+    for _ in 0..9 {
+        envs.step_into(&actions, &mut columns).unwrap();
+    }
+    let started = std::time::Instant::now();
+    let text = serde_json::to_string(&envs.snapshot().unwrap()).unwrap();
+    let bytes = text.len() as f64 / N as f64;
+    let stored = started.elapsed();
+    let mut restored = make();
+    restored.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+    println!("{bytes:.1} bytes each; stored in {stored:?}, restored in {:?}", started.elapsed() - stored);
+    assert!(bytes < 110.0, "{bytes} bytes for each environment");
+    let mut other = columns.clone();
+    envs.step_into(&actions, &mut columns).unwrap();
+    restored.step_into(&actions, &mut other).unwrap();
+    assert!(columns == other);
+}
+
+#[test]
+fn what_cannot_be_stored_says_so() {
+    let mut pool = AsyncVectorEnv::new((0..3).map(|_| gym::make("CartPole-v1").unwrap())).unwrap();
+    pool.reset(0).unwrap();
+    let before = pool.snapshot().unwrap();
+    pool.send(&Value::Array([0i64].into()), &[1]).unwrap();
+    for error in [pool.snapshot().map(drop), pool.restore(&before)] {
+        assert!(error.unwrap_err().to_string().contains("receive them first"));
+    }
+    assert_eq!(pool.describe(), "AsyncVectorEnv(CartPole-v1, num_envs=3)", "while one is away");
+    assert_eq!(pool.metadata().render_fps, 50, "while one is away");
+}
+
+/// A training stops, its statistics go to the evaluation of one environment, and stay as they are.
+#[test]
+fn statistics_are_reached_and_frozen() {
+    let wrappers = json!([{"name": "NormalizeObservation"}, {"name": "RecordEpisodeStatistics"}]);
+    let mut envs = spec("Pendulum-v1", VectorKind::Native, Autoreset::NextStep, &wrappers).make().unwrap();
+    let mut actions = envs.action_sampler(0).unwrap();
+    let mut columns = envs.reset(0).unwrap();
+    play(&mut *envs, &mut columns, &mut actions, 50);
+    assert!(envs.wrapper::<RecordEpisodeStatistics>().unwrap().episode_count() > 10);
+    let statistics = envs.wrapper::<NormalizeObservation>().unwrap().statistics().clone();
+    assert!(statistics.count() > 200.0);
+    envs.wrapper_mut::<NormalizeObservation>().unwrap().update_running_mean(false);
+    play(&mut *envs, &mut columns, &mut actions, 5);
+    assert_eq!(envs.wrapper::<NormalizeObservation>().unwrap().statistics(), &statistics);
+    let spec = envs.spec().unwrap();
+    assert_eq!(spec.vector_wrappers[0].kwargs["update_running_mean"], false);
+
+    let mut single = gym::wrappers::NormalizeObservation::new(gym::make("Pendulum-v1").unwrap()).unwrap();
+    single.set_statistics(statistics.clone()).unwrap();
+    single.update_running_mean(false);
+    let mut one = make_vec("Pendulum-v1", 1, VectorKind::Sync).unwrap();
+    one = WrapperSpec::new("NormalizeObservation").wrap_vector(one).unwrap();
+    let normalizer = one.wrapper_mut::<NormalizeObservation>().unwrap();
+    normalizer.set_statistics(statistics).unwrap();
+    normalizer.update_running_mean(false);
+    assert_eq!(
+        one.reset(4).unwrap().observations.as_slice::<f32>(),
+        single.reset(4).unwrap().as_slice::<f32>()
+    );
+    let other = gym::statistics::RunningMeanStd::new(7);
+    assert!(one.wrapper_mut::<NormalizeObservation>().unwrap().set_statistics(other).is_err());
+    assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
+}

@@ -12,23 +12,24 @@ use pyo3::types::{IntoPyDict, PyDict, PyString, PyTuple};
 /// Evaluates `$body` with `$T` standing for the Rust type of a [`DType`].
 macro_rules! with_dtype {
     ($dtype:expr, $T:ident => $body:expr) => {
+        with_dtype!(@ $dtype, $T, $body, I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
+    };
+    (@ $dtype:expr, $T:ident, $body:expr, $($variant:ident $type:ty),*) => {
         match $dtype {
-            DType::I8 => { type $T = i8; $body }
-            DType::U8 => { type $T = u8; $body }
-            DType::I16 => { type $T = i16; $body }
-            DType::U16 => { type $T = u16; $body }
-            DType::I32 => { type $T = i32; $body }
-            DType::U32 => { type $T = u32; $body }
-            DType::I64 => { type $T = i64; $body }
-            DType::U64 => { type $T = u64; $body }
-            DType::F32 => { type $T = f32; $body }
-            DType::F64 => { type $T = f64; $body }
+            $(DType::$variant => {
+                type $T = $type;
+                $body
+            })*
         }
     };
 }
 
 /// A new numpy array with these numbers.
-pub(crate) fn new_array<'py, T: Element + Copy>(py: Python<'py>, shape: &[usize], numbers: &[T]) -> Bound<'py, PyAny> {
+pub(crate) fn new_array<'py, T: Element + Copy>(
+    py: Python<'py>,
+    shape: &[usize],
+    numbers: &[T],
+) -> Bound<'py, PyAny> {
     if let [_] = shape {
         return PyArray1::from_slice(py, numbers).into_any();
     }
@@ -77,7 +78,11 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
 }
 
 /// The same in the arrays of an earlier value, where they have the type and shape for it.
-pub(crate) fn refill<'py>(py: Python<'py>, value: &Value, old: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn refill<'py>(
+    py: Python<'py>,
+    value: &Value,
+    old: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
     if let (Value::Array(numbers), Some(old)) = (value, old) {
         let reused = with_dtype!(numbers.dtype(), T => {
             let target = old.cast::<PyArrayDyn<T>>().ok().filter(|array| array.shape() == numbers.shape());
@@ -98,9 +103,8 @@ pub(crate) fn refill<'py>(py: Python<'py>, value: &Value, old: Option<Bound<'py,
 
 /// What `render` returns.
 pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bound<'py, PyAny>> {
-    let frame = |frame: &Frame| {
-        new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels())
-    };
+    let frame =
+        |frame: &Frame| new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels());
     match rendered {
         Rendered::Shown => Ok(py.None().into_bound(py)),
         Rendered::Frame(picture) => Ok(frame(picture)),
@@ -127,9 +131,10 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
             items.collect::<PyResult<_>>().map(Value::Tuple)
         }
         Space::Dict(space) => {
-            let entries = space.spaces().iter().map(|(key, space)| {
-                Ok((key.clone(), from_python(space, &object.get_item(key)?)?))
-            });
+            let entries = space
+                .spaces()
+                .iter()
+                .map(|(key, space)| Ok((key.clone(), from_python(space, &object.get_item(key)?)?)));
             entries.collect::<PyResult<_>>().map(Value::Dict)
         }
         Space::Sequence(space) => {
@@ -155,7 +160,10 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
             let items = members(object, 2)?;
             let index: usize = items[0].extract()?;
             let chosen = space.spaces().get(index).ok_or_else(|| {
-                PyValueError::new_err(format!("{index} is not the index of one of {} spaces", space.spaces().len()))
+                PyValueError::new_err(format!(
+                    "{index} is not the index of one of {} spaces",
+                    space.spaces().len()
+                ))
             })?;
             Ok(Value::OneOf(index, Box::new(from_python(chosen, &items[1])?)))
         }

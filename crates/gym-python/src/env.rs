@@ -137,7 +137,11 @@ impl Env {
         from_python(&self.action_space, action).map_err(|error| {
             let py = action.py();
             let shown = action.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
-            let text = format!("invalid action {shown}: the action space is {} ({})", self.action_space, error.value(py));
+            let text = format!(
+                "invalid action {shown}: the action space is {} ({})",
+                self.action_space,
+                error.value(py)
+            );
             gymnasium(py, "InvalidAction", text)
         })
     }
@@ -227,7 +231,8 @@ impl Env {
 
     /// Sets the state of the generator.
     fn set_generator(&self, py: Python<'_>, state: &str) -> PyResult<()> {
-        let state = serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
+        let state =
+            serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
         let mut core = self.lock(py)?;
         if core.env.generator().is_none() {
             // an environment has a generator once it was reset; the next reset carries that one on
@@ -326,7 +331,9 @@ impl Env {
 pub(crate) fn reset_of(seed: Option<&str>, options: Option<&str>) -> Result<Reset> {
     let seed = seed.map(str::parse::<Seed>).transpose()?;
     let options = match options {
-        Some(json) => serde_json::from_str(json).map_err(|error| Error::argument("options", error.to_string()))?,
+        Some(json) => {
+            serde_json::from_str(json).map_err(|error| Error::argument("options", error.to_string()))?
+        }
         None => Kwargs::new(),
     };
     Ok(Reset { seed, options })

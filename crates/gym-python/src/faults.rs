@@ -1,6 +1,8 @@
 //! An environment that panics when it is told to, for the tests of what becomes of panics.
 
-use gym::{Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
+use gym::{
+    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition,
+};
 
 gym::discrete! {
     /// What to do.

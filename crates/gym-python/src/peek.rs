@@ -61,7 +61,8 @@ fn both<'py>(py: Python<'py>, p: &Table, initial: &[f64]) -> PyResult<Bound<'py,
         let actions = PyDict::new(py);
         for action in 0..p.actions() {
             let outcomes = p.outcomes(state, action).iter();
-            let outcomes = outcomes.map(|o| (o.probability, o.next, o.reward, o.terminated).into_bound_py_any(py));
+            let outcomes =
+                outcomes.map(|o| (o.probability, o.next, o.reward, o.terminated).into_bound_py_any(py));
             actions.set_item(action, PyList::new(py, outcomes.collect::<PyResult<Vec<_>>>()?)?)?;
         }
         states.set_item(state, actions)?;

@@ -12,7 +12,8 @@ use crate::error::{OrRaise, guard};
 #[pyfunction]
 pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
-        let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } = registration.spec()?;
+        let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } =
+            registration.spec()?;
         Ok(json!({
             "id": id,
             "crate": registration.crate_name(),

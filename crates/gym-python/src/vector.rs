@@ -3,13 +3,15 @@
 use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
-use gym::vector::{AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{BoxEnv, Error, Info, Kwargs, Seed, Space, Value, builder};
+use gym::vector::{
+    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec,
+};
+use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, builder};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python};
 use crate::env::Env;
@@ -54,10 +56,10 @@ impl Envs {
     fn of_threads(&mut self) -> PyResult<&mut AsyncVectorEnv> {
         match self {
             Self::Async(envs) => Ok(envs),
-            Self::Here(_) => {
-                Err(Error::custom("only a vector of kind async steps some of its environments: make one for this"))
-                    .or_raise()
-            }
+            Self::Here(_) => Err(Error::custom(
+                "only a vector of kind async steps some of its environments: make one for this",
+            ))
+            .or_raise(),
         }
     }
 }
@@ -108,9 +110,18 @@ impl Core {
         let n = [columns.len()];
         let arrays = [
             refill(py, &columns.observations, old(0))?,
-            old(1).map_or_else(|| Ok(new_array(py, &n, &columns.rewards)), |to| copy_into(to, &columns.rewards))?,
-            old(2).map_or_else(|| Ok(new_array(py, &n, &columns.terminated)), |to| copy_into(to, &columns.terminated))?,
-            old(3).map_or_else(|| Ok(new_array(py, &n, &columns.truncated)), |to| copy_into(to, &columns.truncated))?,
+            old(1).map_or_else(
+                || Ok(new_array(py, &n, &columns.rewards)),
+                |to| copy_into(to, &columns.rewards),
+            )?,
+            old(2).map_or_else(
+                || Ok(new_array(py, &n, &columns.terminated)),
+                |to| copy_into(to, &columns.terminated),
+            )?,
+            old(3).map_or_else(
+                || Ok(new_array(py, &n, &columns.truncated)),
+                |to| copy_into(to, &columns.truncated),
+            )?,
         ];
         if let Some(spares) = spares {
             spares[0] = Some(PyTuple::new(py, &arrays)?.unbind());
@@ -155,7 +166,10 @@ fn column_to_python<'py>(py: Python<'py>, column: &Value) -> PyResult<Bound<'py,
     }
 }
 
-fn copy_into<'py, T: numpy::Element + Copy>(array: Bound<'py, PyAny>, numbers: &[T]) -> PyResult<Bound<'py, PyAny>> {
+fn copy_into<'py, T: numpy::Element + Copy>(
+    array: Bound<'py, PyAny>,
+    numbers: &[T],
+) -> PyResult<Bound<'py, PyAny>> {
     array.cast::<PyArray1<T>>()?.try_readwrite()?.as_slice_mut()?.copy_from_slice(numbers);
     Ok(array)
 }
@@ -330,6 +344,37 @@ impl Vector {
             })
             .map(|_| ())
             .or_raise()
+    }
+
+    /// What it is made of, and a snapshot to go on from.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, vector) = (slf.py(), slf.get());
+        let mut core = vector.lock(py)?;
+        let copy = core.spares.is_none();
+        let envs = &mut core.envs;
+        let (spec, snapshot) = py.detach(|| {
+            guard(|| {
+                let snapshot: Json =
+                    envs.as_dyn().snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+                Ok((json!(vector.spec).to_string(), snapshot.to_string()))
+            })
+        })?;
+        Ok((slf.get_type().getattr("rebuild")?, (spec, copy, snapshot).into_pyobject(py)?))
+    }
+
+    /// The vector that `__reduce__` took apart.
+    #[staticmethod]
+    fn rebuild(py: Python<'_>, spec: &str, copy: bool, snapshot: &str) -> PyResult<Self> {
+        let damaged = |error: serde_json::Error| Error::Snapshot(error.to_string());
+        let spec: VectorSpec = serde_json::from_str(spec).map_err(damaged).or_raise()?;
+        let snapshot: Snapshot = serde_json::from_str(snapshot).map_err(damaged).or_raise()?;
+        py.detach(|| {
+            guard(|| {
+                let mut envs = make(&spec)?;
+                envs.as_dyn().restore(&snapshot).or_raise()?;
+                Self::holding(envs, spec, copy)
+            })
+        })
     }
 
     /// Ends the use of all environments.

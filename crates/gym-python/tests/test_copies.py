@@ -49,6 +49,26 @@ def test_before_the_first_reset(way: str) -> None:
     twin.reset(seed=1)
 
 
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("kind", ["sync", "async", "native"])
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Taxi-v4", "LunarLander-v3"])
+def test_vectors(env_id: str, kind: str, mode: str) -> None:
+    if kind == "native" and env_id == "LunarLander-v3":
+        pytest.skip("it has no native vector")
+    envs = rustgym.VectorEnv(env_id, 5, kind=kind, autoreset_mode=mode, max_episode_steps=15)
+    envs.action_space.seed(0)
+    envs.reset(seed=3)
+    for _ in range(20):
+        envs.step(envs.action_space.sample())
+    for way in ("deepcopy", "pickle"):
+        twin = WAYS[way](envs)
+        assert twin.kind == kind and twin.num_envs == 5
+        actions = [envs.action_space.sample() for _ in range(20)]
+        for action in actions:
+            assert_same(twin.step(action), envs.step(action))
+        assert_same(twin.reset(), envs.reset())
+
+
 def test_in_another_process() -> None:
     env = rustgym.make("BipedalWalker-v3")
     env.action_space.seed(0)

@@ -23,6 +23,18 @@ pub fn arguments() -> Vec<Vec<u8>> {
     requests.map(|request| request.to_string().into_bytes()).collect()
 }
 
+/// The models of the MuJoCo tasks, and small ones of what these lack.
+pub fn mjcf() -> Vec<Vec<u8>> {
+    const SMALL: &str = r#"<mujoco><option density="2" viscosity="1" wind="1 0 0" solver="PGS"/><worldbody>
+        <geom type="plane" size="0 0 1"/>
+        <body pos="0 0 0.1"><freejoint/><geom type="cylinder" size="0.1 0.05" priority="1" gap="0.01"/></body>
+        <body pos="0 0 0.4" euler="10 20 30"><joint type="slide" limited="true" range="-1 1"/>
+        <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0.1 0 0"/><geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.05"/></body>
+        </worldbody><contact><exclude body1="world" body2="world"/></contact></mujoco>"#;
+    let texts = gym::mujoco::tasks::models().map(|(_, text)| text);
+    texts.chain([SMALL]).map(|text| text.as_bytes().to_vec()).collect()
+}
+
 /// A snapshot of every environment, some steps into an episode.
 pub fn snapshots() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();

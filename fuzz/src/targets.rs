@@ -47,6 +47,28 @@ pub fn arguments(input: &[u8]) {
     }
 }
 
+/// A model in MJCF.
+pub fn mjcf(input: &[u8]) {
+    /// Bodies and geoms of a model that is also stepped; larger ones are honest requests for time.
+    const SMALL: usize = 60;
+    const ITERATIONS: usize = 1000;
+    let Ok(text) = std::str::from_utf8(input) else { return };
+    let model = match gym::mujoco::Model::from_xml(text) {
+        Ok(model) => model,
+        Err(error) => {
+            assert!(error.to_string().len() > 10, "`{error}` does not say what to do");
+            return;
+        }
+    };
+    if model.nbody() > SMALL || model.ngeom() > SMALL || model.opt.iterations > ITERATIONS {
+        return;
+    }
+    let mut data = gym::mujoco::Data::new(&model);
+    for _ in 0..STEPS {
+        gym::mujoco::step(&model, &mut data);
+    }
+}
+
 /// `{"id": ..., "snapshot": ...}`
 pub fn snapshots(input: &[u8]) {
     thread_local! {

@@ -15,7 +15,7 @@ use std::process::{Command, ExitCode};
 use plugin::Plugin;
 
 /// The commands that need no speed.
-const QUICK: [&str; 3] = ["list", "help", "new"];
+const QUICK: [&str; 4] = ["list", "help", "mjcf", "new"];
 
 fn main() -> ExitCode {
     match run(env::args_os().skip(1).collect()) {

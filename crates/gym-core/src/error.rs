@@ -199,15 +199,6 @@ impl Error {
     }
 }
 
-impl From<SeedError> for Error {
-    fn from(error: SeedError) -> Self {
-        match error {
-            SeedError::Invalid(text) => Self::InvalidSeed(text),
-            error => Self::Custom(error.to_string()),
-        }
-    }
-}
-
 /// As the message reads, so that `fn main() -> gym::Result<()>` prints it.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -237,6 +228,15 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
         None => Cow::Borrowed(text),
+    }
+}
+
+impl From<SeedError> for Error {
+    fn from(error: SeedError) -> Self {
+        match error {
+            SeedError::Invalid(text) => Self::InvalidSeed(text),
+            error => Self::Custom(error.to_string()),
+        }
     }
 }
 

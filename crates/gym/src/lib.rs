@@ -30,6 +30,8 @@ pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
 pub use gym_core::*;
+#[cfg(feature = "mujoco")]
+pub use gym_mujoco as mujoco;
 #[cfg(feature = "render")]
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]

@@ -14,6 +14,8 @@ mod gif;
 mod heuristic;
 mod keys;
 mod list;
+#[cfg(feature = "families")]
+mod mjcf;
 mod new;
 mod play;
 mod plots;
@@ -56,6 +58,9 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
+    /// Compiles a model in MJCF and prints its sizes.
+    #[cfg(feature = "families")]
+    Mjcf(mjcf::Arguments),
     /// Writes the pages about the environments, and checks the book.
     #[cfg(feature = "families")]
     Docs(docs::Arguments),
@@ -102,6 +107,8 @@ fn command(arguments: Arguments, selection: Selection) -> Result<()> {
         Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        #[cfg(feature = "families")]
+        Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
         #[cfg(feature = "families")]
         Command::Docs(arguments) => docs::docs(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments, selection),

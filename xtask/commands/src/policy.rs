@@ -37,6 +37,12 @@ pub(crate) struct Episode {
 }
 
 impl Policy {
+    /// The heuristic, for an environment that has one.
+    #[cfg(feature = "families")]
+    pub(crate) fn good(env: &BoxEnv) -> Option<Self> {
+        crate::heuristic::controller(env).map(|_| Self::Heuristic)
+    }
+
     /// What acts in an episode from `seed`.
     fn controller(self, env: &BoxEnv, seed: u64) -> Result<Controller> {
         match self {

@@ -39,11 +39,14 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// What a trace of CarRacing pins down beside the picture.
+/// What a trace pins down beside the observation: of CarRacing the bodies, of the MuJoCo tasks positions and velocities.
 #[cfg(feature = "families")]
 fn state(env: &BoxEnv) -> Option<Json> {
     use gym::Env;
 
+    if let Some((_, data)) = gym::mujoco::model_and_data(env) {
+        return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));
+    }
     env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
 }
 
@@ -74,17 +77,41 @@ fn compare(path: &Path) -> Result<()> {
 /// Keeps what else the file says, such as its policy, and replaces the answers.
 fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
-    let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
-    let answers = parse(&text)?.replay(state)?;
+    let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
-    rest.remove("events");
-    #[derive(serde::Serialize)]
-    struct File<'a> {
-        #[serde(flatten)]
-        rest: Map<String, Json>,
-        events: &'a [gym::trace::Event],
-    }
-    let json = serde_json::to_vec(&File { rest, events: &answers.events }).map_err(not_json)?;
+    let json = match of_engine(&rest, path)? {
+        Some(answer) => serde_json::to_vec(&answer),
+        None => {
+            let answers = parse(&text)?.replay(state)?;
+            rest.remove("events");
+            serde_json::to_vec(&File { rest, events: &answers.events })
+        }
+    };
     let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
-    file::write(out.join(name), &json)
+    file::write(out.join(name), &json.map_err(not_json)?)
+}
+
+/// The answer to a recording of the MuJoCo engine alone: steps, forward calls, figures of a model.
+#[cfg(feature = "families")]
+fn of_engine(file: &Map<String, Json>, path: &Path) -> Result<Option<Map<String, Json>>> {
+    use gym::mujoco::recording;
+
+    if !recording::is_of_engine(file) {
+        return Ok(None);
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    recording::answer(file, folder).map(Some).map_err(|error| Error::custom(error.to_string()))
+}
+
+#[cfg(not(feature = "families"))]
+fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>>> {
+    Ok(None)
+}
+
+/// A trace and what else its file says.
+#[derive(serde::Serialize)]
+struct File<'a> {
+    #[serde(flatten)]
+    rest: Map<String, Json>,
+    events: &'a [gym::trace::Event],
 }

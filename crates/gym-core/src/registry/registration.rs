@@ -285,17 +285,17 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
         }
         Error::argument(format!("`{}`", spec.id), reason)
     };
-    let read = || serde_json::from_value::<E::Config>(Json::Object(spec.kwargs.clone())).map_err(invalid);
-    let config = read()?;
+    let config = || -> Result<E::Config> {
+        serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)
+    };
+    if let Some(mode) = spec.render_mode
+        && let Some(env) = E::configure_to_render(config()?, mode.single())?
+    {
+        return stack(env, Renders::Itself, spec);
+    }
+    let config = config()?;
     let asked = serde_json::to_value(&config).map_err(invalid)?;
-    let by_itself = match spec.render_mode {
-        Some(mode) => E::configure_to_render(read()?, mode.single())?,
-        None => None,
-    };
-    let (env, renders) = match by_itself {
-        Some(env) => (env, Renders::Itself),
-        None => (E::configure(config)?, Renders::Drawings),
-    };
+    let env = E::configure(config)?;
     let mut spec = spec.clone();
     if let Some(Json::Object(decided)) =
         env.config().map(serde_json::to_value).transpose().map_err(invalid)?
@@ -303,7 +303,7 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
         let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
         spec.kwargs.extend(by_chance);
     }
-    stack(env, renders, &spec)
+    stack(env, Renders::Drawings, &spec)
 }
 
 /// Registers an environment when its crate is linked.

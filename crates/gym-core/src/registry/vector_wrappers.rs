@@ -8,6 +8,9 @@ use crate::vector::{VectorEnv, wrappers::*};
 use crate::wrappers::{self, Bound};
 use crate::{BoxEnv, Error, Kwargs, Result, WrapperSpec};
 
+/// Puts a wrapper around a vector, with the arguments in a spec.
+pub type WrapVector = fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEnv>>;
+
 /// A wrapper of vectors that specs can name. A crate with a wrapper of its own submits one at link time, and
 /// then stacks with it can be rebuilt from JSON as well:
 ///
@@ -21,7 +24,7 @@ pub struct VectorWrapperRegistration {
     /// The name in [`WrapperSpec`].
     pub name: &'static str,
     /// Puts it around a vector, with the arguments in the spec.
-    pub wrap: fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEnv>>,
+    pub wrap: WrapVector,
 }
 
 inventory::collect!(VectorWrapperRegistration);

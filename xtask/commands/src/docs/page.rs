@@ -169,11 +169,17 @@ impl Page {
             section("Versions", versions);
         }
         section("Differences from Gymnasium", docs.differences.as_deref().unwrap_or(NO_DIFFERENCE));
+        let good = match heuristic.is_empty() {
+            true => String::new(),
+            false => format!(
+                " The good policy {heuristic}. To play it: `cargo xtask run {} --policy heuristic`.",
+                clip.id
+            ),
+        };
         let returns = format!(
             "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
-             (seeds 0 to {}). The good policy {heuristic}. To play it: `cargo xtask run {} --policy heuristic`.\n\n{}",
+             (seeds 0 to {}).{good}\n\n{}",
             EPISODES - 1,
-            clip.id,
             table_of_returns(registrations, returns)?
         );
         section("Returns", &returns);
@@ -223,19 +229,36 @@ impl Page {
             let (folder, _) = self.source.rsplit_once('/')?;
             Some(format!("{folder}/{module}.rs"))
         };
-        match source.lines().find_map(other) {
-            Some(path) => Ok(source::members(&super::read(&path)?, "struct Config")),
-            None => Ok(source::members(source, "struct Config")),
+        if let Some(path) = source.lines().find_map(other) {
+            return Ok(source::members(&super::read(&path)?, "struct Config"));
         }
+        let mut fields = source::members(source, "struct Config");
+        // structs within it, whose fields are arguments too
+        let (folder, _) = self.source.rsplit_once('/').unwrap_or_default();
+        for (kind, file) in FLATTENED {
+            if let Some(i) = fields.iter().position(|field| field.kind == kind) {
+                fields.remove(i);
+                let within = super::read(&format!("{folder}/{file}"))?;
+                fields.extend(source::members(&within, &format!("struct {kind}")));
+            }
+        }
+        Ok(fields)
     }
 }
+
+/// Structs that are flattened into the arguments of several environments, and the files that define them.
+const FLATTENED: [(&str, &str); 2] = [("Common", "arguments.rs"), ("Observed", "humanoid.rs")];
 
 /// What an argument of a Rust type is in JSON.
 fn type_in_json(kind: &str) -> String {
     match kind {
         "bool" => "boolean".into(),
         "f64" => "number".into(),
-        "u8" => "integer".into(),
+        "u8" | "u32" | "i32" | "usize" => "integer".into(),
+        "Range" => "list of 2 numbers, each or null".into(),
+        "Body" => "integer or string".into(),
+        "CameraConfig" => "object".into(),
+        "Map<String, Json>" => "object of booleans".into(),
         "String" | "Physics" => "string".into(),
         "Vec<String>" => "list of strings".into(),
         "[f64; 3]" => "list of 3 numbers".into(),
@@ -315,7 +338,8 @@ fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result
         let missing =
             || Error::custom(format!("the returns of `{id}` are missing: run `cargo xtask docs --measure`"));
         let Measured { random, heuristic } = returns.get(id).ok_or_else(missing)?;
-        text += &format!("| `{id}` | {} | {} |\n", cells(random), cells(heuristic));
+        let good = heuristic.as_ref().map_or("- | -".into(), cells);
+        text += &format!("| `{id}` | {} | {good} |\n", cells(random));
     }
     Ok(text)
 }

@@ -220,7 +220,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         for block in &mut self.blocks {
             block.ended = 0;
         }
-        for i in 0..self.num_envs {
+        for (i, progress) in progress.iter_mut().enumerate() {
             let (at, lane) = (i / LANES, i % LANES);
             if !reset.selects(i) {
                 if let Some(state) = self.state(i) {
@@ -230,7 +230,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                         if fresh { dynamics.observe(&state) } else { dynamics.observe_state(&state) };
                     D::Observation::write_rows(&mut rows, i, &[observation]);
                 }
-                progress[i] = Progress::Unchanged;
+                *progress = Progress::Unchanged;
                 continue;
             }
             let start = reset.of(i).unwrap_or_default();
@@ -252,7 +252,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             block.due &= !(1 << lane);
             block.unset &= !(1 << lane);
             D::Observation::write_rows(&mut rows, i, &[self.dynamics.observe(&state)]);
-            progress[i] = Progress::Started;
+            *progress = Progress::Started;
         }
         self.left_out.clear();
         if let Some(mask) = &reset.mask {

@@ -114,7 +114,7 @@ impl<D: Native> NativeVectorEnv<D> {
         if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {
             return refuse("columns");
         }
-        if steps.iter().any(|steps| *steps >= NO_LIMIT) {
+        if steps.contains(&NO_LIMIT) {
             return refuse("counts of steps");
         }
         let blocks = n.div_ceil(LANES);

@@ -1,0 +1,234 @@
+//! A state, and everything computed from it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::physics::spatial::IDENTITY;
+use crate::physics::{Constraints, Work};
+use crate::{Error, Model, Result};
+
+/// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
+///
+/// After [`step`](crate::step), `time`, `qpos` and `qvel` are new; everything else belongs to the last forward call that the
+/// step made, as in MuJoCo. With the integrator Euler this is the state before the step, with RK4 its last stage.
+///
+/// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional vectors are rotation, then
+/// translation, about the centre of mass of the kinematic tree (`subtree_com` of the body's root).
+///
+/// A clone, or data that was serialised and read again, continues bit for bit.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Data {
+    /// Time, in seconds.
+    pub time: f64,
+    /// Positions (nq).
+    pub qpos: Vec<f64>,
+    /// Velocities (nv).
+    pub qvel: Vec<f64>,
+    /// Controls (nu); the engine clamps what it uses, not these.
+    pub ctrl: Vec<f64>,
+    /// Where the solver starts: the accelerations of the step before (nv).
+    pub qacc_warmstart: Vec<f64>,
+    /// Accelerations (nv).
+    pub qacc: Vec<f64>,
+
+    /// Positions of the bodies.
+    pub xpos: Vec<[f64; 3]>,
+    /// Orientations of the bodies.
+    pub xquat: Vec<[f64; 4]>,
+    /// Orientations of the bodies.
+    pub xmat: Vec<[f64; 9]>,
+    /// Centres of mass of the bodies.
+    pub xipos: Vec<[f64; 3]>,
+    /// Principal axes of inertia of the bodies.
+    pub ximat: Vec<[f64; 9]>,
+    /// Anchors of the joints.
+    pub xanchor: Vec<[f64; 3]>,
+    /// Axes of the joints.
+    pub xaxis: Vec<[f64; 3]>,
+    /// Positions of the geoms.
+    pub geom_xpos: Vec<[f64; 3]>,
+    /// Orientations of the geoms.
+    pub geom_xmat: Vec<[f64; 9]>,
+    /// Positions of the sites.
+    pub site_xpos: Vec<[f64; 3]>,
+    /// Orientations of the sites.
+    pub site_xmat: Vec<[f64; 9]>,
+
+    /// Centre of mass of each body with its descendants.
+    pub subtree_com: Vec<[f64; 3]>,
+    /// Inertia of each body about the tree's centre of mass: xx, yy, zz, xy, xz, yz, mass times offset (3), mass.
+    pub cinert: Vec<[f64; 10]>,
+    /// Motion axis of each degree of freedom.
+    pub cdof: Vec<[f64; 6]>,
+    /// Velocity of each body.
+    pub cvel: Vec<[f64; 6]>,
+    /// Time derivative of `cdof`.
+    pub cdof_dot: Vec<[f64; 6]>,
+    /// Lengths of the tendons.
+    pub ten_length: Vec<f64>,
+    /// Velocities of the tendons.
+    pub ten_velocity: Vec<f64>,
+
+    /// Forces of springs, dampers and fluid (nv).
+    pub qfrc_passive: Vec<f64>,
+    /// Coriolis, centrifugal and gravitational forces (nv).
+    pub qfrc_bias: Vec<f64>,
+    /// Forces of the actuators (nv).
+    pub qfrc_actuator: Vec<f64>,
+    /// Sum of all forces but those of constraints (nv).
+    pub qfrc_smooth: Vec<f64>,
+    /// Accelerations without constraints (nv).
+    pub qacc_smooth: Vec<f64>,
+    /// Forces of constraints (nv).
+    pub qfrc_constraint: Vec<f64>,
+    /// External force on each body by contacts; current after [`rne_post_constraint`](crate::physics::rne_post_constraint).
+    pub cfrc_ext: Vec<[f64; 6]>,
+
+    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own.
+    pub qm: Vec<f64>,
+    /// Factors of the inertia matrix, `L' D L`, with the same structure.
+    pub qld: Vec<f64>,
+    /// Inverse of the factors' diagonal.
+    pub qld_diag_inv: Vec<f64>,
+    /// Clamped controls: forces of the motors, before gears.
+    pub actuator_force: Vec<f64>,
+
+    /// Contacts.
+    pub contact: Vec<Contact>,
+    /// Rows of the constraints.
+    pub efc: Constraints,
+    /// Iterations of the solver, by island.
+    pub solver_niter: Vec<usize>,
+
+    /// Buffers.
+    #[serde(skip)]
+    pub(crate) work: Work,
+}
+
+/// A contact of two geoms: MuJoCo's `mjContact`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Contact {
+    /// Distance between the nearest points; negative where the geoms overlap.
+    pub dist: f64,
+    /// Midpoint between the nearest points.
+    pub pos: [f64; 3],
+    /// Rows: the normal, from the first geom to the second, and two tangents.
+    pub frame: [f64; 9],
+    /// The constraint acts where `dist` is below.
+    pub includemargin: f64,
+    /// Friction: slide twice, spin, roll twice.
+    pub friction: [f64; 5],
+    /// Reference: time constant, damping ratio.
+    pub solref: [f64; 2],
+    /// Impedance: dmin, dmax, width, midpoint, power.
+    pub solimp: [f64; 5],
+    /// Friction of the regularised cone; 0 without friction.
+    pub mu: f64,
+    /// Dimensions: 1 or 3.
+    pub dim: u8,
+    /// The two geoms.
+    pub geom: [usize; 2],
+    /// First constraint row; -1 if it has none.
+    pub efc_address: i32,
+    /// The pair of geoms, by the model's order.
+    pub(crate) pair: usize,
+}
+
+impl Data {
+    /// The data of a model in its initial configuration, with everything allocated that a step needs.
+    ///
+    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call [`forward`](crate::forward) to see
+    /// positions of bodies.
+    #[must_use]
+    pub fn new(m: &Model) -> Self {
+        let mut data = Self::default();
+        data.reset(m);
+        data
+    }
+
+    /// Back to the initial configuration: MuJoCo's `mj_resetData`.
+    pub fn reset(&mut self, m: &Model) {
+        self.fit(m);
+        self.time = 0.0;
+        self.qpos.copy_from_slice(&m.qpos0);
+        for vector in [
+            &mut self.qvel, &mut self.ctrl, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
+            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
+            &mut self.actuator_force, &mut self.ten_length, &mut self.ten_velocity,
+        ] {
+            vector.fill(0.0);
+        }
+        self.cfrc_ext.fill([0.0; 6]);
+        self.contact.clear();
+        self.efc = Constraints::default();
+        self.solver_niter.clear();
+    }
+
+    /// Whether this is data of a model, such as what a snapshot holds.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if an array has another length than the model's, or a number of the state is not finite.
+    pub fn check(&self, m: &Model) -> Result<()> {
+        let fresh = Self::new(m);
+        macro_rules! lengths {
+            ($($field:ident)+) => {
+                [$((stringify!($field), self.$field.len(), fresh.$field.len())),+]
+            };
+        }
+        let lengths = lengths!(
+            qpos qvel ctrl qacc_warmstart qacc xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos
+            site_xmat subtree_com cinert cdof cvel cdof_dot ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator
+            qfrc_smooth qacc_smooth qfrc_constraint cfrc_ext qm qld qld_diag_inv actuator_force
+        );
+        if let Some((name, have, need)) = lengths.into_iter().find(|(_, have, need)| have != need) {
+            return Err(Error::Data(format!("{name} has {have} elements, the model needs {need}")));
+        }
+        let mut state = self.qpos.iter().chain(&self.qvel).chain(&self.ctrl).chain(&self.qacc_warmstart);
+        if state.all(|x| x.is_finite()) { Ok(()) } else { Err(Error::Data("the state is not finite".into())) }
+    }
+
+    /// Makes every array as long as the model needs it; does nothing to those that are.
+    pub(crate) fn fit(&mut self, m: &Model) {
+        if self.work.fits(m) {
+            return;
+        }
+        let (nv, nbody) = (m.nv(), m.nbody());
+        self.qpos.resize(m.nq(), 0.0);
+        for vector in [
+            &mut self.qvel, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
+            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
+            &mut self.qld_diag_inv,
+        ] {
+            vector.resize(nv, 0.0);
+        }
+        self.ctrl.resize(m.nu(), 0.0);
+        self.actuator_force.resize(m.nu(), 0.0);
+        self.ten_length.resize(m.ntendon(), 0.0);
+        self.ten_velocity.resize(m.ntendon(), 0.0);
+        for matrix in [&mut self.qm, &mut self.qld] {
+            matrix.resize(m.plan().m_colind.len(), 0.0);
+        }
+        for positions in [&mut self.xpos, &mut self.xipos, &mut self.subtree_com] {
+            positions.resize(nbody, [0.0; 3]);
+        }
+        for rotations in [&mut self.xmat, &mut self.ximat] {
+            rotations.resize(nbody, IDENTITY);
+        }
+        self.xquat.resize(nbody, [1.0, 0.0, 0.0, 0.0]);
+        for axes in [&mut self.xanchor, &mut self.xaxis] {
+            axes.resize(m.njnt(), [0.0; 3]);
+        }
+        self.geom_xpos.resize(m.ngeom(), [0.0; 3]);
+        self.geom_xmat.resize(m.ngeom(), IDENTITY);
+        self.site_xpos.resize(m.nsite(), [0.0; 3]);
+        self.site_xmat.resize(m.nsite(), IDENTITY);
+        self.cinert.resize(nbody, [0.0; 10]);
+        for axes in [&mut self.cdof, &mut self.cdof_dot] {
+            axes.resize(nv, [0.0; 6]);
+        }
+        for vectors in [&mut self.cvel, &mut self.cfrc_ext] {
+            vectors.resize(nbody, [0.0; 6]);
+        }
+        self.work = Work::new(m);
+    }
+}

@@ -1,0 +1,36 @@
+//! What can be wrong with a model.
+
+/// A `Result` whose error is [`enum@Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What is wrong with a model, and where.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A compiled model whose parts do not fit together, or which is outside of what the engine supports.
+    #[error("the compiled model is not valid: {0}")]
+    Model(String),
+    /// A text that is not a model, or is outside of the supported part of MJCF.
+    #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
+    Mjcf {
+        /// The line of the text, from 1.
+        line: u32,
+        /// The element.
+        element: String,
+        /// The attribute, if one is at fault.
+        attribute: Option<String>,
+        /// What is wrong, and what is supported.
+        reason: String,
+    },
+    /// A file that cannot be read.
+    #[error("{path}: {reason}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system, or the reader of models, answered.
+        reason: String,
+    },
+    /// The state of another model.
+    #[error("the data does not fit the model: {0}")]
+    Data(String),
+}

@@ -1,0 +1,24 @@
+//! MuJoCo's physics, and the environments that Gymnasium makes of it, in Rust alone.
+//!
+//! The engine repeats libmujoco 3.12.0 to rounding for models within the subset that [`Model`] describes. It knows nothing
+//! of reinforcement learning: a [`Model`] is what never changes, a [`Data`] is a state and everything computed from it,
+//! [`physics::step`] advances one by a timestep of the other.
+
+pub mod data;
+mod error;
+mod libm;
+mod mjcf;
+pub mod model;
+pub mod physics;
+pub mod recording;
+pub mod tasks;
+pub mod view;
+
+pub use data::{Contact, Data};
+pub use error::{Error, Result};
+pub use model::{CompiledModel, Model};
+pub use physics::{forward, step};
+pub use tasks::{
+    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher, Reacher, Swimmer,
+    Walker2d, model_and_data,
+};

@@ -1,0 +1,163 @@
+//! Figures that follow from the inertia matrix in the initial configuration: MuJoCo's `mj_setConst`.
+
+use super::orientation::norm;
+use super::spec::Statistic;
+use crate::model::JointType;
+use crate::physics::spatial::cross;
+use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
+use crate::{CompiledModel, Data, Model, Result};
+
+/// The finished model.
+pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<Model> {
+    // the engine takes the inertia of simple bodies from what is yet to be computed
+    m.dof_invweight0 = vec![0.0; m.nv()];
+    m.dof_m0 = vec![0.0; m.nv()];
+    m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
+    let general = Model::new(CompiledModel { dof_simplenum: vec![0; m.nv()], ..m.clone() })?;
+    let mut d = Data::new(&general);
+    kinematics(&general, &mut d);
+    com_pos(&general, &mut d);
+    crb(&general, &mut d);
+    for i in 0..m.nv() {
+        m.dof_m0[i] = d.qm[general.plan().m_row(i).end - 1];
+    }
+
+    // again, with the simple bodies' diagonals
+    m.stat.meaninertia = if m.nv() == 0 { 1.0 } else { m.dof_m0.iter().sum::<f64>() / m.nv() as f64 };
+    let model = Model::new(m)?;
+    crb(&model, &mut d);
+    factor_m(&model, &mut d);
+    let mut m = model.clone().into_compiled();
+    add_dof_weights(&mut m, &model, &d);
+    add_body_weights(&mut m, &model, &d);
+    add_statistics(&mut m, &d);
+    state_statistics(&mut m, stated);
+    Model::new(m)
+}
+
+/// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a kind of a free joint.
+fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
+    let mut unit = vec![0.0; m.nv()];
+    for i in 0..m.nv() {
+        unit.fill(0.0);
+        unit[i] = 1.0;
+        solve_m(model, d, &mut unit);
+        m.dof_invweight0[i] = unit[i];
+    }
+    for j in 0..m.njnt() {
+        let first = m.jnt_dofadr[j];
+        if m.jnt_type[j] == JointType::Free {
+            for three in [first, first + 3] {
+                let mean = m.dof_invweight0[three..three + 3].iter().sum::<f64>() / 3.0;
+                m.dof_invweight0[three..three + 3].fill(mean);
+            }
+        } else if m.body_simple[m.jnt_bodyid[j]] == 2 {
+            m.dof_invweight0[first] = 1.0 / m.body_mass[m.jnt_bodyid[j]];
+        }
+    }
+}
+
+/// `body_invweight0`: the mean of the diagonal of `J M^-1 J'`, for translation and for rotation of the centre of mass.
+fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
+    let (mut row, mut solved) = (vec![0.0; m.nv()], vec![0.0; m.nv()]);
+    for b in 1..m.nbody() {
+        if m.body_weldid[b] == 0 {
+            continue;
+        }
+        if m.body_simple[b] == 2 {
+            m.body_invweight0[b] = [1.0 / m.body_mass[b], 0.0];
+            continue;
+        }
+        let com = d.subtree_com[m.body_rootid[b]];
+        let offset: [f64; 3] = std::array::from_fn(|k| d.xipos[b][k] - com[k]);
+        for kind in 0..2 {
+            let mut trace = 0.0;
+            for axis in 0..3 {
+                row.fill(0.0);
+                for &i in model.plan().chain(b) {
+                    let [wx, wy, wz, vx, vy, vz] = d.cdof[i];
+                    let turn = [wx, wy, wz];
+                    let across = cross(turn, offset);
+                    row[i] = if kind == 1 { turn[axis] } else { [vx, vy, vz][axis] + across[axis] };
+                }
+                solved.copy_from_slice(&row);
+                solve_m(model, d, &mut solved);
+                trace += row.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>();
+            }
+            m.body_invweight0[b][kind] = trace / 3.0;
+        }
+    }
+}
+
+/// How far each body reaches from its centre of mass: to its joints and around its geoms.
+pub(super) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
+    const LEAST: f64 = 1e-5;
+    let distance = |a: [f64; 3], b: [f64; 3]| norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let mut size = vec![LEAST; m.nbody()];
+    for j in 0..m.njnt() {
+        let b = m.jnt_bodyid[j];
+        // an anchor counts for both bodies that the joint connects
+        for b in [b, m.body_parentid[b]] {
+            size[b] = size[b].max(distance(d.xanchor[j], d.xipos[b]));
+        }
+    }
+    for g in (0..m.ngeom()).filter(|g| m.geom_rbound[*g] > 0.0) {
+        let b = m.geom_bodyid[g];
+        size[b] = size[b].max(distance(d.geom_xpos[g], d.xipos[b]) + m.geom_rbound[g]);
+    }
+    size
+}
+
+/// Sizes of the bodies and of the whole: MuJoCo's `setStat`.
+fn add_statistics(m: &mut CompiledModel, d: &Data) {
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let mut cover = |centre: [f64; 3], radius: f64| {
+        for k in 0..3 {
+            min[k] = min[k].min(centre[k] - radius);
+            max[k] = max[k].max(centre[k] + radius);
+        }
+    };
+    for b in 1..m.nbody() {
+        cover(d.xpos[b], 0.0);
+        cover(d.xipos[b], 0.0);
+    }
+    d.xanchor.iter().for_each(|anchor| cover(*anchor, 0.0));
+    d.site_xpos.iter().for_each(|site| cover(*site, 0.0));
+    for g in 0..m.ngeom() {
+        let [x, y, _] = m.geom_size[g];
+        let plane = m.geom_rbound[g] == 0.0;
+        let radius = match x.max(y) {
+            _ if !plane => m.geom_rbound[g],
+            infinite if infinite <= 0.0 => 0.01,
+            half => half * 0.1,
+        };
+        cover(d.geom_xpos[g], radius);
+    }
+    (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
+        0 => (0.2, 1.0),
+        n => {
+            let sizes = body_sizes(m, d)[1..].iter().sum::<f64>();
+            (sizes / n as f64, m.body_mass[1..].iter().sum::<f64>() / n as f64)
+        }
+    };
+    (m.stat.extent, m.stat.center) = if min[0] <= max[0] {
+        let extent = (0..3).map(|k| max[k] - min[k]).fold(2.0 * m.stat.meansize, f64::max);
+        (extent, std::array::from_fn(|k| (min[k] + max[k]) / 2.0))
+    } else {
+        (2.0, [0.0; 3])
+    };
+}
+
+/// What the model states goes before what was computed.
+fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
+    let stat = &mut m.stat;
+    for (value, stated) in [
+        (&mut stat.meaninertia, stated.meaninertia),
+        (&mut stat.meanmass, stated.meanmass),
+        (&mut stat.meansize, stated.meansize),
+        (&mut stat.extent, stated.extent),
+    ] {
+        *value = stated.unwrap_or(*value);
+    }
+    stat.center = stated.center.unwrap_or(stat.center);
+}

@@ -1,0 +1,121 @@
+//! Mass and inertia of bodies, from their geoms: MuJoCo's formulas (`mujoco.md` names them), shape by shape.
+
+use std::f64::consts::PI;
+
+use crate::model::GeomType;
+pub(super) use crate::physics::spatial::MINVAL;
+use crate::physics::spatial::{Mat3, Quat, inertia_at, mul_quat, normalize_quat, quat_to_mat};
+
+/// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inertia {
+    pub(super) mass: f64,
+    pub(super) pos: [f64; 3],
+    pub(super) quat: Quat,
+    pub(super) moments: [f64; 3],
+}
+
+/// The volume of a shape.
+pub(super) fn volume(shape: GeomType, [r, half, _]: [f64; 3]) -> f64 {
+    let height = 2.0 * half;
+    match shape {
+        GeomType::Plane => 0.0,
+        GeomType::Sphere => 4.0 * PI * r * r * r / 3.0,
+        GeomType::Capsule => PI * (r * r * height + 4.0 * r * r * r / 3.0),
+        GeomType::Cylinder => PI * r * r * height,
+    }
+}
+
+/// The principal moments of inertia of a shape of that mass, about its own axes.
+pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f64; 3] {
+    let height = 2.0 * half;
+    match shape {
+        GeomType::Plane => [0.0; 3],
+        GeomType::Sphere => [2.0 * mass * r * r / 5.0; 3],
+        GeomType::Cylinder => {
+            let across = mass * (3.0 * r * r + height * height) / 12.0;
+            [across, across, mass * r * r / 2.0]
+        }
+        GeomType::Capsule => {
+            let ball = mass * 4.0 * r / (4.0 * r + 3.0 * height);
+            let tube = mass - ball;
+            let ball_moment = 2.0 * ball * r * r / 5.0;
+            let across = tube * (3.0 * r * r + height * height) / 12.0
+                + ball_moment
+                + ball * height * (3.0 * r + 2.0 * height) / 8.0;
+            [across, across, tube * r * r / 2.0 + ball_moment]
+        }
+    }
+}
+
+/// The inertia of several parts as one; `None` if there are none.
+pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
+    match parts {
+        [] => return None,
+        [one] => return Some(*one),
+        _ => {}
+    }
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    let pos = std::array::from_fn(|i| parts.iter().map(|part| part.mass * part.pos[i]).sum::<f64>() / mass);
+    let mut total = [0.0; 6];
+    for part in parts {
+        let offset = std::array::from_fn(|i| part.pos[i] - pos[i]);
+        let shifted = inertia_at(part.moments, &quat_to_mat(part.quat), offset, part.mass);
+        total.iter_mut().zip(shifted).for_each(|(sum, term)| *sum += term);
+    }
+    let (moments, quat) = principal_axes(total);
+    Some(Inertia { mass, pos, quat, moments })
+}
+
+/// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of their axes: Jacobi's method on a quaternion, in the order of
+/// `mju_eig3`, because a principal frame is only determined up to the choices made on the way.
+pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Quat) {
+    const EIG_EPS: f64 = 1e-12;
+    const MAX_ITERATIONS: usize = 500;
+    let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+    let mut quat = [1.0, 0.0, 0.0, 0.0];
+    let mut moments = [0.0; 3];
+    for _ in 0..MAX_ITERATIONS {
+        let d = in_axes(&full, &quat_to_mat(quat));
+        moments = [d[0][0], d[1][1], d[2][2]];
+        // the largest entry off the diagonal, and the axis of the rotation that removes it
+        let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs() {
+            (0, 1, 2)
+        } else if d[0][2].abs() > d[1][2].abs() {
+            (0, 2, 1)
+        } else {
+            (1, 2, 0)
+        };
+        let off = d[row][column];
+        if off.abs() < EIG_EPS {
+            break;
+        }
+        let tau = (d[column][column] - d[row][row]) / (2.0 * off);
+        let root = (1.0 + tau * tau).sqrt();
+        let tan = if tau >= 0.0 { 1.0 / (tau + root) } else { -1.0 / (root - tau) };
+        let cos = 1.0 / (1.0 + tan * tan).sqrt();
+        if cos > 1.0 - EIG_EPS {
+            break;
+        }
+        let mut turn = [0.0; 4];
+        let half_sin = (0.5 - 0.5 * cos).sqrt();
+        turn[axis + 1] = if (tau >= 0.0) == (axis == 1) { half_sin } else { -half_sin };
+        turn[0] = (1.0 - half_sin * half_sin).sqrt();
+        quat = normalize_quat(mul_quat(quat, normalize_quat(turn)));
+    }
+    for pair in [0, 1, 0] {
+        if moments[pair] + EIG_EPS < moments[pair + 1] {
+            moments.swap(pair, pair + 1);
+            let mut quarter = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, 0.0];
+            quarter[(pair + 2) % 3 + 1] = quarter[0];
+            quat = normalize_quat(mul_quat(quat, quarter));
+        }
+    }
+    (moments, quat)
+}
+
+/// `axes' full axes`.
+fn in_axes(full: &Mat3, axes: &Mat3) -> [[f64; 3]; 3] {
+    let half = |i: usize, j: usize| (0..3).map(|k| axes[3 * k + i] * full[3 * k + j]).sum::<f64>();
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| half(i, k) * axes[3 * k + j]).sum()))
+}

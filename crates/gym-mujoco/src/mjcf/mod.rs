@@ -1,0 +1,59 @@
+//! MJCF, MuJoCo's model format: a strict reader and compiler of the part that the engine supports.
+//!
+//! A text becomes a tree of elements ([`xml`]), these become a [`spec`], which [`compile`] turns into figures. Whatever is
+//! outside of the supported part is an error that names element, attribute and line; nothing is skipped silently.
+//!
+//! | element | attributes |
+//! |---|---|
+//! | `compiler` | angle, coordinate="local", inertiafromgeom, settotalmass, autolimits |
+//! | `option` | timestep, gravity, wind, density, viscosity, integrator (Euler, RK4), solver (Newton, PGS), iterations, ls_iterations, tolerance, cone="pyramidal", jacobian, impratio="1" |
+//! | `default` | class; of joint, geom, motor, site |
+//! | `body` | name, pos, orientation, childclass |
+//! | `inertial` | pos, orientation, mass, diaginertia, fullinertia |
+//! | `joint`, `freejoint` | name, class, type (free, slide, hinge), pos, axis, range, limited, ref, springref, stiffness, damping, armature, margin, solreflimit, solimplimit |
+//! | `geom` | name, class, type (plane, sphere, capsule, cylinder), size, pos, orientation, fromto, density, mass, friction, condim (1, 3), contype, conaffinity, margin, gap, priority, solmix, solref, solimp, rgba, material |
+//! | `site`, `camera`, `light` | for pictures |
+//! | `actuator/motor` | name, class, joint, gear, ctrlrange, ctrllimited |
+//! | `tendon/fixed` | name; of joint, coef |
+//! | `contact/exclude` | body1, body2 |
+//! | `keyframe/key` | time, qpos, qvel, ctrl |
+//!
+//! An orientation is one of quat, axisangle, euler. `asset` gives colours of materials, `statistic` and `size` the figures that
+//! MuJoCo takes from them; `visual`, `custom`, `user` and `group` are read and ignored.
+
+mod compile;
+mod constants;
+mod defaults;
+mod figures;
+mod inertia;
+mod orientation;
+mod reader;
+mod spec;
+mod xml;
+
+use std::path::Path;
+
+use crate::{Error, Model, Result};
+
+impl Model {
+    /// Compiles a model from a text in MJCF.
+    ///
+    /// # Errors
+    /// [`Error::Mjcf`] for text that is not XML, for what is outside of the supported part of MJCF, and for a model that
+    /// makes no sense, with the line.
+    pub fn from_xml(text: &str) -> Result<Self> {
+        let spec = reader::read(text)?;
+        constants::add_constants(compile::compile(&spec)?, &spec.statistic)
+    }
+
+    /// Compiles a model from a file in MJCF.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the file cannot be read, or with what [`from_xml`](Self::from_xml) finds wrong.
+    pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let in_file = |reason: String| Error::File { path: path.display().to_string(), reason };
+        let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
+        Self::from_xml(&text).map_err(|error| in_file(error.to_string()))
+    }
+}

@@ -1,0 +1,221 @@
+//! XML elements whose attributes are taken out as they are read, so that what is left over can be reported.
+
+use roxmltree::{Attribute, Node};
+
+use crate::{Error, Result};
+
+/// An element of a model's text, and those of its attributes that nobody has read yet.
+pub(super) struct Element<'a, 'input> {
+    node: Node<'a, 'input>,
+    unread: Vec<Attribute<'a, 'input>>,
+    known: Vec<&'static str>,
+    line: u32,
+    depth: usize,
+}
+
+/// How deep elements may be nested.
+const MAX_DEPTH: usize = 200;
+
+/// Where something stands in the text, for errors that are found after reading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    line: u32,
+    element: String,
+}
+
+impl Place {
+    /// An error about an attribute of this element.
+    pub(super) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
+        let (line, element, attribute) = (self.line, self.element.clone(), Some(attribute.to_owned()));
+        Error::Mjcf { line, element, attribute, reason: reason.into() }
+    }
+
+    /// An error about this element.
+    pub(super) fn error(&self, reason: impl Into<String>) -> Error {
+        Error::Mjcf { line: self.line, element: self.element.clone(), attribute: None, reason: reason.into() }
+    }
+}
+
+impl<'a, 'input> Element<'a, 'input> {
+    pub(super) fn new(node: Node<'a, 'input>) -> Self {
+        let line = node.document().text_pos_at(node.range().start).row;
+        Self { node, unread: node.attributes().collect(), known: Vec::new(), line, depth: 0 }
+    }
+
+    /// The element's name.
+    pub(super) fn name(&self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    /// Where it stands.
+    pub(super) fn place(&self) -> Place {
+        Place { line: self.line, element: self.name().to_owned() }
+    }
+
+    /// The elements within.
+    ///
+    /// # Errors
+    /// If there is text between them, an element of another namespace, or too deep a nesting.
+    pub(super) fn children(&self) -> Result<Vec<Self>> {
+        let mut children = Vec::new();
+        for node in self.node.children() {
+            if node.is_element() {
+                let child = Self { depth: self.depth + 1, ..Self::new(node) };
+                if child.depth > MAX_DEPTH {
+                    return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
+                }
+                if node.tag_name().namespace() != self.node.tag_name().namespace() {
+                    return Err(child.error("an element of another namespace is not part of MJCF"));
+                }
+                children.push(child);
+            } else if let Some(text) = node.text().filter(|text| node.is_text() && !text.trim().is_empty()) {
+                let excerpt: String = text.trim().chars().take(20).collect();
+                return Err(self.error(format!("text is not allowed within it: {excerpt:?}")));
+            }
+        }
+        Ok(children)
+    }
+
+    /// Refuses elements within, and attributes that were not read.
+    pub(super) fn finish_without_children(self) -> Result<()> {
+        if let Some(child) = self.children()?.first() {
+            return Err(child.error(format!("not supported within <{}>, which has no elements", self.name())));
+        }
+        self.finish()
+    }
+
+    /// Refuses attributes that were not read.
+    pub(super) fn finish(self) -> Result<()> {
+        let Some(attribute) = self.unread.first() else { return Ok(()) };
+        let known = if self.known.is_empty() { "none".to_owned() } else { self.known.join(", ") };
+        Err(self.at(attribute, format!("not supported: the attributes that are, are {known}")))
+    }
+
+    /// An error about this element.
+    pub(super) fn error(&self, reason: impl Into<String>) -> Error {
+        self.place().error(reason)
+    }
+
+    /// The error of an element within that is not supported.
+    pub(super) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
+        let within = self.name();
+        child.error(format!("not supported within <{within}>, where these are: {}", supported.join(", ")))
+    }
+
+    fn at(&self, attribute: &Attribute<'_, '_>, reason: impl Into<String>) -> Error {
+        let line = self.node.document().text_pos_at(attribute.range().start).row;
+        Place { line, ..self.place() }.attribute(attribute.name(), reason)
+    }
+
+    /// Takes an attribute out.
+    fn take(&mut self, name: &'static str) -> Option<Attribute<'a, 'input>> {
+        self.known.push(name);
+        let index = self.unread.iter().position(|a| a.name() == name && a.namespace().is_none())?;
+        Some(self.unread.swap_remove(index))
+    }
+
+    /// Takes out attributes that have no effect here.
+    pub(super) fn ignore(&mut self, names: &[&'static str]) {
+        for name in names {
+            self.take(name);
+        }
+    }
+
+    /// Takes out a text. An empty one counts as absent.
+    pub(super) fn text(&mut self, name: &'static str) -> Option<String> {
+        self.take(name).map(|attribute| attribute.value().to_owned()).filter(|text| !text.is_empty())
+    }
+
+    /// Takes out a text that must be there.
+    pub(super) fn required_text(&mut self, name: &'static str) -> Result<String> {
+        self.text(name).ok_or_else(|| self.missing(name))
+    }
+
+    /// The error of an attribute that must be there.
+    pub(super) fn missing(&self, name: &str) -> Error {
+        self.place().attribute(name, "missing: it must be given")
+    }
+
+    /// Takes out one of some words.
+    pub(super) fn keyword<T: Copy>(&mut self, name: &'static str, words: &[(&str, T)]) -> Result<Option<T>> {
+        let Some(attribute) = self.take(name) else { return Ok(None) };
+        let value = attribute.value();
+        match words.iter().find(|(word, _)| *word == value) {
+            Some((_, meaning)) => Ok(Some(*meaning)),
+            None => {
+                let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+                Err(self.at(&attribute, format!("{value:?} is not supported: use {}", words.join(", "))))
+            }
+        }
+    }
+
+    /// Takes out `true` or `false`.
+    pub(super) fn flag(&mut self, name: &'static str) -> Result<Option<bool>> {
+        self.keyword(name, &[("false", false), ("true", true)])
+    }
+
+    /// Takes out up to as many numbers as `out` holds, which replace its first ones; returns how many came.
+    pub(super) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
+        let Some(attribute) = self.take(name) else { return Ok(0) };
+        let mut count = 0;
+        for word in attribute.value().split_ascii_whitespace() {
+            let Some(slot) = out.get_mut(count) else {
+                let most = out.len();
+                return Err(self.at(&attribute, format!("too many numbers: at most {most} are expected")));
+            };
+            *slot = self.parse(&attribute, word)?;
+            count += 1;
+        }
+        if count == 0 { Err(self.at(&attribute, "a number is expected")) } else { Ok(count) }
+    }
+
+    /// Takes out exactly `N` numbers.
+    pub(super) fn numbers<const N: usize>(&mut self, name: &'static str) -> Result<Option<[f64; N]>> {
+        let place = self.unread.iter().find(|a| a.name() == name).copied();
+        let mut out = [0.0; N];
+        match (self.up_to(name, &mut out)?, place) {
+            (0, _) | (_, None) => Ok(None),
+            (n, _) if n == N => Ok(Some(out)),
+            (n, Some(attribute)) => Err(self.at(&attribute, format!("{n} numbers instead of {N}"))),
+        }
+    }
+
+    /// Takes out numbers, as many as there are.
+    pub(super) fn list(&mut self, name: &'static str) -> Result<Option<Vec<f64>>> {
+        let Some(attribute) = self.take(name) else { return Ok(None) };
+        let words = attribute.value().split_ascii_whitespace();
+        words.map(|word| self.parse(&attribute, word)).collect::<Result<_>>().map(Some)
+    }
+
+    /// Takes out a number.
+    pub(super) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
+        self.numbers(name).map(|numbers| numbers.map(|[x]: [f64; 1]| x))
+    }
+
+    /// Takes out a number that must not be negative.
+    pub(super) fn non_negative(&mut self, name: &'static str) -> Result<Option<f64>> {
+        let number = self.number(name)?;
+        if number.is_some_and(|x| x < 0.0) {
+            return Err(self.place().attribute(name, "must not be negative"));
+        }
+        Ok(number)
+    }
+
+    /// Takes out a whole number.
+    pub(super) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
+        let Some(attribute) = self.take(name) else { return Ok(None) };
+        let value = attribute.value().trim();
+        let number = value.parse::<i64>().ok().and_then(|number| T::try_from(number).ok());
+        match number {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.at(&attribute, format!("{value:?} is not a whole number in range"))),
+        }
+    }
+
+    fn parse(&self, attribute: &Attribute<'_, '_>, word: &str) -> Result<f64> {
+        match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(self.at(attribute, format!("{word:?} is not a finite number"))),
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Refuses figures on which the engine would go wrong.
+
+use super::{CompiledModel, GeomType, JointType};
+use crate::{Error, Result};
+
+/// Checks lengths, ids, order and ranges of everything that the engine reads.
+pub(super) fn check(m: &CompiledModel) -> Result<()> {
+    lengths(m)?;
+    bodies(m)?;
+    joints(m)?;
+    geoms(m)?;
+    others(m)?;
+    numbers(m)
+}
+
+fn bad(what: String) -> Error {
+    Error::Model(what)
+}
+
+macro_rules! ensure {
+    ($condition:expr, $($text:tt)+) => {
+        if !$condition {
+            return Err(bad(format!($($text)+)));
+        }
+    };
+}
+
+/// Every array named has the length of its group.
+macro_rules! same_length {
+    ($m:ident, $length:expr, $($field:ident)+) => {
+        $(ensure!(
+            $m.$field.len() == $length,
+            concat!(stringify!($field), " has {} elements, expected {}"), $m.$field.len(), $length
+        );)+
+    };
+}
+
+fn lengths(m: &CompiledModel) -> Result<()> {
+    same_length!(m, m.nq(), qpos_spring);
+    same_length!(m, m.nbody(), body_rootid body_weldid body_treeid body_jntnum body_jntadr body_dofnum body_dofadr
+        body_geomnum body_geomadr body_simple body_pos body_quat body_ipos body_iquat body_mass body_subtreemass
+        body_inertia body_invweight0);
+    same_length!(m, m.njnt(), jnt_qposadr jnt_dofadr jnt_bodyid jnt_limited jnt_pos jnt_axis jnt_range jnt_margin
+        jnt_stiffness jnt_solref jnt_solimp);
+    same_length!(m, m.nv(), dof_jntid dof_parentid dof_treeid dof_simplenum dof_armature dof_damping dof_invweight0 dof_m0);
+    same_length!(m, m.ngeom(), geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
+        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_rgba geom_matid);
+    same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
+    same_length!(m, m.cam_bodyid.len(), cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy);
+    same_length!(m, m.nu(), actuator_gear actuator_ctrllimited actuator_ctrlrange);
+    same_length!(m, m.ntendon(), tendon_num);
+    same_length!(m, m.wrap_objid.len(), wrap_prm);
+    same_length!(m, m.key_time.len(), key_qpos key_qvel key_ctrl);
+    Ok(())
+}
+
+fn bodies(m: &CompiledModel) -> Result<()> {
+    ensure!(m.nbody() > 0, "there is no body: body 0 must be the world");
+    ensure!(m.body_parentid[0] == 0 && m.body_jntnum[0] == 0 && m.body_dofnum[0] == 0, "body 0 must be the world");
+    let (mut joint, mut dof, mut geom) = (0, 0, 0);
+    for b in 0..m.nbody() {
+        let parent = m.body_parentid[b];
+        ensure!(b == 0 || parent < b, "body_parentid[{b}] is {parent}, which is not before the body");
+        let root = if b == 0 || parent == 0 { b } else { m.body_rootid[parent] };
+        ensure!(m.body_rootid[b] == root, "body_rootid[{b}] is {}, expected {root}", m.body_rootid[b]);
+        let weld = if b == 0 || m.body_jntnum[b] > 0 { b } else { m.body_weldid[parent] };
+        ensure!(m.body_weldid[b] == weld, "body_weldid[{b}] is {}, expected {weld}", m.body_weldid[b]);
+        for (name, number, address, next, total) in [
+            ("jnt", m.body_jntnum[b], m.body_jntadr[b], &mut joint, m.njnt()),
+            ("dof", m.body_dofnum[b], m.body_dofadr[b], &mut dof, m.nv()),
+            ("geom", m.body_geomnum[b], m.body_geomadr[b], &mut geom, m.ngeom()),
+        ] {
+            ensure!(number <= total - *next, "body_{name}num[{b}] is {number}, beyond the last");
+            ensure!(
+                if number == 0 { address == -1 } else { usize::try_from(address) == Ok(*next) },
+                "body_{name}adr[{b}] is {address}: the bodies' elements must follow each other, and it is -1 where there is none"
+            );
+            *next += number;
+        }
+    }
+    ensure!(joint == m.njnt() && dof == m.nv() && geom == m.ngeom(), "joints, dofs or geoms belong to no body");
+    Ok(())
+}
+
+fn joints(m: &CompiledModel) -> Result<()> {
+    let (mut qpos, mut dof) = (0, 0);
+    for j in 0..m.njnt() {
+        let body = m.jnt_bodyid[j];
+        ensure!(owns(m.body_jntadr.get(body), m.body_jntnum.get(body), j), "jnt_bodyid[{j}] is {body}, which lacks the joint");
+        ensure!(m.jnt_qposadr[j] == qpos && m.jnt_dofadr[j] == dof, "joint {j} does not follow the joint before it");
+        let (nq, nv) = match m.jnt_type[j] {
+            JointType::Free => (7, 6),
+            JointType::Slide | JointType::Hinge => (1, 1),
+        };
+        let free = m.jnt_type[j] == JointType::Free;
+        ensure!(!free || (m.body_jntnum[body] == 1 && m.body_parentid[body] == 0), "joint {j} is free, but not the only one of a child of the world");
+        ensure!(!free || !m.jnt_limited[j], "joint {j} is free, and cannot be limited");
+        qpos += nq;
+        for i in dof..dof + nv {
+            ensure!(m.dof_jntid.get(i) == Some(&j) && m.dof_bodyid[i] == body, "dof {i} is not of joint {j}");
+            let parent = if i > m.body_dofadr[body].max(0) as usize { i as i32 - 1 } else { last_dof(m, m.body_parentid[body]) };
+            ensure!(m.dof_parentid[i] == parent, "dof_parentid[{i}] is {}, expected {parent}", m.dof_parentid[i]);
+            let tree = match usize::try_from(parent) {
+                Ok(parent) => m.dof_treeid[parent],
+                Err(_) => if i == 0 { 0 } else { m.dof_treeid[i - 1] + 1 },
+            };
+            ensure!(m.dof_treeid[i] == tree, "dof_treeid[{i}] is {}, expected {tree}", m.dof_treeid[i]);
+        }
+        dof += nv;
+    }
+    ensure!(qpos == m.nq() && dof == m.nv(), "qpos0 or the dofs do not fit the joints");
+    for b in 0..m.nbody() {
+        let dof = last_dof(m, b);
+        let tree = usize::try_from(dof).map_or(-1, |dof| m.dof_treeid[dof] as i32);
+        ensure!(m.body_treeid[b] == tree, "body_treeid[{b}] is {}, expected {tree}", m.body_treeid[b]);
+    }
+    for i in 0..m.nv() {
+        ensure!(m.dof_simplenum[i] <= m.nv() - i, "dof_simplenum[{i}] is {}, beyond the last", m.dof_simplenum[i]);
+    }
+    Ok(())
+}
+
+/// The last degree of freedom of a body or else of its nearest ancestor that has one; -1 if none has.
+fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
+    while body > 0 && m.body_dofnum[body] == 0 {
+        body = m.body_parentid[body];
+    }
+    if m.body_dofnum[body] == 0 { -1 } else { m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1 }
+}
+
+fn owns(address: Option<&i32>, number: Option<&usize>, element: usize) -> bool {
+    match (address.map(|a| usize::try_from(*a)), number) {
+        (Some(Ok(address)), Some(number)) => (address..address + number).contains(&element),
+        _ => false,
+    }
+}
+
+fn geoms(m: &CompiledModel) -> Result<()> {
+    for g in 0..m.ngeom() {
+        let body = m.geom_bodyid[g];
+        ensure!(owns(m.body_geomadr.get(body), m.body_geomnum.get(body), g), "geom_bodyid[{g}] is {body}, which lacks the geom");
+        ensure!(matches!(m.geom_condim[g], 1 | 3), "geom_condim[{g}] is {}: 1 and 3 are supported", m.geom_condim[g]);
+        let needed = match m.geom_type[g] {
+            GeomType::Plane => 0,
+            GeomType::Sphere => 1,
+            GeomType::Capsule | GeomType::Cylinder => 2,
+        };
+        ensure!(m.geom_size[g][..needed].iter().all(|&s| s > 0.0), "geom_size[{g}] must be positive");
+        ensure!(m.geom_solref[g][0] > 0.0 && m.geom_solref[g][1] > 0.0, "geom_solref[{g}] must be positive");
+        ensure!(m.geom_friction[g].iter().all(|&f| f >= 0.0), "geom_friction[{g}] must not be negative");
+    }
+    Ok(())
+}
+
+fn others(m: &CompiledModel) -> Result<()> {
+    let body = |what: &str, ids: &[usize]| match ids.iter().position(|&b| b >= m.nbody()) {
+        Some(i) => Err(bad(format!("{what}[{i}] is {}, but there are {} bodies", ids[i], m.nbody()))),
+        None => Ok(()),
+    };
+    body("site_bodyid", &m.site_bodyid)?;
+    body("cam_bodyid", &m.cam_bodyid)?;
+    let scalar = |j: usize| m.jnt_type.get(j).is_some_and(|&t| t != JointType::Free);
+    for (i, id) in m.actuator_trnid.iter().enumerate() {
+        ensure!(usize::try_from(id[0]).is_ok_and(scalar), "actuator_trnid[{i}] is {}, which is no slide or hinge joint", id[0]);
+    }
+    for t in 0..m.ntendon() {
+        let end = m.tendon_adr[t].checked_add(m.tendon_num[t]);
+        ensure!(end.is_some_and(|end| end <= m.wrap_objid.len()), "tendon {t} has terms beyond the last");
+    }
+    for (i, &j) in m.wrap_objid.iter().enumerate() {
+        ensure!(scalar(j), "wrap_objid[{i}] is {j}, which is no slide or hinge joint");
+    }
+    for k in 0..m.key_time.len() {
+        ensure!(
+            m.key_qpos[k].len() == m.nq() && m.key_qvel[k].len() == m.nv() && m.key_ctrl[k].len() == m.nu(),
+            "keyframe {k} has another size than the model"
+        );
+    }
+    Ok(())
+}
+
+fn numbers(m: &CompiledModel) -> Result<()> {
+    let o = &m.opt;
+    ensure!(o.timestep > 0.0 && o.timestep.is_finite(), "opt.timestep is {}, must be positive", o.timestep);
+    ensure!(o.tolerance >= 0.0 && o.ls_tolerance >= 0.0, "opt.tolerance and opt.ls_tolerance must not be negative");
+    let finite = |what: &str, numbers: &mut dyn Iterator<Item = f64>| match numbers.enumerate().find(|(_, x)| !x.is_finite()) {
+        Some((i, _)) => Err(bad(format!("number {i} of {what} is not finite"))),
+        None => Ok(()),
+    };
+    macro_rules! all_finite {
+        (flat: $($flat:ident)+; rows: $($rows:ident)+) => {
+            $(finite(stringify!($flat), &mut m.$flat.iter().copied())?;)+
+            $(finite(stringify!($rows), &mut m.$rows.iter().flatten().copied())?;)+
+        };
+    }
+    all_finite!(
+        flat: qpos0 qpos_spring body_mass body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0
+            dof_m0 geom_rbound geom_solmix geom_margin geom_gap wrap_prm;
+        rows: body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis jnt_range jnt_solref
+            jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref geom_solimp site_pos site_quat actuator_gear
+            actuator_ctrlrange
+    );
+    finite("opt", &mut o.gravity.iter().chain(&o.wind).chain(&[o.density, o.viscosity]).copied())?;
+    finite("stat", &mut [m.stat.meaninertia].into_iter())?;
+    let range = |what: &str, ranges: &[[f64; 2]]| match ranges.iter().position(|r| r[0] > r[1]) {
+        Some(i) => Err(bad(format!("{what}[{i}] has its limits in the wrong order"))),
+        None => Ok(()),
+    };
+    range("jnt_range", &m.jnt_range)?;
+    range("actuator_ctrlrange", &m.actuator_ctrlrange)?;
+    for (j, solref) in m.jnt_solref.iter().enumerate() {
+        ensure!(solref[0] > 0.0 && solref[1] > 0.0, "jnt_solref[{j}] must be positive");
+    }
+    Ok(())
+}

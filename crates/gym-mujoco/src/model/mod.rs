@@ -1,0 +1,392 @@
+//! What never changes during a simulation: bodies, joints, geoms and all that follows from them.
+//!
+//! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form has these names too, so
+//! that figures of the two can be compared directly. [`Model`] is one that was checked: the engine takes no other.
+
+mod check;
+mod plan;
+mod types;
+
+use std::ops::Deref;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Result};
+pub(crate) use plan::{Pair, Plan, Softness};
+pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
+
+/// A checked [`CompiledModel`], and what the engine precomputes from it.
+///
+/// It dereferences to the figures. They cannot be changed in place, because the engine relies on them: take them with
+/// [`into_compiled`](Self::into_compiled), change them, and make a new model.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "CompiledModel", into = "CompiledModel")]
+pub struct Model {
+    compiled: CompiledModel,
+    plan: Plan,
+}
+
+impl Model {
+    /// Checks the figures and prepares the engine for them.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not finite, or something is
+    /// outside of what the engine supports; the text names the array and the element.
+    pub fn new(compiled: CompiledModel) -> Result<Self> {
+        check::check(&compiled)?;
+        let plan = Plan::new(&compiled)?;
+        Ok(Self { compiled, plan })
+    }
+
+    /// The figures, to be changed and made a model again.
+    #[must_use]
+    pub fn into_compiled(self) -> CompiledModel {
+        self.compiled
+    }
+
+    pub(crate) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+}
+
+impl Deref for Model {
+    type Target = CompiledModel;
+
+    fn deref(&self) -> &CompiledModel {
+        &self.compiled
+    }
+}
+
+impl TryFrom<CompiledModel> for Model {
+    type Error = Error;
+
+    fn try_from(compiled: CompiledModel) -> Result<Self> {
+        Self::new(compiled)
+    }
+}
+
+impl From<Model> for CompiledModel {
+    fn from(model: Model) -> Self {
+        model.into_compiled()
+    }
+}
+
+/// The figures of a compiled model, under the names of MuJoCo's `mjModel`.
+///
+/// Arrays named `body_*` have one element for each body, `jnt_*` for each joint, `dof_*` for each degree of freedom,
+/// `geom_*` for each geom, and so on. Body 0 is the world. Ids that may be absent are `-1`, as in MuJoCo. Lengths are
+/// metres, masses kilograms, angles radians, times seconds. Quaternions are `w, x, y, z`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CompiledModel {
+    /// The model's name; empty if it has none.
+    pub model: String,
+    /// How the model is simulated.
+    pub opt: Options,
+    /// Statistics of the model, which scale tolerances and pictures.
+    pub stat: Statistics,
+    /// Names of the objects of each kind.
+    pub names: Names,
+
+    /// Positions of the joints in the model's initial configuration (nq numbers).
+    pub qpos0: Vec<f64>,
+    /// Positions at which the joints' springs are at rest (nq numbers).
+    pub qpos_spring: Vec<f64>,
+
+    /// The body's parent; it has a smaller id. The world's is the world.
+    pub body_parentid: Vec<usize>,
+    /// The ancestor that is a child of the world: the root of the kinematic tree whose centre of mass is the reference
+    /// point of spatial vectors.
+    pub body_rootid: Vec<usize>,
+    /// The nearest ancestor with joints, or the body itself: all bodies of equal value move as one.
+    pub body_weldid: Vec<usize>,
+    /// The tree of bodies that can move; -1 for static bodies.
+    pub body_treeid: Vec<i32>,
+    /// Number of joints.
+    pub body_jntnum: Vec<usize>,
+    /// First joint; -1 if there is none.
+    pub body_jntadr: Vec<i32>,
+    /// Number of degrees of freedom.
+    pub body_dofnum: Vec<usize>,
+    /// First degree of freedom; -1 if there is none.
+    pub body_dofadr: Vec<i32>,
+    /// Number of geoms.
+    pub body_geomnum: Vec<usize>,
+    /// First geom; -1 if there is none.
+    pub body_geomadr: Vec<i32>,
+    /// 1: the body's inertia matrix is diagonal; 2: moreover it only slides; 0: neither.
+    pub body_simple: Vec<u8>,
+    /// Position in the parent's frame.
+    pub body_pos: Vec<[f64; 3]>,
+    /// Orientation in the parent's frame.
+    pub body_quat: Vec<[f64; 4]>,
+    /// Centre of mass in the body's frame.
+    pub body_ipos: Vec<[f64; 3]>,
+    /// Orientation of the principal axes of inertia in the body's frame.
+    pub body_iquat: Vec<[f64; 4]>,
+    /// Mass.
+    pub body_mass: Vec<f64>,
+    /// Mass of the body and all its descendants.
+    pub body_subtreemass: Vec<f64>,
+    /// Moments of inertia about the principal axes.
+    pub body_inertia: Vec<[f64; 3]>,
+    /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of rotation.
+    pub body_invweight0: Vec<[f64; 2]>,
+
+    /// What the joint permits.
+    pub jnt_type: Vec<JointType>,
+    /// First number of the joint in `qpos`.
+    pub jnt_qposadr: Vec<usize>,
+    /// First number of the joint in `qvel`.
+    pub jnt_dofadr: Vec<usize>,
+    /// The joint's body.
+    pub jnt_bodyid: Vec<usize>,
+    /// Whether `jnt_range` holds.
+    pub jnt_limited: Vec<bool>,
+    /// Anchor in the body's frame.
+    pub jnt_pos: Vec<[f64; 3]>,
+    /// Axis in the body's frame, of length 1.
+    pub jnt_axis: Vec<[f64; 3]>,
+    /// Lower and upper limit.
+    pub jnt_range: Vec<[f64; 2]>,
+    /// Distance at which a limit becomes active.
+    pub jnt_margin: Vec<f64>,
+    /// Stiffness of the joint's spring.
+    pub jnt_stiffness: Vec<f64>,
+    /// Reference of the limit: time constant, damping ratio.
+    pub jnt_solref: Vec<[f64; 2]>,
+    /// Impedance of the limit: dmin, dmax, width, midpoint, power.
+    pub jnt_solimp: Vec<[f64; 5]>,
+
+    /// The degree of freedom's body.
+    pub dof_bodyid: Vec<usize>,
+    /// The degree of freedom's joint.
+    pub dof_jntid: Vec<usize>,
+    /// The degree of freedom before this one on the way to the root; -1 at the root.
+    pub dof_parentid: Vec<i32>,
+    /// The tree.
+    pub dof_treeid: Vec<usize>,
+    /// Number of degrees of freedom from here on, whose bodies are simple (`body_simple`).
+    pub dof_simplenum: Vec<usize>,
+    /// Inertia added to the diagonal of the inertia matrix.
+    pub dof_armature: Vec<f64>,
+    /// Damping.
+    pub dof_damping: Vec<f64>,
+    /// Diagonal of the inverse inertia matrix in the initial configuration, averaged over three for a free joint.
+    pub dof_invweight0: Vec<f64>,
+    /// Diagonal of the inertia matrix in the initial configuration.
+    #[serde(rename = "dof_M0")]
+    pub dof_m0: Vec<f64>,
+
+    /// Shape.
+    pub geom_type: Vec<GeomType>,
+    /// The geom's body.
+    pub geom_bodyid: Vec<usize>,
+    /// Bits of which one must be in the other's `geom_conaffinity` for two geoms to collide.
+    pub geom_contype: Vec<u32>,
+    /// See `geom_contype`.
+    pub geom_conaffinity: Vec<u32>,
+    /// Dimensions of the contact: 1 without, 3 with friction.
+    pub geom_condim: Vec<u8>,
+    /// The geom of higher priority sets friction and softness of a contact alone.
+    pub geom_priority: Vec<i32>,
+    /// Half sizes: sphere radius; capsule and cylinder radius, half length; plane half lengths for drawing.
+    pub geom_size: Vec<[f64; 3]>,
+    /// Radius of the bounding sphere; 0 for a plane.
+    pub geom_rbound: Vec<f64>,
+    /// Position in the body's frame.
+    pub geom_pos: Vec<[f64; 3]>,
+    /// Orientation in the body's frame.
+    pub geom_quat: Vec<[f64; 4]>,
+    /// Friction: slide, spin, roll.
+    pub geom_friction: Vec<[f64; 3]>,
+    /// Weight of the geom's softness in a contact's.
+    pub geom_solmix: Vec<f64>,
+    /// Reference of its contacts: time constant, damping ratio.
+    pub geom_solref: Vec<[f64; 2]>,
+    /// Impedance of its contacts: dmin, dmax, width, midpoint, power.
+    pub geom_solimp: Vec<[f64; 5]>,
+    /// Distance at which a contact becomes active; a pair's margins add up.
+    pub geom_margin: Vec<f64>,
+    /// Further distance within which a contact is listed, without force; a pair's gaps add up.
+    pub geom_gap: Vec<f64>,
+    /// Colour: red, green, blue, opacity.
+    pub geom_rgba: Vec<[f64; 4]>,
+    /// Material; -1 if there is none.
+    pub geom_matid: Vec<i32>,
+
+    /// The site's body.
+    pub site_bodyid: Vec<usize>,
+    /// Position in the body's frame.
+    pub site_pos: Vec<[f64; 3]>,
+    /// Orientation in the body's frame.
+    pub site_quat: Vec<[f64; 4]>,
+    /// Shape, for drawing: 2 sphere, 3 capsule, 4 ellipsoid, 5 cylinder, 6 box.
+    pub site_type: Vec<u8>,
+    /// Half sizes.
+    pub site_size: Vec<[f64; 3]>,
+    /// Colour: red, green, blue, opacity.
+    pub site_rgba: Vec<[f64; 4]>,
+
+    /// 0 fixed, 1 track, 2 trackcom, 3 targetbody, 4 targetbodycom.
+    pub cam_mode: Vec<u8>,
+    /// The camera's body.
+    pub cam_bodyid: Vec<usize>,
+    /// The body that it looks at, in the modes that have one; else -1.
+    pub cam_targetbodyid: Vec<i32>,
+    /// Position in the body's frame.
+    pub cam_pos: Vec<[f64; 3]>,
+    /// Orientation in the body's frame.
+    pub cam_quat: Vec<[f64; 4]>,
+    /// Vertical field of view in degrees.
+    pub cam_fovy: Vec<f64>,
+
+    /// 0 spot, 1 directional.
+    pub light_type: Vec<u8>,
+    /// Position in the body's frame.
+    pub light_pos: Vec<[f64; 3]>,
+    /// Direction in the body's frame, of length 1.
+    pub light_dir: Vec<[f64; 3]>,
+
+    /// Colours of the materials: red, green, blue, opacity.
+    pub mat_rgba: Vec<[f64; 4]>,
+
+    /// The joint that the motor drives.
+    pub actuator_trnid: Vec<[i32; 2]>,
+    /// Force or torque for a control of 1: the first number.
+    pub actuator_gear: Vec<[f64; 6]>,
+    /// Whether `actuator_ctrlrange` holds.
+    pub actuator_ctrllimited: Vec<bool>,
+    /// Least and greatest control.
+    pub actuator_ctrlrange: Vec<[f64; 2]>,
+
+    /// First term of the fixed tendon in the `wrap_*` arrays.
+    pub tendon_adr: Vec<usize>,
+    /// Number of terms.
+    pub tendon_num: Vec<usize>,
+    /// Joints of the tendons' terms.
+    pub wrap_objid: Vec<usize>,
+    /// Coefficients of the tendons' terms.
+    pub wrap_prm: Vec<f64>,
+
+    /// Pairs of bodies whose geoms never collide: `(smaller id << 16) + greater id`.
+    pub exclude_signature: Vec<u32>,
+
+    /// Positions of the keyframes.
+    pub key_qpos: Vec<Vec<f64>>,
+    /// Velocities of the keyframes.
+    pub key_qvel: Vec<Vec<f64>>,
+    /// Times of the keyframes.
+    pub key_time: Vec<f64>,
+    /// Controls of the keyframes.
+    pub key_ctrl: Vec<Vec<f64>>,
+}
+
+impl CompiledModel {
+    /// Number of position coordinates.
+    #[must_use]
+    pub fn nq(&self) -> usize {
+        self.qpos0.len()
+    }
+
+    /// Number of degrees of freedom.
+    #[must_use]
+    pub fn nv(&self) -> usize {
+        self.dof_bodyid.len()
+    }
+
+    /// Number of controls.
+    #[must_use]
+    pub fn nu(&self) -> usize {
+        self.actuator_trnid.len()
+    }
+
+    /// Number of bodies, with the world.
+    #[must_use]
+    pub fn nbody(&self) -> usize {
+        self.body_parentid.len()
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn njnt(&self) -> usize {
+        self.jnt_type.len()
+    }
+
+    /// Number of geoms.
+    #[must_use]
+    pub fn ngeom(&self) -> usize {
+        self.geom_type.len()
+    }
+
+    /// Number of sites.
+    #[must_use]
+    pub fn nsite(&self) -> usize {
+        self.site_bodyid.len()
+    }
+
+    /// Number of tendons.
+    #[must_use]
+    pub fn ntendon(&self) -> usize {
+        self.tendon_adr.len()
+    }
+
+    /// Number of kinematic trees that can move.
+    #[must_use]
+    pub fn ntree(&self) -> usize {
+        self.dof_treeid.last().map_or(0, |tree| tree + 1)
+    }
+
+    /// The body of that name.
+    #[must_use]
+    pub fn body_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.body, name)
+    }
+
+    /// The geom of that name.
+    #[must_use]
+    pub fn geom_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.geom, name)
+    }
+
+    /// The site of that name.
+    #[must_use]
+    pub fn site_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.site, name)
+    }
+
+    /// The camera of that name.
+    #[must_use]
+    pub fn camera_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.camera, name)
+    }
+}
+
+fn position(names: &[Option<String>], name: &str) -> Option<usize> {
+    names.iter().position(|n| n.as_deref() == Some(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The compiled model of a reference file, if `GYM_REFERENCE` points to the recordings.
+    fn reference(name: &str) -> Option<Model> {
+        let root = std::env::var_os("GYM_REFERENCE")?;
+        let path = std::path::Path::new(&root).join("models_mujoco").join(name).with_extension("json");
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
+    }
+
+    #[test]
+    fn reads_recorded_figures() {
+        for name in "inverted_pendulum inverted_double_pendulum reacher pusher pusher_v5 swimmer half_cheetah hopper walker2d \
+                     walker2d_v5 ant humanoid humanoidstandup".split_whitespace() {
+            let Some(m) = reference(name) else { return };
+            assert!(m.nv() > 0, "{name}");
+        }
+        let Some(m) = reference("humanoid") else { return };
+        assert_eq!((m.nq(), m.nv(), m.nu(), m.nbody(), m.ntendon()), (24, 23, 17, 14, 2));
+        assert_eq!(m.body_id("torso"), Some(1));
+    }
+}

@@ -1,0 +1,278 @@
+//! What the engine works out from a model once: sparsity of the inertia matrix, and pairs of geoms that can touch.
+
+use std::ops::Range;
+
+use super::{CompiledModel, GeomType, JointType};
+use crate::{Error, Result};
+
+/// Friction below this counts as this: MuJoCo's `mjMINMU`.
+const MIN_FRICTION: f64 = 1e-5;
+/// Impedances are kept within these: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
+const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
+
+/// Precomputed structure of a model.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    /// First element of each row of the inertia matrix, and the number of all elements.
+    ///
+    /// Row `i` holds the lower triangle: the degrees of freedom on the way from the root to `i`, ascending, `i` last.
+    pub(crate) m_rowadr: Vec<usize>,
+    /// Columns of the elements.
+    pub(crate) m_colind: Vec<usize>,
+    /// The last degree of freedom that moves each body.
+    last_dof: Vec<Option<usize>>,
+    /// The degrees of freedom of each tree.
+    pub(crate) trees: Vec<Range<usize>>,
+    /// Pairs of geoms that can touch, in the order of their contacts.
+    pub(crate) pairs: Vec<Pair>,
+    /// Joints with limits.
+    pub(crate) limits: Vec<Limit>,
+    /// Whether any joint has damping, which Euler's integrator treats implicitly.
+    pub(crate) damped: bool,
+}
+
+/// A limited joint.
+#[derive(Clone, Debug)]
+pub(crate) struct Limit {
+    pub(crate) joint: usize,
+    pub(crate) qpos: usize,
+    pub(crate) dof: usize,
+    pub(crate) tree: usize,
+    pub(crate) range: [f64; 2],
+    pub(crate) margin: f64,
+    pub(crate) diag: f64,
+    pub(crate) softness: Softness,
+}
+
+/// Two geoms that can touch, and everything about their contacts that does not depend on the state.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    /// The geoms; the first has the lower type.
+    pub(crate) geom: [usize; 2],
+    pub(crate) kind: (GeomType, GeomType),
+    /// Contacts are listed below this distance: margins and gaps.
+    pub(crate) margin: f64,
+    /// Contacts act below this distance.
+    pub(crate) includemargin: f64,
+    /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
+    pub(crate) reach: f64,
+    pub(crate) dim: u8,
+    pub(crate) friction: [f64; 5],
+    pub(crate) solref: [f64; 2],
+    pub(crate) solimp: [f64; 5],
+    pub(crate) softness: Softness,
+    /// Sum of the bodies' inverse weights.
+    pub(crate) diag: f64,
+    /// The degrees of freedom that move one of the bodies and not the other, ascending, with the sign of the motion of the
+    /// second body against the first.
+    pub(crate) columns: Vec<Column>,
+    /// The trees of the bodies, if they can move.
+    pub(crate) trees: [Option<usize>; 2],
+}
+
+/// A degree of freedom that moves one of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column {
+    pub(crate) dof: usize,
+    /// The root of its body's tree.
+    pub(crate) root: usize,
+    pub(crate) sign: f64,
+}
+
+/// Impedance and reference acceleration of a constraint, as functions of its position.
+#[derive(Clone, Debug)]
+pub(crate) struct Softness {
+    pub(crate) stiffness: f64,
+    pub(crate) damping: f64,
+    pub(crate) dmin: f64,
+    pub(crate) dmax: f64,
+    pub(crate) width: f64,
+    pub(crate) midpoint: f64,
+    pub(crate) power: f64,
+}
+
+impl Softness {
+    fn new(solref: [f64; 2], solimp: [f64; 5], timestep: f64) -> Self {
+        let [dmin, dmax, width, midpoint, power] = solimp;
+        let [dmin, dmax, midpoint] = [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
+        let (time, ratio) = (solref[0].max(2.0 * timestep), solref[1]);
+        Self {
+            stiffness: 1.0 / f64::max(1e-15, dmax * dmax * time * time * ratio * ratio),
+            damping: 2.0 / f64::max(1e-15, dmax * time),
+            dmin,
+            dmax,
+            width: width.max(0.0),
+            midpoint,
+            power: power.max(1.0),
+        }
+    }
+}
+
+impl Plan {
+    pub(super) fn new(m: &CompiledModel) -> Result<Self> {
+        let (mut m_rowadr, mut m_colind) = (vec![0], Vec::new());
+        let mut trees: Vec<Range<usize>> = Vec::new();
+        for i in 0..m.nv() {
+            if let Ok(parent) = usize::try_from(m.dof_parentid[i]) {
+                m_colind.extend_from_within(m_rowadr[parent]..m_rowadr[parent + 1]);
+            }
+            m_colind.push(i);
+            m_rowadr.push(m_colind.len());
+            match trees.get_mut(m.dof_treeid[i]) {
+                Some(tree) => tree.end = i + 1,
+                None => trees.push(i..i + 1),
+            }
+        }
+        let mut last_dof: Vec<Option<usize>> = Vec::new();
+        for b in 0..m.nbody() {
+            last_dof.push(match m.body_dofnum[b] {
+                0 if b == 0 => None,
+                0 => last_dof[m.body_parentid[b]],
+                number => usize::try_from(m.body_dofadr[b]).ok().map(|first| first + number - 1),
+            });
+        }
+        let damped = m.dof_damping.iter().any(|&damping| damping > 0.0);
+        let mut plan = Self { m_rowadr, m_colind, last_dof, trees, pairs: Vec::new(), limits: Vec::new(), damped };
+        plan.pairs = plan.find_pairs(m)?;
+        plan.limits = (0..m.njnt()).filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free).map(|j| limit(m, j)).collect();
+        Ok(plan)
+    }
+
+    /// The elements of a row of the inertia matrix; the last is the diagonal.
+    #[inline]
+    pub(crate) fn m_row(&self, i: usize) -> Range<usize> {
+        self.m_rowadr[i]..self.m_rowadr[i + 1]
+    }
+
+    /// The degrees of freedom that move a body, root first.
+    #[inline]
+    pub(crate) fn chain(&self, body: usize) -> &[usize] {
+        self.last_dof[body].map_or(&[], |dof| &self.m_colind[self.m_row(dof)])
+    }
+
+    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the pairs' geoms.
+    fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
+        let mut pairs = Vec::new();
+        for b1 in 0..m.nbody() {
+            for b2 in b1 + 1..m.nbody() {
+                if !bodies_collide(m, b1, b2) {
+                    continue;
+                }
+                let first = pairs.len();
+                for g1 in geoms(m, b1) {
+                    for g2 in geoms(m, b2) {
+                        let meet = m.geom_contype[g1] & m.geom_conaffinity[g2] | m.geom_contype[g2] & m.geom_conaffinity[g1];
+                        if meet != 0 {
+                            pairs.extend(self.pair(m, g1, g2)?);
+                        }
+                    }
+                }
+                pairs[first..].sort_by_key(|pair: &Pair| pair.geom);
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// The pair of two geoms; none for two planes, which never touch.
+    ///
+    /// # Errors
+    /// For shapes whose contacts are not supported.
+    fn pair(&self, m: &CompiledModel, g1: usize, g2: usize) -> Result<Option<Pair>> {
+        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] { [g2, g1] } else { [g1, g2] };
+        let kind = (m.geom_type[g1], m.geom_type[g2]);
+        match kind {
+            (GeomType::Plane, GeomType::Plane) => return Ok(None),
+            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
+                return Err(Error::Model(format!(
+                    "geoms {g1} and {g2} can touch, but contacts of {:?} and {:?} are not supported: a cylinder touches planes and \
+                     capsules only (exclude the bodies, or change contype and conaffinity)",
+                    kind.0, kind.1
+                )));
+            }
+            _ => {}
+        }
+        let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
+        let includemargin = m.geom_margin[g1] + m.geom_margin[g2];
+        let margin = includemargin + (m.geom_gap[g1] + m.geom_gap[g2]);
+
+        let (priority1, priority2) = (m.geom_priority[g1], m.geom_priority[g2]);
+        let (dim, friction, solref, solimp) = if priority1 == priority2 {
+            let weight = mix(m.geom_solmix[g1], m.geom_solmix[g2]);
+            let blend = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
+            (
+                m.geom_condim[g1].max(m.geom_condim[g2]),
+                std::array::from_fn(|k| m.geom_friction[g1][k].max(m.geom_friction[g2][k])),
+                std::array::from_fn(|k| blend(m.geom_solref[g1][k], m.geom_solref[g2][k])),
+                std::array::from_fn(|k| blend(m.geom_solimp[g1][k], m.geom_solimp[g2][k])),
+            )
+        } else {
+            let g = if priority1 > priority2 { g1 } else { g2 };
+            (m.geom_condim[g], m.geom_friction[g], m.geom_solref[g], m.geom_solimp[g])
+        };
+        let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
+        let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
+        Ok(Some(Pair {
+            geom: [g1, g2],
+            kind,
+            margin,
+            includemargin,
+            reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
+            dim,
+            friction: [slide, slide, spin, roll, roll],
+            solref,
+            solimp,
+            softness: Softness::new(solref, solimp, m.opt.timestep),
+            diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
+            columns: self.columns(m, b1, b2),
+            trees: [tree(b1), tree(b2)],
+        }))
+    }
+
+    fn columns(&self, m: &CompiledModel, b1: usize, b2: usize) -> Vec<Column> {
+        let (c1, c2) = (self.chain(b1), self.chain(b2));
+        let of = |chain: &[usize], other: &[usize], b: usize, sign: f64| {
+            let alone = chain.iter().filter(|dof| !other.contains(dof));
+            alone.map(|&dof| Column { dof, root: m.body_rootid[b], sign }).collect::<Vec<_>>()
+        };
+        let mut columns = of(c1, c2, b1, -1.0);
+        columns.extend(of(c2, c1, b2, 1.0));
+        columns.sort_by_key(|column| column.dof);
+        columns
+    }
+}
+
+/// The weight of the first of two geoms: MuJoCo's `mix` of `solmix`.
+fn mix(s1: f64, s2: f64) -> f64 {
+    const LEAST: f64 = 1e-15;
+    match (s1 >= LEAST, s2 >= LEAST) {
+        (true, true) => s1 / (s1 + s2),
+        (false, false) => 0.5,
+        (first, _) => f64::from(u8::from(first)),
+    }
+}
+
+fn bodies_collide(m: &CompiledModel, b1: usize, b2: usize) -> bool {
+    let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
+    let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
+    let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
+    let excluded = m.exclude_signature.iter().any(|&s| s as usize == (b1 << 16) + b2);
+    w1 != w2 && !related && !excluded
+}
+
+fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
+    usize::try_from(m.body_geomadr[body]).map_or(0..0, |first| first..first + m.body_geomnum[body])
+}
+
+fn limit(m: &CompiledModel, joint: usize) -> Limit {
+    let dof = m.jnt_dofadr[joint];
+    Limit {
+        joint,
+        qpos: m.jnt_qposadr[joint],
+        dof,
+        tree: m.dof_treeid[dof],
+        range: m.jnt_range[joint],
+        margin: m.jnt_margin[joint],
+        diag: m.dof_invweight0[dof],
+        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], m.opt.timestep),
+    }
+}

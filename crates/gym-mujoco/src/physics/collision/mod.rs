@@ -1,0 +1,122 @@
+//! Which geoms touch, and where.
+//!
+//! All pairs that can ever touch are known from the model, in the order of their contacts. A test of bounding spheres drops
+//! most of them; it never changes the result.
+
+mod capsule_cylinder;
+mod gjk;
+mod primitive;
+
+use super::spatial::{add_scaled, column, cross, dot, norm, normalize, sub, Mat3, Vec3};
+use crate::model::{GeomType, Pair};
+use crate::{Contact, Data, Model};
+
+/// A geom in the world.
+#[derive(Clone, Copy)]
+struct Shape<'a> {
+    pos: Vec3,
+    mat: &'a Mat3,
+    size: &'a Vec3,
+}
+
+impl Shape<'_> {
+    fn axis(&self) -> Vec3 {
+        column(self.mat, 2)
+    }
+}
+
+/// Where two geoms touch.
+#[derive(Clone, Copy, Default)]
+struct Hit {
+    dist: f64,
+    pos: Vec3,
+    /// From the first geom to the second.
+    normal: Vec3,
+    /// A direction that the first tangent should have; zero for none.
+    tangent: Vec3,
+}
+
+/// Finds all contacts: MuJoCo's `mj_collision`.
+pub fn collision(m: &Model, d: &mut Data) {
+    d.contact.clear();
+    for (index, pair) in m.plan().pairs.iter().enumerate() {
+        if out_of_reach(d, pair) {
+            continue;
+        }
+        let [a, b] = pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
+        let contacts = &mut d.contact;
+        let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
+        match pair.kind {
+            (GeomType::Plane, GeomType::Sphere) => primitive::plane_sphere(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Capsule) => primitive::plane_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Cylinder) => primitive::plane_cylinder(a, b, pair.margin, &mut push),
+            (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(a, b, pair.margin, &mut push),
+            (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Capsule, GeomType::Capsule) => primitive::capsule_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Capsule, GeomType::Cylinder) => {
+                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
+                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, &mut push);
+            }
+            _ => {} // refused by Model::new
+        }
+    }
+}
+
+/// Whether the bounding spheres, or a plane and a bounding sphere, are too far apart to touch.
+#[inline]
+fn out_of_reach(d: &Data, pair: &Pair) -> bool {
+    let [g1, g2] = pair.geom;
+    let between = sub(d.geom_xpos[g2], d.geom_xpos[g1]);
+    if pair.kind.0 == GeomType::Plane {
+        dot(between, column(&d.geom_xmat[g1], 2)) > pair.reach
+    } else {
+        dot(between, between) > pair.reach * pair.reach
+    }
+}
+
+fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
+    Contact {
+        dist: hit.dist,
+        pos: hit.pos,
+        frame: frame(hit.normal, hit.tangent),
+        includemargin: pair.includemargin,
+        friction: pair.friction,
+        solref: pair.solref,
+        solimp: pair.solimp,
+        mu: 0.0,
+        dim: pair.dim,
+        geom: pair.geom,
+        efc_address: -1,
+        pair: index,
+    }
+}
+
+/// Rows of a frame: the normal, a tangent near the one given or else near y or z, and their product: MuJoCo's `mju_makeFrame`.
+fn frame(normal: Vec3, tangent: Vec3) -> Mat3 {
+    let (x, _) = normalize(normal);
+    let near = match tangent {
+        t if dot(t, t) >= 0.25 => t,
+        _ if x[1].abs() < 0.5 => [0.0, 1.0, 0.0],
+        _ => [0.0, 0.0, 1.0],
+    };
+    let (y, _) = normalize(add_scaled(near, x, -dot(x, near)));
+    let z = cross(x, y);
+    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]]
+}
+
+/// Two spheres, given by centres and radii: where the centres coincide, `axes` give the normal.
+#[inline]
+fn spheres(c1: Vec3, r1: f64, c2: Vec3, r2: f64, axes: (Vec3, Vec3), margin: f64) -> Option<Hit> {
+    let between = sub(c2, c1);
+    let distance = norm(between);
+    let dist = distance - r1 - r2;
+    if dist > margin {
+        return None;
+    }
+    let normal = if distance < super::spatial::MINVAL {
+        normalize(cross(axes.0, axes.1)).0
+    } else {
+        super::spatial::scale(between, 1.0 / distance)
+    };
+    Some(Hit { dist, pos: add_scaled(c1, normal, r1 + 0.5 * dist), normal, tangent: [0.0; 3] })
+}

@@ -1,0 +1,119 @@
+//! Pairs of shapes whose contacts have a closed form.
+
+use super::super::spatial::{add, add_scaled, column, cross, dot, norm, normalize, scale, sub, Vec3, MINVAL};
+use super::{spheres, Hit, Shape};
+
+/// A plane and a sphere of some centre and radius.
+fn plane_point(plane: Shape<'_>, centre: Vec3, radius: f64, tangent: Vec3, margin: f64) -> Option<Hit> {
+    let normal = plane.axis();
+    let height = dot(sub(centre, plane.pos), normal);
+    let dist = height - radius;
+    (dist <= margin).then(|| Hit { dist, pos: add_scaled(centre, normal, -(dist * 0.5 + radius)), normal, tangent })
+}
+
+pub(super) fn plane_sphere(plane: Shape<'_>, sphere: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    if let Some(hit) = plane_point(plane, sphere.pos, sphere.size[0], [0.0; 3], margin) {
+        push(hit);
+    }
+}
+
+/// The ends of the capsule as spheres, first the one at +z; the tangent is the capsule's axis.
+pub(super) fn plane_capsule(plane: Shape<'_>, capsule: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
+    for end in [half, -half] {
+        if let Some(hit) = plane_point(plane, add_scaled(capsule.pos, axis, end), radius, axis, margin) {
+            push(hit);
+        }
+    }
+}
+
+/// The lowest point of the rim nearest to the plane, the one opposite on the other rim, and two more of the nearest rim, so
+/// that a cylinder can stand.
+pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    let normal = plane.axis();
+    let &[radius, half, _] = cylinder.size;
+    let mut axis = cylinder.axis();
+    let mut slope = dot(normal, axis);
+    if slope > 0.0 {
+        (axis, slope) = (scale(axis, -1.0), -slope);
+    }
+    let height = dot(sub(cylinder.pos, plane.pos), normal);
+
+    // from the centre to the lowest point of the rim
+    let down = sub(scale(axis, slope), normal);
+    let length = norm(down);
+    let rim = if length < MINVAL { scale(column(cylinder.mat, 0), radius) } else { scale(down, radius / length) };
+    let fall = dot(rim, normal);
+    let (axis, slope) = (scale(axis, half), slope * half);
+
+    let mut point = |offset: Vec3, dist: f64| {
+        if dist <= margin {
+            let pos = add_scaled(add(cylinder.pos, offset), normal, -0.5 * dist);
+            push(Hit { dist, pos, normal, tangent: [0.0; 3] });
+        }
+        dist <= margin
+    };
+    if !point(add(rim, axis), height + slope + fall) {
+        return;
+    }
+    point(sub(rim, axis), height - slope + fall);
+    let side = scale(normalize(cross(rim, axis)).0, radius * 3.0_f64.sqrt() / 2.0);
+    let opposite = add_scaled(axis, rim, -0.5);
+    let dist = height + slope - 0.5 * fall;
+    point(add(opposite, side), dist);
+    point(sub(opposite, side), dist);
+}
+
+pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    if let Some(hit) = spheres(a.pos, a.size[0], b.pos, b.size[0], (a.axis(), b.axis()), margin) {
+        push(hit);
+    }
+}
+
+pub(super) fn sphere_capsule(sphere: Shape<'_>, capsule: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
+    let along = dot(axis, sub(sphere.pos, capsule.pos)).clamp(-half, half);
+    let nearest = add_scaled(capsule.pos, axis, along);
+    if let Some(hit) = spheres(sphere.pos, sphere.size[0], nearest, radius, (sphere.axis(), axis), margin) {
+        push(hit);
+    }
+}
+
+/// The nearest points of the two segments as spheres; for parallel segments up to two pairs of them.
+pub(super) fn capsule_capsule(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+    let (a1, a2) = (scale(a.axis(), a.size[1]), scale(b.axis(), b.size[1]));
+    let between = sub(a.pos, b.pos);
+    let (ma, mb, mc) = (dot(a1, a1), -dot(a1, a2), dot(a2, a2));
+    let (u, v) = (-dot(a1, between), dot(a2, between));
+    let det = ma * mc - mb * mb;
+
+    let mut test = |x1: f64, x2: f64| {
+        let (c1, c2) = (add_scaled(a.pos, a1, x1), add_scaled(b.pos, a2, x2));
+        let hit = spheres(c1, a.size[0], c2, b.size[0], (a.axis(), b.axis()), margin);
+        hit.map(&mut *push).is_some()
+    };
+    if det.abs() >= MINVAL {
+        let (mut x1, mut x2) = ((mc * u - mb * v) / det, (ma * v - mb * u) / det);
+        if x1 > 1.0 {
+            (x1, x2) = (1.0, (v - mb) / mc);
+        } else if x1 < -1.0 {
+            (x1, x2) = (-1.0, (v + mb) / mc);
+        }
+        if x2 > 1.0 {
+            (x1, x2) = (((u - mb) / ma).clamp(-1.0, 1.0), 1.0);
+        } else if x2 < -1.0 {
+            (x1, x2) = (((u + mb) / ma).clamp(-1.0, 1.0), -1.0);
+        }
+        test(x1, x2);
+        return;
+    }
+    let mut found = 0;
+    for x1 in [1.0, -1.0] {
+        found += usize::from(test(x1, ((v - x1 * mb) / mc).clamp(-1.0, 1.0)));
+    }
+    for x2 in [1.0, -1.0] {
+        if found < 2 {
+            found += usize::from(test(((u - x2 * mb) / ma).clamp(-1.0, 1.0), x2));
+        }
+    }
+}

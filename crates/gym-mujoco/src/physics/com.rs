@@ -1,0 +1,61 @@
+//! Spatial inertias and motion axes about the centres of mass of the trees.
+
+use super::spatial::{add, column, cross, inertia_at, join, scale, sub, MINVAL};
+use crate::model::JointType;
+use crate::{Data, Model};
+
+/// `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
+pub fn com_pos(m: &Model, d: &mut Data) {
+    for b in 0..m.nbody() {
+        d.subtree_com[b] = scale(d.xipos[b], m.body_mass[b]);
+    }
+    for b in (1..m.nbody()).rev() {
+        let parent = m.body_parentid[b];
+        d.subtree_com[parent] = add(d.subtree_com[parent], d.subtree_com[b]);
+    }
+    for b in 0..m.nbody() {
+        let mass = m.body_subtreemass[b];
+        d.subtree_com[b] = if mass < MINVAL { d.xipos[b] } else { scale(d.subtree_com[b], 1.0 / mass) };
+    }
+
+    for b in 1..m.nbody() {
+        let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
+        d.cinert[b] = inertia_at(m.body_inertia[b], &d.ximat[b], offset, m.body_mass[b]);
+    }
+
+    for j in 0..m.njnt() {
+        let (b, i) = (m.jnt_bodyid[j], m.jnt_dofadr[j]);
+        let offset = sub(d.subtree_com[m.body_rootid[b]], d.xanchor[j]);
+        match m.jnt_type[j] {
+            JointType::Free => {
+                for k in 0..3 {
+                    d.cdof[i + k] = [0.0; 6];
+                    d.cdof[i + k][3 + k] = 1.0;
+                    let axis = column(&d.xmat[b], k);
+                    d.cdof[i + 3 + k] = join(axis, cross(axis, offset));
+                }
+            }
+            JointType::Slide => d.cdof[i] = join([0.0; 3], d.xaxis[j]),
+            JointType::Hinge => d.cdof[i] = join(d.xaxis[j], cross(d.xaxis[j], offset)),
+        }
+    }
+}
+
+/// Lengths of the tendons: MuJoCo's `mj_tendon`, for fixed tendons.
+pub fn tendon(m: &Model, d: &mut Data) {
+    for t in 0..m.ntendon() {
+        d.ten_length[t] = terms(m, t).map(|(j, coef)| coef * d.qpos[m.jnt_qposadr[j]]).sum();
+    }
+}
+
+/// Velocities of the tendons.
+pub fn tendon_velocity(m: &Model, d: &mut Data) {
+    for t in 0..m.ntendon() {
+        d.ten_velocity[t] = terms(m, t).map(|(j, coef)| coef * d.qvel[m.jnt_dofadr[j]]).sum();
+    }
+}
+
+/// The joints of a tendon and their coefficients.
+fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon]).map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
+}

@@ -1,0 +1,121 @@
+//! The inertia matrix of the joints, and its factors along the tree.
+//!
+//! A degree of freedom couples with those on its way to the root alone. So the matrix is kept as the rows of its lower
+//! triangle, each with the columns of that way, root first and diagonal last. The columns of an ancestor are then the first
+//! columns of a descendant, and factors `L' D L`, made from the last row on, fill in nothing.
+
+use super::spatial::{dot6, mul_inertia};
+use crate::{Data, Model};
+
+/// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
+pub fn crb(m: &Model, d: &mut Data) {
+    let crb = &mut d.work.crb;
+    crb.copy_from_slice(&d.cinert);
+    for b in (1..m.nbody()).rev() {
+        let parent = m.body_parentid[b];
+        if parent > 0 {
+            let child = crb[b];
+            for k in 0..10 {
+                crb[parent][k] += child[k];
+            }
+        }
+    }
+    let plan = m.plan();
+    for i in 0..m.nv() {
+        let row = plan.m_row(i);
+        if m.dof_simplenum[i] > 0 {
+            d.qm[row.clone()].fill(0.0);
+            d.qm[row.end - 1] = m.dof_m0[i];
+            continue;
+        }
+        let force = mul_inertia(&crb[m.dof_bodyid[i]], &d.cdof[i]);
+        for (value, &j) in d.qm[row.clone()].iter_mut().zip(&plan.m_colind[row.clone()]) {
+            *value = dot6(&d.cdof[j], &force);
+        }
+        d.qm[row.end - 1] += m.dof_armature[i];
+    }
+}
+
+/// Factors the inertia matrix: MuJoCo's `mj_factorM`.
+pub fn factor_m(m: &Model, d: &mut Data) {
+    d.qld.copy_from_slice(&d.qm);
+    factor(m, &mut d.qld, &mut d.qld_diag_inv);
+}
+
+/// Replaces a matrix of the inertia matrix's structure by `L' D L`: MuJoCo's `mj_factorI`.
+pub(crate) fn factor(m: &Model, matrix: &mut [f64], diag_inv: &mut [f64]) {
+    let plan = m.plan();
+    for k in (0..m.nv()).rev() {
+        let (start, end) = (plan.m_rowadr[k], plan.m_rowadr[k + 1]);
+        let (above, row) = matrix[..end].split_at_mut(start);
+        let last = row.len() - 1;
+        let inv = 1.0 / row[last];
+        diag_inv[k] = inv;
+        // ancestors, the nearest first
+        for c in (0..last).rev() {
+            let i = plan.m_colind[start + c];
+            let factor = row[c] * inv;
+            let ancestor = plan.m_rowadr[i];
+            for (a, b) in above[ancestor..=ancestor + c].iter_mut().zip(&row[..=c]) {
+                *a -= factor * b;
+            }
+            row[c] = factor;
+        }
+    }
+}
+
+/// `x = M^-1 x`: MuJoCo's `mj_solveM`.
+pub fn solve_m(m: &Model, d: &Data, x: &mut [f64]) {
+    solve(m, &d.qld, &d.qld_diag_inv, x);
+}
+
+/// `x = (L' D L)^-1 x`.
+pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64]) {
+    let plan = m.plan();
+    for i in (0..m.nv()).rev() {
+        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
+        let xi = x[i];
+        if xi != 0.0 {
+            for (&j, l) in plan.m_colind[start..end].iter().zip(&factors[start..end]) {
+                x[j] -= l * xi;
+            }
+        }
+    }
+    for i in 0..m.nv() {
+        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
+        let mut xi = x[i] * diag_inv[i];
+        for (&j, l) in plan.m_colind[start..end].iter().zip(&factors[start..end]) {
+            xi -= l * x[j];
+        }
+        x[i] = xi;
+    }
+}
+
+/// `y = M x`: MuJoCo's `mj_mulM`.
+pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
+    let plan = m.plan();
+    for i in 0..m.nv() {
+        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
+        let xi = x[i];
+        let mut sum = d.qm[end] * xi;
+        for (&j, value) in plan.m_colind[start..end].iter().zip(&d.qm[start..end]) {
+            sum += value * x[j];
+            y[j] += value * xi;
+        }
+        y[i] = sum;
+    }
+}
+
+/// The whole inertia matrix, row by row (nv * nv numbers): MuJoCo's `mj_fullM`.
+#[must_use]
+pub fn full_m(m: &Model, d: &Data) -> Vec<f64> {
+    let nv = m.nv();
+    let mut full = vec![0.0; nv * nv];
+    for i in 0..nv {
+        for k in m.plan().m_row(i) {
+            let j = m.plan().m_colind[k];
+            (full[i * nv + j], full[j * nv + i]) = (d.qm[k], d.qm[k]);
+        }
+    }
+    full
+}

@@ -1,0 +1,116 @@
+//! The engine: one file per stage of a step, in the order in which MuJoCo runs them.
+//!
+//! | file | stage |
+//! |---|---|
+//! | `kinematics` | frames of bodies, geoms and sites |
+//! | `com` | inertias and motion axes about the trees' centres of mass, tendons |
+//! | `inertia` | the inertia matrix and its factors |
+//! | `collision` | contacts |
+//! | `constraint` | rows of limits and contacts, islands |
+//! | `velocity` | velocities of bodies, bias forces |
+//! | `passive` | springs, dampers, fluid |
+//! | `actuation` | motors |
+//! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
+//! | `integrate` | Euler, Runge-Kutta |
+//!
+//! Functions have the names of MuJoCo's, without the prefix `mj_`.
+
+mod actuation;
+mod collision;
+mod com;
+mod constraint;
+mod inertia;
+mod integrate;
+mod kinematics;
+mod passive;
+mod post_constraint;
+mod solver;
+pub(crate) mod spatial;
+mod velocity;
+mod work;
+
+pub use actuation::fwd_actuation;
+pub use collision::collision;
+pub use com::{com_pos, tendon, tendon_velocity};
+pub use constraint::{make_constraint, reference_constraint, Constraints};
+pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
+pub use integrate::{euler, integrate_pos, runge_kutta};
+pub use kinematics::kinematics;
+pub use passive::passive;
+pub use post_constraint::rne_post_constraint;
+pub use solver::fwd_constraint;
+pub use velocity::{com_vel, rne};
+pub(crate) use work::Work;
+
+use crate::model::Integrator;
+use crate::{Data, Model};
+use actuation::MAXVAL;
+
+/// Advances the state by a timestep: MuJoCo's `mj_step`.
+///
+/// A state that diverged (a number that is not finite, or beyond 1e10) is reset to the initial configuration first, as in
+/// MuJoCo.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step(m: &Model, d: &mut Data) {
+    if diverged(&d.qpos) || diverged(&d.qvel) {
+        d.reset(m);
+    }
+    forward(m, d);
+    if diverged(&d.qacc) {
+        d.reset(m);
+        forward(m, d);
+    }
+    match m.opt.integrator {
+        Integrator::Euler => euler(m, d),
+        Integrator::RK4 => runge_kutta(m, d),
+    }
+}
+
+/// Computes everything that follows from time, `qpos`, `qvel` and `ctrl`: MuJoCo's `mj_forward`.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn forward(m: &Model, d: &mut Data) {
+    d.fit(m);
+    fwd_position(m, d);
+    fwd_velocity(m, d);
+    fwd_actuation(m, d);
+    fwd_acceleration(m, d);
+    fwd_constraint(m, d);
+}
+
+/// Everything that depends on positions: MuJoCo's `mj_fwdPosition`.
+fn fwd_position(m: &Model, d: &mut Data) {
+    kinematics(m, d);
+    com_pos(m, d);
+    tendon(m, d);
+    crb(m, d);
+    factor_m(m, d);
+    collision(m, d);
+    make_constraint(m, d);
+}
+
+/// Everything that depends on velocities too: MuJoCo's `mj_fwdVelocity`.
+fn fwd_velocity(m: &Model, d: &mut Data) {
+    com_vel(m, d);
+    tendon_velocity(m, d);
+    passive(m, d);
+    reference_constraint(m, d);
+    rne(m, d);
+}
+
+/// Accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
+fn fwd_acceleration(m: &Model, d: &mut Data) {
+    for i in 0..m.nv() {
+        d.qfrc_smooth[i] = d.qfrc_passive[i] - d.qfrc_bias[i] + d.qfrc_actuator[i];
+    }
+    d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
+    inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc_smooth);
+}
+
+/// Whether a number is not finite, or beyond what a simulation reaches.
+fn diverged(numbers: &[f64]) -> bool {
+    numbers.iter().any(|x| x.is_nan() || x.abs() > MAXVAL)
+}

@@ -1,0 +1,67 @@
+//! Velocities of bodies, and the forces that follow from them: Coriolis, centrifugal, gravitational.
+
+use super::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
+use crate::model::JointType;
+use crate::{Data, Model};
+
+/// `cvel` and `cdof_dot`: MuJoCo's `mj_comVel`.
+pub fn com_vel(m: &Model, d: &mut Data) {
+    for b in 1..m.nbody() {
+        let mut vel = d.cvel[m.body_parentid[b]];
+        for j in joints(m, b) {
+            let i = m.jnt_dofadr[j];
+            if m.jnt_type[j] == JointType::Free {
+                for k in i..i + 3 {
+                    d.cdof_dot[k] = [0.0; 6];
+                    add_to(&mut vel, &d.cdof[k], d.qvel[k]);
+                }
+                for k in i + 3..i + 6 {
+                    d.cdof_dot[k] = cross_motion(&vel, &d.cdof[k]);
+                }
+                for k in i + 3..i + 6 {
+                    add_to(&mut vel, &d.cdof[k], d.qvel[k]);
+                }
+            } else {
+                d.cdof_dot[i] = cross_motion(&vel, &d.cdof[i]);
+                add_to(&mut vel, &d.cdof[i], d.qvel[i]);
+            }
+        }
+        d.cvel[b] = vel;
+    }
+}
+
+/// The joints of a body.
+fn joints(m: &Model, body: usize) -> std::ops::Range<usize> {
+    usize::try_from(m.body_jntadr[body]).map_or(0..0, |first| first..first + m.body_jntnum[body])
+}
+
+/// The degrees of freedom of a body.
+pub(crate) fn dofs(m: &Model, body: usize) -> std::ops::Range<usize> {
+    usize::try_from(m.body_dofadr[body]).map_or(0..0, |first| first..first + m.body_dofnum[body])
+}
+
+/// `qfrc_bias` by recursive Newton-Euler without accelerations: MuJoCo's `mj_rne`.
+pub fn rne(m: &Model, d: &mut Data) {
+    let (acc, force) = (&mut d.work.acc, &mut d.work.body_force);
+    let g = m.opt.gravity;
+    acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
+    force[0] = [0.0; 6];
+    for b in 1..m.nbody() {
+        let mut a = acc[m.body_parentid[b]];
+        for i in dofs(m, b) {
+            add_to(&mut a, &d.cdof_dot[i], d.qvel[i]);
+        }
+        acc[b] = a;
+        let mut f = mul_inertia(&d.cinert[b], &a);
+        let momentum = mul_inertia(&d.cinert[b], &d.cvel[b]);
+        add_to(&mut f, &cross_force(&d.cvel[b], &momentum), 1.0);
+        force[b] = f;
+    }
+    for b in (1..m.nbody()).rev() {
+        let f = force[b];
+        add_to(&mut force[m.body_parentid[b]], &f, 1.0);
+    }
+    for i in 0..m.nv() {
+        d.qfrc_bias[i] = dot6(&d.cdof[i], &force[m.dof_bodyid[i]]);
+    }
+}

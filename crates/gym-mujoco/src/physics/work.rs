@@ -1,0 +1,68 @@
+//! Buffers of a forward call, which carry nothing from one to the next.
+
+use super::solver::{newton, pgs, Island};
+use crate::Model;
+
+/// Buffers, allocated once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Work {
+    /// Sizes of the model that they are for.
+    sizes: Option<[usize; 8]>,
+    /// Composite inertias.
+    pub(crate) crb: Vec<[f64; 10]>,
+    /// Accelerations of bodies.
+    pub(crate) acc: Vec<[f64; 6]>,
+    /// Forces on bodies.
+    pub(crate) body_force: Vec<[f64; 6]>,
+    /// All degrees of freedom.
+    pub(crate) all_dofs: Vec<usize>,
+
+    /// The island of each tree; `usize::MAX` for none.
+    pub(crate) tree_island: Vec<usize>,
+    pub(crate) tree_least: Vec<usize>,
+    pub(crate) tree_touched: Vec<bool>,
+    /// Degrees of freedom by island.
+    pub(crate) island_dofs: Vec<usize>,
+    /// Blocks by island.
+    pub(crate) island_blocks: Vec<usize>,
+    pub(crate) islands: Vec<Island>,
+    pub(crate) newton: newton::Buffers,
+    pub(crate) pgs: pgs::Buffers,
+
+    /// `M + dt damping`, then its factors.
+    pub(crate) qh: Vec<f64>,
+    pub(crate) qh_diag_inv: Vec<f64>,
+    pub(crate) acc_sum: Vec<f64>,
+    pub(crate) vel_sum: Vec<f64>,
+    pub(crate) qpos_start: Vec<f64>,
+    pub(crate) qvel_start: Vec<f64>,
+}
+
+fn sizes(m: &Model) -> [usize; 8] {
+    let plan = m.plan();
+    [m.nq(), m.nv(), m.nu(), m.nbody(), m.njnt(), m.ngeom(), m.nsite(), plan.m_colind.len()]
+}
+
+impl Work {
+    pub(crate) fn new(m: &Model) -> Self {
+        let nv = m.nv();
+        Self {
+            sizes: Some(sizes(m)),
+            crb: vec![[0.0; 10]; m.nbody()],
+            acc: vec![[0.0; 6]; m.nbody()],
+            body_force: vec![[0.0; 6]; m.nbody()],
+            all_dofs: (0..nv).collect(),
+            qh: vec![0.0; m.plan().m_colind.len()],
+            qh_diag_inv: vec![0.0; nv],
+            acc_sum: vec![0.0; nv],
+            vel_sum: vec![0.0; nv],
+            qpos_start: vec![0.0; m.nq()],
+            qvel_start: vec![0.0; nv],
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn fits(&self, m: &Model) -> bool {
+        self.sizes == Some(sizes(m))
+    }
+}

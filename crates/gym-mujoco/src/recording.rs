@@ -1,0 +1,150 @@
+//! Recorded steps and forward calls of an engine, answered by this one.
+//!
+//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model, or `xml` a file in MJCF
+//! beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
+//! what one step leaves behind, under `after`, or what one forward call computes, under `out`, in MuJoCo's names. A recording
+//! without a `kind` is a table of a compiled model's figures, and answered with our own.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::{Data, Error, Model, Result, forward, physics, step, tasks};
+
+/// A state, as recordings have it.
+#[derive(Deserialize)]
+struct State {
+    qpos: Vec<f64>,
+    qvel: Vec<f64>,
+    qacc_warmstart: Vec<f64>,
+    ctrl: Vec<f64>,
+    time: f64,
+}
+
+impl State {
+    fn into_data(self, m: &Model) -> Result<Data> {
+        let mut d = Data::new(m);
+        (d.qpos, d.qvel, d.qacc_warmstart) = (self.qpos, self.qvel, self.qacc_warmstart);
+        (d.ctrl, d.time) = (self.ctrl, self.time);
+        d.check(m)?;
+        Ok(d)
+    }
+}
+
+/// Whether this is a recording of an engine or a table of figures, and not one of an environment.
+#[must_use]
+pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
+    recording.contains_key("cases") || recording.contains_key("body_mass")
+}
+
+/// What this engine answers; `folder` is where the recording is.
+///
+/// # Errors
+/// If it names no model, or a state does not fit the model.
+pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
+    let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
+    let m = model(recording, folder)?;
+    let mut answer = recording.clone();
+    let (side, run): (_, fn(&Model, &mut Data) -> Value) = match recording.get("kind").and_then(Value::as_str) {
+        Some("steps") => ("after", after_step),
+        Some("forward") => ("out", after_forward),
+        Some(kind) => return Err(wrong(&format!("the kind {kind:?}: there are \"steps\" and \"forward\""))),
+        None => {
+            let figures = m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
+            answer.extend(figures);
+            return Ok(answer);
+        }
+    };
+    let cases = answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
+    for (i, case) in cases.iter_mut().enumerate() {
+        let state = State::deserialize(&*case).map_err(|error| wrong(&format!("a case {i} that is no state: {error}")))?;
+        let mut data = state.into_data(&m)?;
+        case[side] = run(&m, &mut data);
+    }
+    Ok(answer)
+}
+
+fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
+    let text = |key: &str| recording.get(key).and_then(Value::as_str);
+    match (text("xml"), text("model")) {
+        (Some(xml), _) => Model::from_xml_file(folder.join(xml)).map(Arc::new),
+        (None, Some(name)) => {
+            tasks::load(&format!("{name}.xml")).map_err(|error| Error::Data(format!("the recording's model: {error}")))
+        }
+        (None, None) => Err(Error::Data("the recording has neither `model` nor `xml`".into())),
+    }
+}
+
+/// What a step leaves behind.
+#[must_use]
+pub fn after_step(m: &Model, d: &mut Data) -> Value {
+    step(m, d);
+    physics::rne_post_constraint(m, d);
+    json!({
+        "qpos": d.qpos, "qvel": d.qvel, "qacc": d.qacc, "qacc_warmstart": d.qacc_warmstart, "time": d.time,
+        "ncon": d.contact.len(), "nefc": d.efc.nefc(), "nisland": d.efc.nisland, "solver_niter": d.solver_niter,
+        "qfrc_constraint": d.qfrc_constraint, "cfrc_ext": d.cfrc_ext,
+    })
+}
+
+/// What a forward call computes.
+#[must_use]
+pub fn after_forward(m: &Model, d: &mut Data) -> Value {
+    forward(m, d);
+    physics::rne_post_constraint(m, d);
+    let positions = json!({
+        "xpos": d.xpos, "xquat": d.xquat, "xmat": d.xmat, "xipos": d.xipos, "ximat": d.ximat, "xanchor": d.xanchor,
+        "xaxis": d.xaxis, "geom_xpos": d.geom_xpos, "geom_xmat": d.geom_xmat, "site_xpos": d.site_xpos,
+        "subtree_com": d.subtree_com, "cinert": d.cinert, "cdof": d.cdof, "qLDiagInv": d.qld_diag_inv,
+        "ten_length": d.ten_length, "actuator_length": along_joints(m, &d.qpos, &m.jnt_qposadr),
+        "qM": rows(&physics::full_m(m, d), m.nv()), "ncon": d.contact.len(), "nefc": d.efc.nefc(),
+        "nisland": d.efc.nisland, "contact": d.contact.iter().map(contact).collect::<Vec<_>>(),
+    });
+    let dynamics = json!({
+        "cvel": d.cvel, "cdof_dot": d.cdof_dot, "ten_velocity": d.ten_velocity,
+        "actuator_velocity": along_joints(m, &d.qvel, &m.jnt_dofadr), "actuator_force": d.actuator_force,
+        "qfrc_bias": d.qfrc_bias, "qfrc_passive": d.qfrc_passive, "qfrc_actuator": d.qfrc_actuator,
+        "qfrc_smooth": d.qfrc_smooth, "qacc_smooth": d.qacc_smooth, "qacc": d.qacc,
+        "qfrc_constraint": d.qfrc_constraint, "cfrc_ext": d.cfrc_ext, "solver_niter": d.solver_niter,
+    });
+    let mut all = Map::new();
+    for part in [positions, dynamics, constraints(m, d)] {
+        if let Value::Object(part) = part {
+            all.extend(part);
+        }
+    }
+    Value::Object(all)
+}
+
+fn constraints(m: &Model, d: &Data) -> Value {
+    let efc = &d.efc;
+    let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
+    let dot = |row: &Vec<f64>| row.iter().zip(&d.qacc_smooth).map(|(j, a)| j * a).sum::<f64>();
+    let b: Vec<f64> = jacobian.iter().zip(&efc.aref).map(|(row, aref)| dot(row) - aref).collect();
+    let active: Vec<u8> = efc.force.iter().map(|force| u8::from(*force > 0.0)).collect();
+    json!({
+        "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,
+        "efc_KBIP": efc.kbip, "efc_vel": efc.vel, "efc_aref": efc.aref, "efc_b": b, "efc_force": efc.force,
+        "efc_state": active, "efc_J": jacobian, "efc_island": efc.island,
+    })
+}
+
+fn contact(c: &crate::Contact) -> Value {
+    json!({
+        "geom": c.geom, "dim": c.dim, "dist": c.dist, "pos": c.pos, "frame": c.frame, "includemargin": c.includemargin,
+        "friction": c.friction, "solref": c.solref, "solimp": c.solimp, "mu": c.mu, "efc_address": c.efc_address,
+    })
+}
+
+/// A matrix of `width` columns as a list of rows.
+fn rows(matrix: &[f64], width: usize) -> Vec<Vec<f64>> {
+    matrix.chunks(width.max(1)).map(<[f64]>::to_vec).collect()
+}
+
+/// The positions or velocities of the actuators' joints, times their gear.
+fn along_joints(m: &Model, numbers: &[f64], addresses: &[usize]) -> Vec<f64> {
+    let joints = m.actuator_trnid.iter().map(|id| usize::try_from(id[0]).unwrap_or(0));
+    joints.zip(&m.actuator_gear).map(|(joint, gear)| gear[0] * numbers[addresses[joint]]).collect()
+}

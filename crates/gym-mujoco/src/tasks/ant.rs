@@ -1,0 +1,247 @@
+//! Ant: walk along x on four legs.
+//!
+//! | | |
+//! |---|---|
+//! | observation | height and orientation of the torso and angles of the eight joints, velocities (linear, angular, joints), and the contact forces on each body, clipped to 1; `Box(105, float64)` (version 4: without the forces, 27 numbers; versions 2 and 3: with forces that are always 0, 111 numbers) |
+//! | action | torques of hip and ankle of the fourth leg, the first, the second and the third, as a share of 150 N m; `Box(-1, 1, (8,), float32)` |
+//! | reward | velocity along x in m/s, plus 1 while it is healthy, less 0.5 times the sum of the squared actions, less 0.0005 times the sum of the squared contact forces (version 4: without these) |
+//! | start | standing above the floor, positions disturbed uniformly by up to 0.1, velocities normally with deviation 0.1 |
+//! | end | terminated when the height of the torso leaves 0.2 to 1 m |
+//! | limit | 1000 steps of 0.05 s |
+//!
+//! Versions: 4 observes contact forces, and has them cost, only with `use_contact_forces`; `forward_reward_weight` and `main_body` are 5's alone. 3 has no camera's arguments; 2 has none at all.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
+
+use gym_core::{Error, Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Ant;
+use super::arguments::{Common, TaskArguments};
+use super::cost::ControlCost;
+use super::env;
+use super::numpy::{norm, sum_of_squares};
+use super::range::Range;
+use super::simulation::{Simulation, normal_noise, uniform_noise};
+use crate::Data;
+use crate::view::CameraConfig;
+
+/// A body, by number or by name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Body {
+    /// Its number; 0 is the world.
+    Id(usize),
+    /// Its name.
+    Name(String),
+}
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Reward for a velocity of 1 m/s.
+    pub forward_reward_weight: f64,
+    /// Cost of the squared actions.
+    pub ctrl_cost_weight: f64,
+    /// Cost of the squared contact forces.
+    pub contact_cost_weight: f64,
+    /// Reward for a step after which it is healthy.
+    pub healthy_reward: f64,
+    /// The body whose velocity counts.
+    pub main_body: Body,
+    /// Whether the episode ends when it is no longer healthy.
+    pub terminate_when_unhealthy: bool,
+    /// Where the height lies while it is healthy, in m.
+    pub healthy_z_range: Range,
+    /// Where contact forces are clipped to.
+    pub contact_force_range: Range,
+    /// Size of the disturbance at the start.
+    pub reset_noise_scale: f64,
+    /// Whether the positions along x and y are not observed.
+    pub exclude_current_positions_from_observation: bool,
+    /// Whether contact forces are observed.
+    pub include_cfrc_ext_in_observation: bool,
+    /// Version 4: whether contact forces are observed and cost.
+    pub use_contact_forces: bool,
+}
+
+impl TaskArguments for Config {
+    fn defaults(_version: u8) -> Self {
+        Self {
+            common: Common::new("ant.xml", 5, CameraConfig::following(1, 3.6, 60.0, -24.0, 0.4)),
+            forward_reward_weight: 1.0,
+            ctrl_cost_weight: 0.5,
+            contact_cost_weight: 5e-4,
+            healthy_reward: 1.0,
+            main_body: Body::Id(1),
+            terminate_when_unhealthy: true,
+            healthy_z_range: Range::new(0.2, 1.0),
+            contact_force_range: Range::new(-1.0, 1.0),
+            reset_noise_scale: 0.1,
+            exclude_current_positions_from_observation: true,
+            include_cfrc_ext_in_observation: true,
+            use_contact_forces: false,
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        const NAMES: [&str; 13] = [
+            "forward_reward_weight", "main_body", "include_cfrc_ext_in_observation",
+            // all versions but the second
+            "ctrl_cost_weight", "contact_cost_weight", "healthy_reward", "terminate_when_unhealthy", "healthy_z_range",
+            "contact_force_range", "reset_noise_scale", "exclude_current_positions_from_observation",
+            "xml_file", "use_contact_forces",
+        ];
+        match version {
+            2 => &[],
+            3 => &NAMES[3..12],
+            4 => &NAMES[3..],
+            _ => &NAMES[..11],
+        }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    cost: ControlCost,
+    version: u8,
+    main_body: usize,
+    /// The first body whose contact forces are observed, if any are.
+    observed_forces: Option<usize>,
+    /// Whether contact forces cost.
+    forces_cost: bool,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    position: [f64; 2],
+    velocity: [f64; 2],
+    forward: f64,
+    ctrl: f64,
+    contact: f64,
+    survive: f64,
+}
+
+impl Task {
+    fn place(&self, data: &Data) -> [f64; 2] {
+        let [x, y, _] = data.xpos[self.main_body];
+        [x, y]
+    }
+
+    fn is_healthy(&self, data: &Data) -> bool {
+        let Range { low, high } = self.config.healthy_z_range;
+        data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite()) && (low..=high).contains(&data.qpos[2])
+    }
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), 3)?;
+        let bodies = simulation.model.nbody();
+        let main_body = match &config.main_body {
+            // older versions look the torso up by name
+            _ if version < 5 => simulation.body("torso")?,
+            Body::Name(name) => simulation.body(name)?,
+            Body::Id(id) if *id < bodies => *id,
+            Body::Id(id) => {
+                return Err(Error::argument("main_body", format!("{id}: the model has the bodies 0 to {}", bodies - 1)));
+            }
+        };
+        let (observed_forces, forces_cost) = match version {
+            5.. => (config.include_cfrc_ext_in_observation.then_some(1), true),
+            4 => (config.use_contact_forces.then_some(0), config.use_contact_forces),
+            _ => (Some(0), true),
+        };
+        let cost = ControlCost::new(config.ctrl_cost_weight, version);
+        Ok(Self { config: config.clone(), cost, version, main_body, observed_forces, forces_cost })
+    }
+
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        let scale = self.config.reset_noise_scale;
+        uniform_noise(&mut data.qpos, &simulation.model.qpos0, scale, rng);
+        normal_noise(&mut data.qvel, scale, rng);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        let config = &self.config;
+        let before = self.place(data);
+        simulation.step(data, action);
+        let position = self.place(data);
+        let velocity = std::array::from_fn(|k| (position[k] - before[k]) / simulation.dt);
+
+        let healthy = self.is_healthy(data);
+        let paid = healthy || (self.version < 5 && config.terminate_when_unhealthy);
+        let survive = f64::from(paid) * config.healthy_reward;
+        let forward = velocity[0] * config.forward_reward_weight;
+        let ctrl = self.cost.of(action);
+        let contact = if self.forces_cost {
+            let forces = data.cfrc_ext.as_flattened();
+            let clipped = |i: usize| config.contact_force_range.clip(forces[i]);
+            config.contact_cost_weight * sum_of_squares(forces.len(), clipped)
+        } else {
+            0.0
+        };
+        let reward = forward + survive - (ctrl + contact);
+        let terminated = !healthy && config.terminate_when_unhealthy;
+        (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        let skip = if self.config.exclude_current_positions_from_observation { 2 } else { 0 };
+        let first = self.observed_forces.unwrap_or(data.cfrc_ext.len());
+        let forces = data.cfrc_ext[first..].as_flattened().iter();
+        let clipped = forces.map(|force| self.config.contact_force_range.clip(*force));
+        data.qpos.iter().skip(skip).chain(&data.qvel).copied().chain(clipped)
+    }
+
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        let position = match (self.version, step) {
+            (5.., _) => Some([data.qpos[0], data.qpos[1]]),
+            (3 | 4, Some(step)) => Some(step.position),
+            _ => None,
+        };
+        if let Some(position) = position {
+            visit("x_position", position[0]);
+            visit("y_position", position[1]);
+            visit("distance_from_origin", norm(&position));
+        }
+        let Some(step) = step else { return };
+        if self.version >= 3 {
+            visit("x_velocity", step.velocity[0]);
+            visit("y_velocity", step.velocity[1]);
+        }
+        visit("reward_forward", step.forward);
+        if matches!(self.version, 3 | 4) {
+            visit("forward_reward", step.forward);
+        }
+        if self.version == 4 {
+            // Gymnasium's name for either cost
+            visit("reward_ctrl", if self.forces_cost { -step.contact } else { -step.ctrl });
+        } else {
+            visit("reward_ctrl", -step.ctrl);
+            visit("reward_contact", -step.contact);
+        }
+        visit("reward_survive", step.survive);
+    }
+}
+
+super::register!(
+    Ant, "Walk along x on four legs.", steps 1000, threshold 6000.0, versions 2 3 4 5
+);

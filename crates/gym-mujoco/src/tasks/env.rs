@@ -1,0 +1,221 @@
+//! What makes an environment of a task.
+
+use std::fmt;
+
+use gym_core::canvas::Canvas;
+use gym_core::render::Metadata;
+use gym_core::spaces::BoxSpace;
+use gym_core::{Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::arguments::{Arguments, TaskArguments};
+use super::simulation::Simulation;
+use crate::Data;
+
+/// A task: what the environments of this crate have not in common.
+pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
+    /// Its arguments.
+    type Config: TaskArguments;
+    /// What was measured in a step, which its reward is made of and `info` tells.
+    type Step: Copy + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned;
+
+    /// The task in a version.
+    ///
+    /// # Errors
+    /// If the model lacks what the task needs.
+    fn new(config: &Self::Config, version: u8, simulation: &Simulation) -> Result<Self>;
+
+    /// Draws positions and velocities for the start of an episode.
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
+
+    /// Takes a step, and says what was measured, what it is worth, and whether the episode ends.
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Self::Step, f64, bool);
+
+    /// What is seen, number by number.
+    fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
+
+    /// Shows the entries of `info`, after a step or, without one, after a reset.
+    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Self::Step>, visit: &mut dyn FnMut(&str, f64));
+
+    /// Whether `info` has lengths and velocities of the model's tendons.
+    fn tells_tendons(&self) -> bool {
+        false
+    }
+}
+
+/// The environment of a task, in one of its versions.
+#[derive(Clone, Debug)]
+pub struct MujocoEnv<T: Task, const VERSION: u8 = 5> {
+    arguments: Arguments<T::Config, VERSION>,
+    inner: Inner<T>,
+}
+
+/// What does not depend on the version: the code of a task is compiled once.
+#[derive(Clone, Debug)]
+struct Inner<T: Task> {
+    task: T,
+    simulation: Simulation,
+    observation_space: Space,
+    action_space: Space,
+    observations: usize,
+    episode: Option<Box<Episode<T::Step>>>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode<S> {
+    rng: Generator,
+    data: Data,
+    step: Option<S>,
+}
+
+impl<T: Task, const VERSION: u8> MujocoEnv<T, VERSION> {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks what the
+    /// task needs.
+    pub fn new(config: T::Config) -> Result<Self> {
+        let inner = Inner::new(&config, VERSION)?;
+        Ok(Self { arguments: Arguments(config), inner })
+    }
+
+    /// The model, and how it is stepped.
+    pub fn simulation(&self) -> &Simulation {
+        &self.inner.simulation
+    }
+
+    /// The state of the model, once there was a reset.
+    pub fn data(&self) -> Option<&Data> {
+        self.inner.episode.as_ref().map(|episode| &episode.data)
+    }
+}
+
+impl<T: Task> Inner<T> {
+    fn new(config: &T::Config, version: u8) -> Result<Self> {
+        let simulation = Simulation::new(config.common(), version)?;
+        let task = T::new(config, version, &simulation)?;
+        let mut data = Data::new(&simulation.model);
+        simulation.start(&mut data);
+        let observations = task.observe(&simulation, &data).count();
+        let observation_space =
+            BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [observations], DType::F64)?.into();
+        let action_space = simulation.action_space()?;
+        Ok(Self { task, simulation, observation_space, action_space, observations, episode: None })
+    }
+
+    fn reset(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
+        let mut episode = match self.episode.take() {
+            Some(mut episode) => {
+                (episode.rng, episode.step) = (rng, None);
+                episode
+            }
+            None => Box::new(Episode { rng, step: None, data: Data::new(&self.simulation.model) }),
+        };
+        episode.data.reset(&self.simulation.model);
+        self.task.start(&self.simulation, &mut episode.data, &mut episode.rng);
+        self.simulation.start(&mut episode.data);
+        self.episode = Some(episode);
+        self.observe(observation)
+    }
+
+    fn step(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let numbers = action.as_slice::<f32>().filter(|numbers| {
+            numbers.len() == self.simulation.model.nu() && numbers.iter().all(|a| a.is_finite())
+        });
+        let Some(numbers) = numbers else {
+            return Err(Error::action(action, &self.action_space));
+        };
+        let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, numbers);
+        episode.step = Some(step);
+        self.observe(observation)?;
+        Ok(Outcome { reward, terminated, truncated: false })
+    }
+
+    fn observe(&self, observation: &mut Array) -> Result<()> {
+        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
+        let fits = observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
+        if !fits {
+            *observation = Array::from(vec![0.0; self.observations]);
+        }
+        let seen = self.task.observe(&self.simulation, &episode.data);
+        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
+            *to = from;
+        }
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let Some(episode) = &self.episode else { return };
+        let Episode { data, step, .. } = &**episode;
+        self.task.info(&self.simulation, data, step.as_ref(), &mut |name, x| visit(name, Value::Float(x)));
+        if self.task.tells_tendons() {
+            visit("tendon_length", Value::Array(data.ten_length.clone().into()));
+            visit("tendon_velocity", Value::Array(data.ten_velocity.clone().into()));
+        }
+    }
+}
+
+impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
+    type Observation = Array;
+    type Action = Array;
+
+    fn observation_space(&self) -> Space {
+        self.inner.observation_space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.inner.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.inner.reset(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
+        self.inner.step(action, observation)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::with_config(&self.describe(), &self.arguments, &self.inner.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let model = &self.inner.simulation.model;
+        let valid = |episode: &Box<Episode<T::Step>>| episode.data.check(model).is_ok();
+        self.inner.episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.inner.info(visit);
+    }
+
+    fn metadata(&self) -> Metadata {
+        let common = self.arguments.0.common();
+        Metadata::drawn(self.inner.simulation.fps(), (common.width, common.height))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        let Inner { simulation, episode: Some(episode), .. } = &self.inner else { return };
+        let common = self.arguments.0.common();
+        simulation.view.draw(&simulation.model, &episode.data, (common.width, common.height), canvas);
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.inner.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn close(&mut self) {
+        self.inner.episode = None;
+    }
+}
+
+impl<T: Task, const VERSION: u8> Configure for MujocoEnv<T, VERSION> {
+    type Config = Arguments<T::Config, VERSION>;
+
+    fn configure(Arguments(config): Self::Config) -> Result<Self> {
+        Self::new(config)
+    }
+}

@@ -1,0 +1,262 @@
+//! Humanoid: walk along x, upright.
+//!
+//! | | |
+//! |---|---|
+//! | observation | height and orientation of the torso and 17 angles, velocities (linear, angular, joints), then for each body inertia about the centre of mass (10 numbers) and velocity (6), torques of the actuators (17), and for each body contact forces (6); `Box(348, float64)` (before version 5: with the world's body and the torso's torques, which are 0, 376 numbers) |
+//! | action | torques of the 17 joints, as a share of 25 to 300 N m; `Box(-0.4, 0.4, (17,), float32)` |
+//! | reward | 1.25 times the velocity along x in m/s of the centre of mass, plus 5 while it stands, less 0.1 times the sum of the squared actions, less 5e-7 times the sum of the squared contact forces, at most 10 (version 4: without these) |
+//! | start | standing, positions and velocities disturbed uniformly by up to 0.01 |
+//! | end | terminated when the height of the torso leaves 1 to 2 m |
+//! | limit | 1000 steps of 0.015 s |
+//!
+//! Versions: 4 has no cost of contacts, and neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
+
+use gym_core::{Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Humanoid;
+use super::arguments::{Common, TaskArguments};
+use super::env;
+use super::numpy::{norm, sum, sum_of_squares};
+use super::range::Range;
+use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use crate::Data;
+use crate::view::CameraConfig;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Reward for a velocity of 1 m/s.
+    pub forward_reward_weight: f64,
+    /// Cost of the squared actions.
+    pub ctrl_cost_weight: f64,
+    /// Cost of the squared contact forces.
+    pub contact_cost_weight: f64,
+    /// Where that cost is clipped to.
+    pub contact_cost_range: Range,
+    /// Reward for a step after which it stands.
+    pub healthy_reward: f64,
+    /// Whether a fall ends the episode.
+    pub terminate_when_unhealthy: bool,
+    /// Where the height lies while it stands, in m.
+    pub healthy_z_range: Range,
+    /// Size of the disturbance at the start.
+    pub reset_noise_scale: f64,
+    /// What is observed.
+    #[serde(flatten)]
+    pub observed: Observed,
+}
+
+/// What is observed of a humanoid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Observed {
+    /// Whether the positions along x and y are left out.
+    pub exclude_current_positions_from_observation: bool,
+    /// Whether inertias are observed.
+    pub include_cinert_in_observation: bool,
+    /// Whether velocities of the bodies are observed.
+    pub include_cvel_in_observation: bool,
+    /// Whether torques of the actuators are observed.
+    pub include_qfrc_actuator_in_observation: bool,
+    /// Whether contact forces are observed.
+    pub include_cfrc_ext_in_observation: bool,
+}
+
+impl Default for Observed {
+    fn default() -> Self {
+        Self {
+            exclude_current_positions_from_observation: true,
+            include_cinert_in_observation: true,
+            include_cvel_in_observation: true,
+            include_qfrc_actuator_in_observation: true,
+            include_cfrc_ext_in_observation: true,
+        }
+    }
+}
+
+impl Observed {
+    /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are among them.
+    pub(super) fn numbers(self, version: u8, data: &Data) -> impl Iterator<Item = f64> {
+        let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
+        let skip = if self.exclude_current_positions_from_observation { 2 } else { 0 };
+        let part = |included: bool, numbers: &'_ [f64], first: usize| {
+            let first = if included { first.min(numbers.len()) } else { numbers.len() };
+            first..numbers.len()
+        };
+        let inertias = data.cinert.as_flattened();
+        let velocities = data.cvel.as_flattened();
+        let forces = data.cfrc_ext.as_flattened();
+        let torques = &data.qfrc_actuator;
+        (data.qpos.iter().skip(skip))
+            .chain(&data.qvel)
+            .chain(&inertias[part(self.include_cinert_in_observation, inertias, 10 * world)])
+            .chain(&velocities[part(self.include_cvel_in_observation, velocities, 6 * world)])
+            .chain(&torques[part(self.include_qfrc_actuator_in_observation, torques, root)])
+            .chain(&forces[part(self.include_cfrc_ext_in_observation, forces, 6 * world)])
+            .copied()
+    }
+}
+
+impl TaskArguments for Config {
+    fn defaults(_version: u8) -> Self {
+        let camera = CameraConfig::following(1, 3.6, 120.0, -14.0, 0.9);
+        Self {
+            common: Common::new("humanoid.xml", 5, camera),
+            forward_reward_weight: 1.25,
+            ctrl_cost_weight: 0.1,
+            contact_cost_weight: 5e-7,
+            contact_cost_range: Range::new(f64::NEG_INFINITY, 10.0),
+            healthy_reward: 5.0,
+            terminate_when_unhealthy: true,
+            healthy_z_range: Range::new(1.0, 2.0),
+            reset_noise_scale: 1e-2,
+            observed: Observed::default(),
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        const NAMES: [&str; 14] = [
+            "include_cinert_in_observation", "include_cvel_in_observation", "include_qfrc_actuator_in_observation",
+            "include_cfrc_ext_in_observation",
+            // versions 3 and 5
+            "contact_cost_weight", "contact_cost_range",
+            // all versions but the second
+            "forward_reward_weight", "ctrl_cost_weight", "healthy_reward", "terminate_when_unhealthy",
+            "healthy_z_range", "reset_noise_scale", "exclude_current_positions_from_observation",
+            "xml_file",
+        ];
+        match version {
+            2 => &[],
+            3 => &NAMES[4..],
+            4 => &NAMES[6..13],
+            _ => &NAMES[..13],
+        }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    version: u8,
+    total_mass: f64,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    position: [f64; 2],
+    velocity: [f64; 2],
+    forward: f64,
+    ctrl: f64,
+    contact: f64,
+    survive: f64,
+}
+
+impl Task {
+    /// Where the centre of mass is in x and y, as of the last forward call.
+    fn mass_center(&self, simulation: &Simulation, data: &Data) -> [f64; 2] {
+        let masses = &simulation.model.body_mass;
+        let moment = |k: usize| masses.iter().zip(&data.xipos).map(|(mass, pos)| mass * pos[k]).sum::<f64>();
+        [moment(0) / self.total_mass, moment(1) / self.total_mass]
+    }
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), 3)?;
+        Ok(Self { config: config.clone(), version, total_mass: sum(&simulation.model.body_mass) })
+    }
+
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        let scale = self.config.reset_noise_scale;
+        uniform_noise(&mut data.qpos, &simulation.model.qpos0, scale, rng);
+        uniform_velocities(&mut data.qvel, scale, rng);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        let config = &self.config;
+        let before = self.mass_center(simulation, data);
+        simulation.step(data, action);
+        let position = self.mass_center(simulation, data);
+        let velocity = std::array::from_fn(|k| (position[k] - before[k]) / simulation.dt);
+
+        let healthy = config.healthy_z_range.contains_strictly(data.qpos[2]);
+        let paid = healthy || (self.version < 5 && config.terminate_when_unhealthy);
+        let survive = f64::from(paid) * config.healthy_reward;
+        let forward = config.forward_reward_weight * velocity[0];
+        let ctrl = config.ctrl_cost_weight * sum_of_squares(data.ctrl.len(), |i| data.ctrl[i]);
+        let contact = if self.version == 4 {
+            0.0
+        } else {
+            let forces = data.cfrc_ext.as_flattened();
+            let cost = config.contact_cost_weight * sum_of_squares(forces.len(), |i| forces[i]);
+            config.contact_cost_range.clip(cost)
+        };
+        let reward = forward + survive - (ctrl + contact);
+        let terminated = !healthy && config.terminate_when_unhealthy;
+        (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        self.config.observed.numbers(self.version, data)
+    }
+
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        let position = match (self.version, step) {
+            (5.., _) => Some([data.qpos[0], data.qpos[1]]),
+            (3 | 4, Some(step)) => Some(step.position),
+            _ => None,
+        };
+        if let Some(position) = position {
+            visit("x_position", position[0]);
+            visit("y_position", position[1]);
+            visit("distance_from_origin", norm(&position));
+        }
+        let Some(step) = step else { return };
+        if self.version >= 3 {
+            visit("x_velocity", step.velocity[0]);
+            visit("y_velocity", step.velocity[1]);
+        }
+        if self.version >= 5 {
+            visit("reward_survive", step.survive);
+            visit("reward_forward", step.forward);
+            visit("reward_ctrl", -step.ctrl);
+            visit("reward_contact", -step.contact);
+            return;
+        }
+        visit("reward_linvel", step.forward);
+        visit("reward_quadctrl", -step.ctrl);
+        visit("reward_alive", step.survive);
+        if self.version <= 3 {
+            visit("reward_impact", -step.contact);
+        }
+        if self.version >= 3 {
+            visit("forward_reward", step.forward);
+        }
+    }
+
+    fn tells_tendons(&self) -> bool {
+        self.version >= 5
+    }
+}
+
+super::register!(
+    Humanoid, "Walk along x, upright.", steps 1000, versions 2 3 4 5
+);

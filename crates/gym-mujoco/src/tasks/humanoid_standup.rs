@@ -1,0 +1,146 @@
+//! HumanoidStandup: stand up, from lying on the back.
+//!
+//! | | |
+//! |---|---|
+//! | observation | as Humanoid's; `Box(348, float64)` (before version 5: 376 numbers) |
+//! | action | torques of the 17 joints, as a share of 25 to 300 N m; `Box(-0.4, 0.4, (17,), float32)` |
+//! | reward | height of the torso in m divided by 0.003, plus 1, less 0.1 times the sum of the squared actions, less 5e-7 times the sum of the squared contact forces, at most 10 |
+//! | start | lying, positions and velocities disturbed uniformly by up to 0.01 |
+//! | end | never |
+//! | limit | 1000 steps of 0.015 s |
+//!
+//! Versions: 2 and 4 have no arguments but the camera's (4).
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
+
+use gym_core::{Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::HumanoidStandup;
+use super::arguments::{Common, TaskArguments};
+use super::env;
+use super::humanoid::Observed;
+use super::numpy::sum_of_squares;
+use super::range::Range;
+use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use crate::Data;
+use crate::view::CameraConfig;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Without effect, as in Gymnasium.
+    pub uph_cost_weight: f64,
+    /// Cost of the squared actions.
+    pub ctrl_cost_weight: f64,
+    /// Cost of the squared contact forces.
+    pub impact_cost_weight: f64,
+    /// Where that cost is clipped to.
+    pub impact_cost_range: Range,
+    /// Size of the disturbance at the start.
+    pub reset_noise_scale: f64,
+    /// What is observed.
+    #[serde(flatten)]
+    pub observed: Observed,
+}
+
+impl TaskArguments for Config {
+    fn defaults(_version: u8) -> Self {
+        let camera = CameraConfig::following(1, 3.6, 120.0, -20.0, 0.5);
+        Self {
+            common: Common::new("humanoidstandup.xml", 5, camera),
+            uph_cost_weight: 1.0,
+            ctrl_cost_weight: 0.1,
+            impact_cost_weight: 5e-7,
+            impact_cost_range: Range::new(f64::NEG_INFINITY, 10.0),
+            reset_noise_scale: 1e-2,
+            observed: Observed::default(),
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        const NAMES: [&str; 10] = [
+            "uph_cost_weight", "ctrl_cost_weight", "impact_cost_weight", "impact_cost_range", "reset_noise_scale",
+            "exclude_current_positions_from_observation", "include_cinert_in_observation",
+            "include_cvel_in_observation", "include_qfrc_actuator_in_observation", "include_cfrc_ext_in_observation",
+        ];
+        if version >= 5 { &NAMES } else { &[] }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    version: u8,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    up: f64,
+    ctrl: f64,
+    impact: f64,
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), 3)?;
+        Ok(Self { config: config.clone(), version })
+    }
+
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        let scale = self.config.reset_noise_scale;
+        uniform_noise(&mut data.qpos, &simulation.model.qpos0, scale, rng);
+        uniform_velocities(&mut data.qvel, scale, rng);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        simulation.step(data, action);
+        let up = data.qpos[2] / simulation.model.opt.timestep;
+        let ctrl = self.config.ctrl_cost_weight * sum_of_squares(data.ctrl.len(), |i| data.ctrl[i]);
+        let forces = data.cfrc_ext.as_flattened();
+        let impact = self.config.impact_cost_weight * sum_of_squares(forces.len(), |i| forces[i]);
+        let impact = self.config.impact_cost_range.clip(impact);
+        (Step { up, ctrl, impact }, up - ctrl - impact + 1.0, false)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        self.config.observed.numbers(self.version, data)
+    }
+
+    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        if self.version >= 5 {
+            visit("x_position", data.qpos[0]);
+            visit("y_position", data.qpos[1]);
+            visit("z_distance_from_origin", data.qpos[2] - simulation.model.qpos0[2]);
+        }
+        if let Some(step) = step {
+            visit("reward_linup", step.up);
+            visit("reward_quadctrl", -step.ctrl);
+            visit("reward_impact", -step.impact);
+        }
+    }
+
+    fn tells_tendons(&self) -> bool {
+        self.version >= 5
+    }
+}
+
+super::register!(
+    HumanoidStandup, "Stand up, from lying on the back.", steps 1000, versions 2 4 5
+);

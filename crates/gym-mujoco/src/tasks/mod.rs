@@ -1,0 +1,97 @@
+//! Gymnasium's eleven tasks: one file for each, in all its versions.
+//!
+//! A task says how an episode starts, what a step is worth, what is seen, and what `info` tells. [`MujocoEnv`] makes an
+//! environment of it. Where versions differ the differences are data: default values, names of arguments and of entries of
+//! `info`, and flags that a task reads when it is built.
+//!
+//! Versions 4 and 5 are those of Gymnasium 1.4.0. Versions 2 and 3, which Gymnasium itself no longer runs, follow
+//! Gymnasium 0.29.1 on the same engine.
+
+mod arguments;
+mod cost;
+mod env;
+mod numpy;
+mod range;
+mod runner;
+mod simulation;
+
+pub mod ant;
+pub mod half_cheetah;
+pub mod hopper;
+pub mod humanoid;
+pub mod humanoid_standup;
+pub mod inverted_double_pendulum;
+pub mod inverted_pendulum;
+pub mod pusher;
+pub mod reacher;
+pub mod swimmer;
+pub mod walker2d;
+
+use gym_core::Env;
+
+pub use arguments::{Arguments, Common, TaskArguments};
+pub use env::{MujocoEnv, Task};
+pub use range::Range;
+pub use simulation::{Simulation, load, models};
+
+use crate::{Data, Model};
+
+/// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions 2 3 4 5)`.
+macro_rules! register {
+    ($task:ident, $about:literal, steps $steps:literal $(, threshold $threshold:literal)?, versions 2 $($version:literal)+) => {
+        gym_core::register!(
+            gym_core::Registration::new::<$task<2>>(concat!(stringify!($task), "-v2"))
+                .description($about)
+                .without_arguments()
+                .max_episode_steps($steps)
+                $(.reward_threshold($threshold))?
+        );
+        $crate::tasks::register!(@rest $task, $about, $steps, [$($threshold)?], $($version)+);
+    };
+    (@rest $task:ident, $about:literal, $steps:literal, $threshold:tt, $($version:literal)+) => {
+        $($crate::tasks::register!(@one $task, $about, $steps, $threshold, $version);)+
+    };
+    (@one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], $version:literal) => {
+        gym_core::register!(
+            gym_core::Registration::new::<$task<$version>>(concat!(stringify!($task), "-v", $version))
+                .description($about)
+                .max_episode_steps($steps)
+                $(.reward_threshold($threshold))?
+        );
+    };
+}
+use register;
+
+macro_rules! tasks {
+    ($($module:ident $name:ident $doc:literal [$($version:literal)+];)+) => {
+        $(
+            #[doc = $doc]
+            pub type $name<const VERSION: u8 = 5> = MujocoEnv<$module::Task, VERSION>;
+        )+
+
+        /// Model and state of an environment of this crate, of any task and version, under any wrappers.
+        #[must_use]
+        pub fn model_and_data<E: Env>(env: &E) -> Option<(&Model, &Data)> {
+            $($(
+                if let Some(env) = env.unwrapped::<$name<$version>>() {
+                    return env.data().map(|data| (&*env.simulation().model, data));
+                }
+            )+)+
+            None
+        }
+    };
+}
+
+tasks!(
+    ant Ant "Walk on four legs. See [`ant`]." [2 3 4 5];
+    half_cheetah HalfCheetah "Run on two legs in a plane. See [`half_cheetah`]." [2 3 4 5];
+    hopper Hopper "Hop on one leg. See [`hopper`]." [2 3 4 5];
+    humanoid Humanoid "Walk upright. See [`humanoid`]." [2 3 4 5];
+    humanoid_standup HumanoidStandup "Stand up. See [`humanoid_standup`]." [2 4 5];
+    inverted_double_pendulum InvertedDoublePendulum "Balance two poles on a cart. See [`inverted_double_pendulum`]." [2 4 5];
+    inverted_pendulum InvertedPendulum "Balance a pole on a cart. See [`inverted_pendulum`]." [2 4 5];
+    pusher Pusher "Push an object to a goal. See [`pusher`]." [2 4 5];
+    reacher Reacher "Reach a target with an arm. See [`reacher`]." [2 4 5];
+    swimmer Swimmer "Swim with three links. See [`swimmer`]." [2 3 4 5];
+    walker2d Walker2d "Walk on two legs in a plane. See [`walker2d`]." [2 3 4 5];
+);

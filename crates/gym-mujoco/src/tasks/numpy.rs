@@ -1,0 +1,61 @@
+//! Sums and norms with numpy's rounding, in the order in which numpy adds.
+
+use std::ops::{Add, Range};
+
+/// Sum of the squares of an action, in single precision: numpy's `np.square(action).sum()`.
+pub(super) fn sum_of_squares_f32(action: &[f32]) -> f32 {
+    pairwise(&|i| action[i] * action[i], 0..action.len())
+}
+
+/// Sum of the squares of `n` numbers.
+pub(super) fn sum_of_squares(n: usize, number: impl Fn(usize) -> f64) -> f64 {
+    pairwise(&|i| number(i) * number(i), 0..n)
+}
+
+/// Sum of numbers: numpy's `sum`.
+pub(super) fn sum(numbers: &[f64]) -> f64 {
+    pairwise(&|i| numbers[i], 0..numbers.len())
+}
+
+/// numpy's pairwise summation: eight lanes, in halves beyond 128 numbers.
+fn pairwise<T: Copy + Default + Add<Output = T>>(term: &impl Fn(usize) -> T, range: Range<usize>) -> T {
+    const LANES: usize = 8;
+    const BLOCK: usize = 128;
+    let (start, n) = (range.start, range.len());
+    if n < LANES {
+        return range.map(term).fold(T::default(), T::add);
+    }
+    if n > BLOCK {
+        let half = n / 2 / LANES * LANES;
+        return pairwise(term, start..start + half) + pairwise(term, start + half..range.end);
+    }
+    let mut lanes: [T; LANES] = std::array::from_fn(|lane| term(start + lane));
+    let whole = n / LANES * LANES;
+    for i in (LANES..whole).step_by(LANES) {
+        for (lane, sum) in lanes.iter_mut().enumerate() {
+            *sum = *sum + term(start + i + lane);
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
+    (start + whole..range.end).map(term).fold(sum, T::add)
+}
+
+/// Length of a vector, with fused multiply-adds: numpy's `np.linalg.norm`.
+pub(super) fn norm(v: &[f64]) -> f64 {
+    v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_in_numpys_order() {
+        // numpy 2.4: np.sum(1 / np.arange(1, n + 1)), and with dtype float32
+        let numbers: Vec<f64> = (1..=300).map(|i| 1.0 / f64::from(i)).collect();
+        assert_eq!(sum(&numbers[..7]), 2.5928571428571425);
+        assert_eq!(sum(&numbers[..84]), 5.013973034584928);
+        assert_eq!(sum(&numbers), 6.282663880299504);
+    }
+}

@@ -1,0 +1,154 @@
+//! Pusher: push an object to a goal, with the fork of an arm of seven joints.
+//!
+//! | | |
+//! |---|---|
+//! | observation | angles and velocities of the seven joints, positions of fork, object and goal; `Box(23, float64)` |
+//! | action | torques of the seven joints in N m; `Box(-2, 2, (7,), float32)` |
+//! | reward | less the distance from object to goal in m, less 0.5 times that from object to fork, less 0.1 times the sum of the squared actions (versions 2 and 4: distances before the step) |
+//! | start | the object at a random place at least 0.17 m from the goal; velocities of the arm disturbed by up to 0.005 |
+//! | end | never |
+//! | limit | 100 steps of 0.05 s |
+//!
+//! Versions: 2 and 4 have no arguments but the camera's (4), a lighter object with a ball inside, and in `info` the cost of actions without its weight.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
+
+use gym_core::{Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Pusher;
+use super::arguments::{Common, TaskArguments};
+use super::cost::ControlCost;
+use super::env;
+use super::numpy::{norm, sum_of_squares_f32};
+use super::simulation::{Simulation, uniform_velocities};
+use crate::Data;
+use crate::view::CameraConfig;
+
+const ARM: usize = 7; // joints
+const LEAST_DISTANCE: f64 = 0.17; // m, from the object to the goal at the start
+const VELOCITY_NOISE: f64 = 0.005;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Cost of a distance of 1 m between fork and object.
+    pub reward_near_weight: f64,
+    /// Cost of a distance of 1 m between object and goal.
+    pub reward_dist_weight: f64,
+    /// Cost of the squared actions.
+    pub reward_control_weight: f64,
+}
+
+impl TaskArguments for Config {
+    fn defaults(version: u8) -> Self {
+        let camera = CameraConfig::at([0.25, -0.15, -0.2], 2.1, 130.0, -38.0);
+        Self {
+            common: Common::new(if version >= 5 { "pusher_v5.xml" } else { "pusher.xml" }, 5, camera),
+            reward_near_weight: 0.5,
+            reward_dist_weight: 1.0,
+            reward_control_weight: 0.1,
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        if version >= 5 { &["reward_near_weight", "reward_dist_weight", "reward_control_weight"] } else { &[] }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    cost: ControlCost,
+    version: u8,
+    tips: usize,
+    object: usize,
+    goal: usize,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    near: f64,
+    distance: f64,
+    ctrl: f64,
+}
+
+impl Task {
+    /// Distances from the object to the fork, and to the goal.
+    fn distances(&self, data: &Data) -> (f64, f64) {
+        let object = data.xpos[self.object];
+        let to = |body: usize| norm(&std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]));
+        (to(self.tips), to(self.goal))
+    }
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), ARM + 4)?;
+        simulation.needs("degrees of freedom", simulation.model.nv(), ARM + 4)?;
+        let [tips, object, goal] = ["tips_arm", "object", "goal"].map(|name| simulation.body(name));
+        let cost = ControlCost::new(config.reward_control_weight, version);
+        Ok(Self { config: config.clone(), cost, version, tips: tips?, object: object?, goal: goal? })
+    }
+
+    fn start(&self, _simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        let place = loop {
+            let place = [rng.uniform(-0.3, 0.0), rng.uniform(-0.2, 0.2)];
+            if norm(&place) > LEAST_DISTANCE {
+                break place;
+            }
+        };
+        let free = data.qpos.len() - 4;
+        data.qpos[free..free + 2].copy_from_slice(&place);
+        data.qpos[free + 2..].fill(0.0);
+        uniform_velocities(&mut data.qvel, VELOCITY_NOISE, rng);
+        let free = data.qvel.len() - 4;
+        data.qvel[free..].fill(0.0);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        let before = self.distances(data);
+        simulation.step(data, action);
+        let (near, distance) = if self.version >= 5 { self.distances(data) } else { before };
+        let (near, distance) = (near * self.config.reward_near_weight, distance * self.config.reward_dist_weight);
+        let ctrl = self.cost.of(action);
+        let reward = -distance - ctrl - near;
+        // before version 5 `info` has the cost without its weight
+        let told = if self.version >= 5 { ctrl } else { f64::from(sum_of_squares_f32(action)) };
+        (Step { near, distance, ctrl: told }, reward, false)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        let bodies = [self.tips, self.object, self.goal].map(|body| data.xpos[body]);
+        (data.qpos[..ARM].iter().chain(&data.qvel[..ARM]).copied()).chain(bodies.into_iter().flatten())
+    }
+
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        let Some(step) = step else { return };
+        visit("reward_dist", -step.distance);
+        visit("reward_ctrl", -step.ctrl);
+        if self.version >= 5 {
+            visit("reward_near", -step.near);
+        }
+    }
+}
+
+super::register!(
+    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions 2 4 5
+);

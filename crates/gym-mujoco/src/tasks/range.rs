@@ -1,0 +1,49 @@
+//! Ranges among the arguments, which may be open on a side.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// The numbers between two bounds, which may be infinite.
+///
+/// As an argument it is a list of two: `[0.7, null]` has no upper bound, as JSON knows no infinity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The lower bound; `-inf` if there is none.
+    pub low: f64,
+    /// The upper bound; `inf` if there is none.
+    pub high: f64,
+}
+
+impl Range {
+    /// The numbers between two bounds.
+    pub const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
+    }
+
+    /// Whether a number lies strictly between the bounds.
+    pub(super) fn contains_strictly(self, x: f64) -> bool {
+        self.low < x && x < self.high
+    }
+
+    /// The nearest number within: numpy's `clip`.
+    pub(super) fn clip(self, x: f64) -> f64 {
+        x.max(self.low).min(self.high)
+    }
+}
+
+impl Serialize for Range {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        [finite(self.low), finite(self.high)].serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Range {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let [low, high]: [Option<f64>; 2] = Deserialize::deserialize(deserializer)?;
+        let range = Self::new(low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY));
+        if range.low > range.high {
+            return Err(serde::de::Error::custom(format!("the range {} to {} is empty", range.low, range.high)));
+        }
+        Ok(range)
+    }
+}

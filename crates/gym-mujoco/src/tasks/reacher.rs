@@ -1,0 +1,145 @@
+//! Reacher: bring the tip of an arm of two links to a target.
+//!
+//! | | |
+//! |---|---|
+//! | observation | cosines and sines of the two angles, position of the target, velocities of the two joints, and from the target to the fingertip in x and y; `Box(10, float64)` (versions 2 and 4: and z, 11 numbers) |
+//! | action | torques of the two joints, as a share of 200 N m; `Box(-1, 1, (2,), float32)` |
+//! | reward | less the distance to the target in m, less the sum of the squared actions (versions 2 and 4: with the distance before the step) |
+//! | start | the target uniformly in a circle of radius 0.2 m; angles disturbed by up to 0.1, velocities by up to 0.005 |
+//! | end | never |
+//! | limit | 50 steps of 0.02 s |
+//!
+//! Versions: 2 and 4 have no arguments but the camera's (4).
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
+
+use gym_core::{Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Reacher;
+use super::arguments::{Common, TaskArguments};
+use super::cost::ControlCost;
+use super::env;
+use super::numpy::norm;
+use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use crate::view::CameraConfig;
+use crate::{Data, libm};
+
+const REACH: f64 = 0.2; // m, how far away the target can be
+const ANGLE_NOISE: f64 = 0.1;
+const VELOCITY_NOISE: f64 = 0.005;
+const NAMES: [&str; 2] = ["reward_dist_weight", "reward_control_weight"];
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Cost of a distance of 1 m.
+    pub reward_dist_weight: f64,
+    /// Cost of the squared actions.
+    pub reward_control_weight: f64,
+}
+
+impl TaskArguments for Config {
+    fn defaults(_version: u8) -> Self {
+        let camera = CameraConfig::at([0.0, 0.0, 0.0], 0.92, 90.0, -90.0);
+        Self { common: Common::new("reacher.xml", 2, camera), reward_dist_weight: 1.0, reward_control_weight: 1.0 }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        if version >= 5 { &NAMES } else { &[] }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    cost: ControlCost,
+    version: u8,
+    fingertip: usize,
+    target: usize,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    distance: f64,
+    ctrl: f64,
+}
+
+impl Task {
+    /// From the target to the fingertip.
+    fn offset(&self, data: &Data) -> [f64; 3] {
+        let (tip, target) = (data.xpos[self.fingertip], data.xpos[self.target]);
+        std::array::from_fn(|k| tip[k] - target[k])
+    }
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), 4)?;
+        simulation.needs("degrees of freedom", simulation.model.nv(), 2)?;
+        let (fingertip, target) = (simulation.body("fingertip")?, simulation.body("target")?);
+        let cost = ControlCost::new(config.reward_control_weight, version);
+        Ok(Self { config: config.clone(), cost, version, fingertip, target })
+    }
+
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        uniform_noise(&mut data.qpos, &simulation.model.qpos0, ANGLE_NOISE, rng);
+        let goal = loop {
+            let goal = [(); 2].map(|()| rng.uniform(-REACH, REACH));
+            if norm(&goal) < REACH {
+                break goal;
+            }
+        };
+        let free = data.qpos.len() - 2;
+        data.qpos[free..].copy_from_slice(&goal);
+        uniform_velocities(&mut data.qvel, VELOCITY_NOISE, rng);
+        let free = data.qvel.len() - 2;
+        data.qvel[free..].fill(0.0);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        let before = norm(&self.offset(data));
+        simulation.step(data, action);
+        let measured = if self.version >= 5 { norm(&self.offset(data)) } else { before };
+        let distance = measured * self.config.reward_dist_weight;
+        let ctrl = self.cost.of(action);
+        (Step { distance, ctrl }, -distance - ctrl, false)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        let angles = data.qpos[..2].iter().map(|angle| libm::sin_cos(*angle));
+        let dimensions = if self.version >= 5 { 2 } else { 3 };
+        (angles.clone().map(|(_, cos)| cos))
+            .chain(angles.map(|(sin, _)| sin))
+            .chain(data.qpos[2..].iter().copied())
+            .chain(data.qvel[..2].iter().copied())
+            .chain(self.offset(data).into_iter().take(dimensions))
+    }
+
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        if let Some(step) = step {
+            visit("reward_dist", -step.distance);
+            visit("reward_ctrl", -step.ctrl);
+        }
+    }
+}
+
+super::register!(
+    Reacher, "Bring the tip of an arm to a target.", steps 50, threshold -3.75, versions 2 4 5
+);

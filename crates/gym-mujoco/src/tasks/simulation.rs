@@ -1,0 +1,151 @@
+//! A model, and how an environment steps it.
+
+use std::sync::{Arc, OnceLock};
+
+use gym_core::spaces::BoxSpace;
+use gym_core::{Error, Generator, Result, Space};
+
+use super::arguments::Common;
+use crate::view::View;
+use crate::{Data, Model, forward, physics, step};
+
+/// What an environment has beside its state.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The model, which all environments of a task share.
+    pub model: Arc<Model>,
+    /// How many timesteps of the model a step takes.
+    pub frame_skip: usize,
+    /// Length of a step in seconds.
+    pub dt: f64,
+    /// From where it is seen.
+    pub(super) view: View,
+    /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did not do.
+    contact_forces: bool,
+}
+
+impl Simulation {
+    pub(super) fn new(arguments: &Common, version: u8) -> Result<Self> {
+        arguments.check()?;
+        let model = load(&arguments.xml_file)?;
+        let dt = model.opt.timestep * arguments.frame_skip as f64;
+        let view = View::new(&model, arguments)?;
+        Ok(Self { model, frame_skip: arguments.frame_skip, dt, view, contact_forces: version >= 4 })
+    }
+
+    /// The state at the start of an episode, from positions and velocities.
+    pub(super) fn start(&self, data: &mut Data) {
+        forward(&self.model, data);
+    }
+
+    /// Applies an action for the timesteps of a step.
+    pub(super) fn step(&self, data: &mut Data, action: &[f32]) {
+        for (ctrl, a) in data.ctrl.iter_mut().zip(action) {
+            *ctrl = f64::from(*a);
+        }
+        for _ in 0..self.frame_skip {
+            step(&self.model, data);
+        }
+        if self.contact_forces {
+            physics::rne_post_constraint(&self.model, data);
+        }
+    }
+
+    /// The ranges of the controls.
+    pub(super) fn action_space(&self) -> Result<Space> {
+        let bounds = |k: usize| self.model.actuator_ctrlrange.iter().map(|range| range[k] as f32).collect::<Vec<_>>();
+        Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
+    }
+
+    /// Frames per second at natural speed.
+    pub(super) fn fps(&self) -> u32 {
+        (1.0 / self.dt).round_ties_even().clamp(1.0, 1e6) as u32
+    }
+
+    /// A body that the task cannot do without.
+    pub(super) fn body(&self, name: &str) -> Result<usize> {
+        self.model.body_id(name).ok_or_else(|| Error::argument("xml_file", format!("the model has no body {name:?}")))
+    }
+
+    /// Refuses a model that has too few of what the task looks at.
+    pub(super) fn needs(&self, what: &str, there_are: usize, at_least: usize) -> Result<()> {
+        if there_are >= at_least {
+            return Ok(());
+        }
+        Err(Error::argument("xml_file", format!("the model has {there_are} {what}, the task needs {at_least}")))
+    }
+}
+
+/// Adds noise to the numbers of an initial configuration: `initial + uniform(-scale, scale)`.
+pub(super) fn uniform_noise(numbers: &mut [f64], initial: &[f64], scale: f64, rng: &mut Generator) {
+    for (x, x0) in numbers.iter_mut().zip(initial) {
+        *x = x0 + rng.uniform(-scale, scale);
+    }
+}
+
+/// Normal velocities: `scale * standard_normal()`.
+pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
+    for x in numbers {
+        *x = scale * rng.standard_normal();
+    }
+}
+
+/// Uniform velocities.
+pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
+    for x in numbers {
+        *x = rng.uniform(-scale, scale);
+    }
+}
+
+/// A built-in model: its name, its text, and once somebody has asked for it, what it compiles to.
+struct BuiltIn {
+    name: &'static str,
+    text: &'static str,
+    model: OnceLock<Arc<Model>>,
+}
+
+macro_rules! built_in {
+    ($($name:literal)+) => {
+        [$(BuiltIn { name: $name, text: include_str!(concat!("../../models/", $name)), model: OnceLock::new() }),+]
+    };
+}
+
+static MODELS: [BuiltIn; 13] = built_in!(
+    "ant.xml" "half_cheetah.xml" "hopper.xml" "humanoid.xml" "humanoidstandup.xml" "inverted_double_pendulum.xml"
+    "inverted_pendulum.xml" "pusher.xml" "pusher_v5.xml" "reacher.xml" "swimmer.xml" "walker2d.xml" "walker2d_v5.xml"
+);
+
+/// The names of the built-in models, and their texts in MJCF.
+pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
+    MODELS.iter().map(|built_in| (built_in.name, built_in.text))
+}
+
+/// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for another name, for a file that cannot be read, and for one that is no model.
+pub fn load(xml_file: &str) -> Result<Arc<Model>> {
+    let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
+    if xml_file.starts_with(['.', '/', '~']) {
+        let path = match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
+            (Some(rest), Some(home)) => home.join(rest),
+            _ => xml_file.into(),
+        };
+        return Model::from_xml_file(path).map(Arc::new).map_err(wrong);
+    }
+    let Some(built_in) = MODELS.iter().find(|built_in| built_in.name == xml_file) else {
+        let names: Vec<&str> = MODELS.iter().map(|built_in| built_in.name).collect();
+        let reason = format!(
+            "there is no built-in model {xml_file:?}: there are {}; a file's path begins with `.`, `/` or `~`",
+            names.join(", ")
+        );
+        return Err(Error::argument("xml_file", reason));
+    };
+    match built_in.model.get() {
+        Some(model) => Ok(Arc::clone(model)),
+        None => {
+            let model = Model::from_xml(built_in.text).map(Arc::new).map_err(wrong)?;
+            Ok(Arc::clone(built_in.model.get_or_init(|| model)))
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Swimmer: swim forward with three links, in a viscous medium.
+//!
+//! | | |
+//! |---|---|
+//! | observation | angle of the first link and of the two joints, then velocities of x, y and these angles; `Box(8, float64)` |
+//! | action | torques of the two joints, as a share of 150 N m; `Box(-1, 1, (2,), float32)` |
+//! | reward | velocity along x in m/s, less 0.0001 times the sum of the squared actions |
+//! | start | stretched, positions and velocities disturbed uniformly by up to 0.1 |
+//! | end | never |
+//! | limit | 1000 steps of 0.04 s |
+//!
+//! Versions: 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
+
+use gym_core::{Generator, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Swimmer;
+use super::arguments::{Common, TaskArguments};
+use super::cost::ControlCost;
+use super::env;
+use super::numpy::norm;
+use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use crate::Data;
+use crate::view::CameraConfig;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Reward for a velocity of 1 m/s.
+    pub forward_reward_weight: f64,
+    /// Cost of the squared actions.
+    pub ctrl_cost_weight: f64,
+    /// Size of the disturbance at the start.
+    pub reset_noise_scale: f64,
+    /// Whether the positions along x and y are not observed.
+    pub exclude_current_positions_from_observation: bool,
+}
+
+impl TaskArguments for Config {
+    fn defaults(_version: u8) -> Self {
+        Self {
+            common: Common::new("swimmer.xml", 4, CameraConfig::following(1, 5.5, 90.0, -90.0, 0.0)),
+            forward_reward_weight: 1.0,
+            ctrl_cost_weight: 1e-4,
+            reset_noise_scale: 0.1,
+            exclude_current_positions_from_observation: true,
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        const NAMES: [&str; 5] = [
+            "forward_reward_weight", "ctrl_cost_weight", "reset_noise_scale",
+            "exclude_current_positions_from_observation", "xml_file",
+        ];
+        match version {
+            2 => &[],
+            3 => &NAMES,
+            _ => &NAMES[..4],
+        }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+/// The task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    config: Config,
+    cost: ControlCost,
+    version: u8,
+}
+
+/// What was measured in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    velocity: [f64; 2],
+    forward: f64,
+    ctrl: f64,
+}
+
+impl env::Task for Task {
+    type Config = Config;
+    type Step = Step;
+
+    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+        simulation.needs("positions", simulation.model.nq(), 2)?;
+        Ok(Self { config: config.clone(), cost: ControlCost::new(config.ctrl_cost_weight, version), version })
+    }
+
+    fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
+        let scale = self.config.reset_noise_scale;
+        uniform_noise(&mut data.qpos, &simulation.model.qpos0, scale, rng);
+        uniform_velocities(&mut data.qvel, scale, rng);
+    }
+
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+        let before = [data.qpos[0], data.qpos[1]];
+        simulation.step(data, action);
+        let velocity = std::array::from_fn(|k| (data.qpos[k] - before[k]) / simulation.dt);
+        let forward = self.config.forward_reward_weight * velocity[0];
+        let ctrl = self.cost.of(action);
+        (Step { velocity, forward, ctrl }, forward - ctrl, false)
+    }
+
+    fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
+        let skip = if self.config.exclude_current_positions_from_observation { 2 } else { 0 };
+        data.qpos.iter().skip(skip).chain(&data.qvel).copied()
+    }
+
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+        if self.version >= 5 || (self.version >= 3 && step.is_some()) {
+            visit("x_position", data.qpos[0]);
+            visit("y_position", data.qpos[1]);
+            visit("distance_from_origin", norm(&data.qpos[..2]));
+        }
+        let Some(step) = step else { return };
+        if self.version >= 3 {
+            visit("x_velocity", step.velocity[0]);
+            visit("y_velocity", step.velocity[1]);
+        }
+        visit(if self.version >= 5 { "reward_forward" } else { "reward_fwd" }, step.forward);
+        if matches!(self.version, 3 | 4) {
+            visit("forward_reward", step.forward);
+        }
+        visit("reward_ctrl", -step.ctrl);
+    }
+}
+
+super::register!(
+    Swimmer, "Swim forward with three links.", steps 1000, threshold 360.0, versions 2 3 4 5
+);

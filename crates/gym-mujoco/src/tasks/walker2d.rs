@@ -1,0 +1,107 @@
+//! Walker2d: walk forward on two legs, in a vertical plane.
+//!
+//! | | |
+//! |---|---|
+//! | observation | height and angle of the torso and angles of thigh, leg and foot of both legs, then velocities of x and these, clipped to 10; `Box(17, float64)` |
+//! | action | torques of thigh, leg and foot of the right leg and of the left, as a share of 100 N m; `Box(-1, 1, (6,), float32)` |
+//! | reward | velocity forward in m/s, plus 1 while it stands, less 0.001 times the sum of the squared actions |
+//! | start | standing, positions and velocities disturbed uniformly by up to 0.005 |
+//! | end | terminated when the height of the torso leaves 0.8 to 2 m, or it leans by 1 rad or more |
+//! | limit | 1000 steps of 0.008 s |
+//!
+//! Versions: before 5, the step of a fall is paid too, and the right foot has less grip than the left one. 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all, and no entries in `info`.
+//!
+//! Differences from Gymnasium: the numbers agree with those of MuJoCo 3.12.0 to rounding, not to the last bit. So an episode
+//! is the same until the task itself has amplified the rounding, which contacts do fastest. Versions 2 and 3, and Pusher-v4,
+//! which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//!
+//! Source: Gymnasium 1.4.0, `envs/mujoco/walker2d_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
+
+use serde::{Deserialize, Serialize};
+
+use super::Walker2d;
+use super::arguments::{Common, TaskArguments};
+use super::range::Range;
+use super::runner::{Runner, RunnerArguments, Settings};
+use crate::view::CameraConfig;
+
+/// The task.
+pub type Task = Runner<Config>;
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Config {
+    /// Arguments that every task has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Reward for a velocity of 1 m/s.
+    pub forward_reward_weight: f64,
+    /// Cost of the squared actions.
+    pub ctrl_cost_weight: f64,
+    /// Reward for a step after which it stands.
+    pub healthy_reward: f64,
+    /// Whether a fall ends the episode.
+    pub terminate_when_unhealthy: bool,
+    /// Where the height lies while it stands, in m.
+    pub healthy_z_range: Range,
+    /// Where the angle of the torso lies while it stands, in rad.
+    pub healthy_angle_range: Range,
+    /// Size of the disturbance at the start.
+    pub reset_noise_scale: f64,
+    /// Whether the position along x is not observed.
+    pub exclude_current_positions_from_observation: bool,
+}
+
+impl TaskArguments for Config {
+    fn defaults(version: u8) -> Self {
+        let camera = CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8);
+        Self {
+            common: Common::new(if version >= 5 { "walker2d_v5.xml" } else { "walker2d.xml" }, 4, camera),
+            forward_reward_weight: 1.0,
+            ctrl_cost_weight: 1e-3,
+            healthy_reward: 1.0,
+            terminate_when_unhealthy: true,
+            healthy_z_range: Range::new(0.8, 2.0),
+            healthy_angle_range: Range::new(-1.0, 1.0),
+            reset_noise_scale: 5e-3,
+            exclude_current_positions_from_observation: true,
+        }
+    }
+
+    fn names(version: u8) -> &'static [&'static str] {
+        const NAMES: [&str; 9] = [
+            "forward_reward_weight", "ctrl_cost_weight", "healthy_reward", "terminate_when_unhealthy",
+            "healthy_z_range", "healthy_angle_range", "reset_noise_scale",
+            "exclude_current_positions_from_observation", "xml_file",
+        ];
+        match version {
+            2 => &[],
+            3 => &NAMES,
+            _ => &NAMES[..8],
+        }
+    }
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+}
+
+impl RunnerArguments for Config {
+    fn settings(&self) -> Settings {
+        Settings {
+            forward_reward_weight: self.forward_reward_weight,
+            ctrl_cost_weight: self.ctrl_cost_weight,
+            healthy_reward: self.healthy_reward,
+            terminate_when_unhealthy: self.terminate_when_unhealthy,
+            healthy_state_range: Range::new(f64::NEG_INFINITY, f64::INFINITY),
+            healthy_z_range: self.healthy_z_range,
+            healthy_angle_range: self.healthy_angle_range,
+            reset_noise_scale: self.reset_noise_scale,
+            exclude_positions: self.exclude_current_positions_from_observation,
+        }
+    }
+}
+
+super::register!(
+    Walker2d, "Walk forward on two legs, in a plane.", steps 1000, versions 2 3 4 5
+);

@@ -1,0 +1,106 @@
+//! Perspective.
+
+use gym_core::canvas::Point;
+
+use crate::libm;
+use crate::physics::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
+
+/// Nothing nearer than this is drawn, in m.
+pub(super) const NEAR: f64 = 0.02;
+
+/// A camera: where it is, what is right, up and ahead of it, and how large things look.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Camera {
+    pub(super) pos: Vec3,
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+    pub(super) ahead: Vec3,
+    /// Pixels of a length of 1 at a distance of 1.
+    pub(super) focal: f64,
+    /// Width and height of the picture.
+    pub(super) size: [f64; 2],
+    /// Where details matter: the point that it looks at, or one ahead.
+    pub(super) focus: Vec3,
+}
+
+impl Camera {
+    /// A camera whose axes are the columns of a matrix: right, up, back.
+    pub(super) fn new(pos: Vec3, axes: &Mat3, fovy: f64, size: [f64; 2]) -> Self {
+        let (sin, cos) = libm::sin_cos((fovy / 2.0).to_radians());
+        let ahead = scale(column(axes, 2), -1.0);
+        Self {
+            pos,
+            right: column(axes, 0),
+            up: column(axes, 1),
+            ahead,
+            focal: size[1] / 2.0 * cos / sin,
+            size,
+            focus: add_scaled(pos, ahead, 3.0),
+        }
+    }
+
+    /// A camera at a distance from a point, with azimuth and elevation in degrees: MuJoCo's free camera.
+    pub(super) fn around(
+        lookat: Vec3,
+        distance: f64,
+        azimuth: f64,
+        elevation: f64,
+        fovy: f64,
+        size: [f64; 2],
+    ) -> Self {
+        let (sin_a, cos_a) = libm::sin_cos(azimuth.to_radians());
+        let (sin_e, cos_e) = libm::sin_cos(elevation.to_radians());
+        let ahead = [cos_e * cos_a, cos_e * sin_a, sin_e];
+        let right = [sin_a, -cos_a, 0.0];
+        let up = cross(right, ahead);
+        let axes = [right[0], up[0], -ahead[0], right[1], up[1], -ahead[1], right[2], up[2], -ahead[2]];
+        Self { focus: lookat, ..Self::new(add_scaled(lookat, ahead, -distance), &axes, fovy, size) }
+    }
+
+    /// A camera that looks at a point, with the horizon level.
+    pub(super) fn towards(pos: Vec3, target: Vec3, fovy: f64, size: [f64; 2]) -> Self {
+        let to = sub(target, pos);
+        let distance = norm(to).max(1e-6);
+        let azimuth = libm::atan2(to[1], to[0]).to_degrees();
+        let elevation = libm::atan2(to[2], (to[0] * to[0] + to[1] * to[1]).sqrt()).to_degrees();
+        Self::around(target, distance, azimuth, elevation, fovy, size)
+    }
+
+    /// How far ahead a point is.
+    pub(super) fn depth(&self, point: Vec3) -> f64 {
+        dot(sub(point, self.pos), self.ahead)
+    }
+
+    /// Where a point ahead is seen.
+    pub(super) fn project(&self, point: Vec3) -> Point {
+        let to = sub(point, self.pos);
+        let scale = self.focal / dot(to, self.ahead).max(NEAR);
+        [self.size[0] / 2.0 + dot(to, self.right) * scale, self.size[1] / 2.0 - dot(to, self.up) * scale]
+    }
+
+    /// Direction in the picture, of length 1 or less, in which something points.
+    pub(super) fn flat(&self, direction: Vec3) -> Point {
+        [dot(direction, self.right), -dot(direction, self.up)]
+    }
+
+    /// The pixels of a length at a point.
+    pub(super) fn pixels(&self, length: f64, at: Vec3) -> f64 {
+        self.focal * length / self.depth(at).max(NEAR)
+    }
+
+    /// Projects a polygon, cut off where it comes too near.
+    pub(super) fn project_polygon(&self, corners: &[Vec3], out: &mut Vec<Point>) {
+        out.clear();
+        for (i, a) in corners.iter().enumerate() {
+            let b = &corners[(i + 1) % corners.len()];
+            let (near_a, near_b) = (self.depth(*a) - NEAR, self.depth(*b) - NEAR);
+            if near_a >= 0.0 {
+                out.push(self.project(*a));
+            }
+            if (near_a >= 0.0) != (near_b >= 0.0) {
+                let t = near_a / (near_a - near_b);
+                out.push(self.project(add_scaled(*a, sub(*b, *a), t)));
+            }
+        }
+    }
+}

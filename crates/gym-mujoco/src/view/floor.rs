@@ -1,0 +1,142 @@
+//! Sky, checkered floor, and shadows on it.
+
+use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
+
+use super::camera::{Camera, NEAR};
+use super::color_of;
+use crate::model::GeomType;
+use crate::physics::spatial::{Vec3, add_scaled, column, sub};
+use crate::{Data, Model, libm};
+
+const ZENITH: Color = Color::rgb(96, 142, 190);
+const HORIZON: Color = Color::rgb(226, 236, 244);
+const BANDS: usize = 32;
+/// How many squares of the floor are drawn to each side of the focus.
+const SQUARES: i64 = 12;
+/// In how many steps they fade.
+const RINGS: usize = 6;
+const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
+
+/// A colour between two.
+pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
+    let t = t.clamp(0.0, 1.0);
+    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
+    Color { r: mix(a.r, b.r), g: mix(a.g, b.g), b: mix(a.b, b.b), a: a.a }
+}
+
+/// Covers the picture with a sky that is bright at the horizon.
+pub(super) fn sky(camera: &Camera, canvas: &mut dyn Canvas) {
+    canvas.clear(HORIZON);
+    let [width, height] = camera.size;
+    let horizon = horizon(camera).clamp(0.0, height);
+    for band in 0..BANDS {
+        let y = horizon * band as f64 / BANDS as f64;
+        let color = blend(ZENITH, HORIZON, band as f64 / BANDS as f64);
+        canvas.rect([0.0, y], [width, horizon - y], color);
+    }
+}
+
+/// The height in the picture at which the floor would end.
+fn horizon(camera: &Camera) -> f64 {
+    let level = (camera.ahead[0] * camera.ahead[0] + camera.ahead[1] * camera.ahead[1]).sqrt();
+    if level < 1e-3 {
+        return 0.0;
+    }
+    camera.size[1] / 2.0 + camera.focal * camera.ahead[2] / level
+}
+
+/// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
+pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, canvas: &mut dyn Canvas) {
+    if camera.pos[2] <= height {
+        return;
+    }
+    let light = blend(super::rgba(rgba), Color::rgb(206, 216, 226), 0.6);
+    let dark = blend(light, Color::rgb(70, 92, 124), 0.32);
+    let [width, picture_height] = camera.size;
+    let horizon = horizon(camera).clamp(0.0, picture_height);
+    canvas.rect([0.0, horizon], [width, picture_height - horizon], light);
+
+    // a small model stands on small squares
+    let far = camera.pos[2] - height;
+    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 4.0 >= far).unwrap_or(10.0);
+    let reach = square * SQUARES as f64;
+    let center = [camera.focus[0], camera.focus[1]].map(|x| (x / square).floor() as i64);
+    let corner = |i: i64, j: i64| [i as f64 * square, j as f64 * square, height];
+    let bounded = |x: f64, half: f64| half <= 0.0 || x.abs() <= half;
+    let mut rings: [Vec<Segment>; RINGS] = Default::default();
+    let mut polygon = Vec::with_capacity(8);
+    for i in center[0] - SQUARES..=center[0] + SQUARES {
+        for j in center[1] - SQUARES..=center[1] + SQUARES {
+            let middle = [(i as f64 + 0.5) * square, (j as f64 + 0.5) * square];
+            let offset = [middle[0] - camera.focus[0], middle[1] - camera.focus[1]];
+            let away = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt() / reach;
+            let inside = bounded(middle[0], size[0]) && bounded(middle[1], size[1]);
+            if (i + j).rem_euclid(2) == 0 || away >= 1.0 || !inside {
+                continue;
+            }
+            let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            camera.project_polygon(&corners, &mut polygon);
+            if polygon.len() >= 3 && on_screen(&polygon, camera.size) {
+                outline(&polygon, &mut rings[(away * away * RINGS as f64) as usize]);
+            }
+        }
+    }
+    for (ring, squares) in rings.iter().enumerate() {
+        if !squares.is_empty() {
+            canvas.fill(Shape::Path(squares), blend(dark, light, ring as f64 / RINGS as f64));
+        }
+    }
+}
+
+/// Adds a closed contour.
+fn outline(polygon: &[Point], path: &mut Vec<Segment>) {
+    if let [first, rest @ ..] = polygon {
+        path.push(Segment::Move(*first));
+        path.extend(rest.iter().map(|point| Segment::Line(*point)));
+        path.push(Segment::Close);
+    }
+}
+
+fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
+    let inside = |k: usize, end: f64| polygon.iter().any(|p| p[k] >= 0.0) && polygon.iter().any(|p| p[k] <= end);
+    inside(0, width) && inside(1, height)
+}
+
+/// The shadows of all shapes under a light from straight above, in one shade.
+pub(super) fn shadows(camera: &Camera, model: &Model, data: &Data, height: f64, canvas: &mut dyn Canvas) {
+    if camera.pos[2] <= height {
+        return;
+    }
+    const CORNERS: usize = 20;
+    let mut path: Vec<Segment> = Vec::new();
+    let mut polygon = Vec::new();
+    for g in 0..model.ngeom() {
+        let [radius, half, _] = model.geom_size[g];
+        let center = data.geom_xpos[g];
+        if model.geom_type[g] == GeomType::Plane || color_of(model, g).a < 128 || center[2] < height {
+            continue;
+        }
+        let axis = column(&data.geom_xmat[g], 2);
+        let half = if model.geom_type[g] == GeomType::Sphere { 0.0 } else { half };
+        let ends = [add_scaled(center, axis, half), add_scaled(center, axis, -half)];
+        // a capsule's shadow: a half circle around each end; a cylinder's is nearly that
+        let along = sub(ends[0], ends[1]);
+        let turn = libm::atan2(along[1], along[0]);
+        let corners: [Vec3; CORNERS] = std::array::from_fn(|i| {
+            let end = ends[usize::from(i >= CORNERS / 2)];
+            let step = i - if i >= CORNERS / 2 { 1 } else { 0 };
+            let angle = turn - std::f64::consts::FRAC_PI_2
+                + step as f64 * std::f64::consts::TAU / (CORNERS - 2) as f64;
+            let (sin, cos) = libm::sin_cos(angle);
+            [end[0] + radius * cos, end[1] + radius * sin, height]
+        });
+        if corners.iter().any(|corner| camera.depth(*corner) < NEAR) {
+            continue;
+        }
+        camera.project_polygon(&corners, &mut polygon);
+        outline(&polygon, &mut path);
+    }
+    if !path.is_empty() {
+        canvas.fill(Shape::Path(&path), SHADOW);
+    }
+}

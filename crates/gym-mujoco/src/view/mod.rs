@@ -1,0 +1,239 @@
+//! Pictures of a model: a camera, and shaded shapes on a canvas.
+
+mod camera;
+mod floor;
+mod shapes;
+
+use gym_core::canvas::{Canvas, Color};
+use gym_core::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+use self::camera::Camera;
+use crate::model::GeomType;
+use crate::physics::spatial::{Mat3, Vec3, add, mul_quat, quat_to_mat, rotate, sub};
+use crate::physics::{com_pos, kinematics};
+use crate::tasks::Common;
+use crate::{Data, Model};
+
+/// Where the free camera is, in the names of MuJoCo's `mjvCamera`; what is absent is computed from the model.
+///
+/// It follows `trackbodyid` in x and y.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CameraConfig {
+    /// Distance from the point that it looks at, in m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<f64>,
+    /// Direction in the horizontal plane, in degrees; at 90 it looks along y, and x is to the right.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<f64>,
+    /// Direction against the horizontal plane, in degrees; negative from above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elevation: Option<f64>,
+    /// The point that it looks at; of a body that it follows only the height counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lookat: Option<[f64; 3]>,
+    /// The body that it follows; 0 or -1 for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trackbodyid: Option<i32>,
+}
+
+impl CameraConfig {
+    /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and follows a body.
+    pub(crate) const fn following(body: i32, distance: f64, azimuth: f64, elevation: f64, height: f64) -> Self {
+        Self { trackbodyid: Some(body), ..Self::at([0.0, 0.0, height], distance, azimuth, elevation) }
+    }
+
+    /// A camera that looks at a point.
+    pub(crate) const fn at(lookat: [f64; 3], distance: f64, azimuth: f64, elevation: f64) -> Self {
+        Self {
+            distance: Some(distance),
+            azimuth: Some(azimuth),
+            elevation: Some(elevation),
+            lookat: Some(lookat),
+            trackbodyid: None,
+        }
+    }
+}
+
+/// From where a model is seen.
+#[derive(Clone, Debug)]
+pub(crate) struct View {
+    mount: Mount,
+    max_geom: usize,
+}
+
+/// What carries the camera.
+#[derive(Clone, Debug)]
+enum Mount {
+    Free { config: Free, follows: Option<usize> },
+    /// A camera of the model.
+    Own(Own),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Free {
+    distance: f64,
+    azimuth: f64,
+    elevation: f64,
+    lookat: Vec3,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Own {
+    mode: u8,
+    body: usize,
+    target: usize,
+    pos: Vec3,
+    quat: [f64; 4],
+    fovy: f64,
+    /// In the initial configuration: orientation, and place against the body and against its centre of mass.
+    mat0: Mat3,
+    from_body: Vec3,
+    from_com: Vec3,
+}
+
+/// Vertical field of view of the free camera, in degrees.
+const FOVY: f64 = 45.0;
+const AZIMUTH: f64 = 90.0;
+const ELEVATION: f64 = -45.0;
+
+impl View {
+    pub(crate) fn new(model: &Model, arguments: &Common) -> Result<Self> {
+        let mut data = Data::new(model);
+        kinematics(model, &mut data);
+        com_pos(model, &mut data);
+        let own = match (&arguments.camera_name, arguments.camera_id) {
+            (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
+                let names: Vec<&str> = model.names.camera.iter().flatten().map(|name| &**name).collect();
+                Error::argument("camera_name", format!("there is no camera {name:?}: there are {}", names.join(", ")))
+            })?),
+            (None, None | Some(-1)) => None,
+            (None, Some(id)) => {
+                let number = model.cam_mode.len();
+                let valid = usize::try_from(id).ok().filter(|id| *id < number);
+                Some(valid.ok_or_else(|| {
+                    Error::argument("camera_id", format!("{id}: the model has {number} cameras; -1 is the free one"))
+                })?)
+            }
+        };
+        let mount = match own {
+            Some(id) => Mount::Own(Own::new(model, &data, id)),
+            None => free(model, &data, &arguments.default_camera_config)?,
+        };
+        Ok(Self { mount, max_geom: arguments.max_geom })
+    }
+
+    fn camera(&self, data: &Data, (width, height): (u32, u32)) -> Camera {
+        let size = [f64::from(width), f64::from(height)];
+        match &self.mount {
+            Mount::Free { config, follows } => {
+                let mut lookat = config.lookat;
+                if let Some(body) = follows {
+                    lookat = [data.xpos[*body][0], data.xpos[*body][1], lookat[2]];
+                }
+                Camera::around(lookat, config.distance, config.azimuth, config.elevation, FOVY, size)
+            }
+            Mount::Own(own) => own.camera(data, size),
+        }
+    }
+
+    pub(crate) fn draw(&self, model: &Model, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
+        let camera = self.camera(data, size);
+        let geoms = (0..model.ngeom()).take(self.max_geom);
+        // the lowest plane is the floor; other planes are not shown
+        let floor = geoms
+            .clone()
+            .filter(|g| model.geom_type[*g] == GeomType::Plane && data.geom_xmat[*g][8] > 0.99)
+            .min_by(|a, b| data.geom_xpos[*a][2].total_cmp(&data.geom_xpos[*b][2]));
+        floor::sky(&camera, canvas);
+        if let Some(g) = floor {
+            let height = data.geom_xpos[g][2];
+            floor::draw(&camera, height, model.geom_rgba[g], model.geom_size[g], canvas);
+            floor::shadows(&camera, model, data, height, canvas);
+        }
+        let mut solids: Vec<(f64, usize)> = geoms
+            .filter(|g| model.geom_type[*g] != GeomType::Plane && color_of(model, *g).a > 0)
+            .map(|g| (camera.depth(data.geom_xpos[g]) - shapes::nearness(model, data, g, &camera), g))
+            .collect();
+        solids.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, g) in solids {
+            shapes::draw(&camera, model, data, g, color_of(model, g), canvas);
+        }
+        for s in 0..model.nsite() {
+            shapes::marker(&camera, data.site_xpos[s], model.site_size[s][0], rgba(model.site_rgba[s]), canvas);
+        }
+    }
+}
+
+/// The colour of a geom: its own, or else its material's.
+fn color_of(model: &Model, g: usize) -> Color {
+    const GREY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
+    match usize::try_from(model.geom_matid[g]) {
+        Ok(material) if model.geom_rgba[g] == GREY => rgba(model.mat_rgba[material]),
+        _ => rgba(model.geom_rgba[g]),
+    }
+}
+
+fn rgba([r, g, b, a]: [f64; 4]) -> Color {
+    let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+    Color { r: byte(r), g: byte(g), b: byte(b), a: byte(a) }
+}
+
+/// The free camera, where MuJoCo's viewer puts it unless it is told.
+fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
+    let wrong = |reason: &str| Error::argument("default_camera_config", reason);
+    let follows = match config.trackbodyid {
+        Some(id @ 1..) => match usize::try_from(id).ok().filter(|id| *id < model.nbody()) {
+            Some(id) => Some(id),
+            None => return Err(wrong(&format!("trackbodyid {id}: the model has {} bodies", model.nbody()))),
+        },
+        _ => None,
+    };
+    let median = |k: usize| {
+        let mut numbers: Vec<f64> = data.geom_xpos.iter().map(|pos| pos[k]).collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
+    };
+    let config = Free {
+        distance: config.distance.unwrap_or(model.stat.extent),
+        azimuth: config.azimuth.unwrap_or(AZIMUTH),
+        elevation: config.elevation.unwrap_or(ELEVATION),
+        lookat: config.lookat.unwrap_or_else(|| std::array::from_fn(median)),
+    };
+    let numbers = [config.distance, config.azimuth, config.elevation];
+    if !numbers.iter().chain(&config.lookat).all(|x| x.is_finite()) || config.distance <= 0.0 {
+        return Err(wrong("the distance must be positive, and all numbers finite"));
+    }
+    Ok(Mount::Free { config, follows })
+}
+
+impl Own {
+    fn new(model: &Model, data: &Data, id: usize) -> Self {
+        let (body, pos, quat) = (model.cam_bodyid[id], model.cam_pos[id], model.cam_quat[id]);
+        let place = add(data.xpos[body], rotate(&data.xmat[body], pos));
+        Self {
+            mode: model.cam_mode[id],
+            body,
+            target: usize::try_from(model.cam_targetbodyid[id]).unwrap_or(0),
+            pos,
+            quat,
+            fovy: model.cam_fovy[id],
+            mat0: quat_to_mat(mul_quat(data.xquat[body], quat)),
+            from_body: sub(place, data.xpos[body]),
+            from_com: sub(place, data.subtree_com[body]),
+        }
+    }
+
+    fn camera(&self, data: &Data, size: [f64; 2]) -> Camera {
+        let body = self.body;
+        let place = add(data.xpos[body], rotate(&data.xmat[body], self.pos));
+        match self.mode {
+            1 => Camera::new(add(data.xpos[body], self.from_body), &self.mat0, self.fovy, size),
+            2 => Camera::new(add(data.subtree_com[body], self.from_com), &self.mat0, self.fovy, size),
+            3 => Camera::towards(place, data.xpos[self.target], self.fovy, size),
+            4 => Camera::towards(place, data.subtree_com[self.target], self.fovy, size),
+            _ => Camera::new(place, &quat_to_mat(mul_quat(data.xquat[body], self.quat)), self.fovy, size),
+        }
+    }
+}

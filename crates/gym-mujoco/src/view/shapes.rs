@@ -1,0 +1,133 @@
+//! Shaded spheres, capsules and cylinders.
+//!
+//! A round shape is drawn as outlines within each other, from dark to bright, each smaller and nearer to the light. So it
+//! looks round with plain fills alone, at any size and in any format.
+
+use gym_core::canvas::{Canvas, Color, Point};
+
+use super::camera::{Camera, NEAR};
+use super::floor::blend;
+use crate::model::GeomType;
+use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
+use crate::{Data, Model, libm};
+
+/// Towards the light: from above, and a little from the left and the front of most cameras.
+const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
+const LAYERS: usize = 9;
+const ARC: usize = 14;
+
+/// By how much the nearest point of a shape is nearer than its centre.
+pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) -> f64 {
+    let [radius, half, _] = model.geom_size[g];
+    let axis = dot(column(&data.geom_xmat[g], 2), camera.ahead).abs();
+    match model.geom_type[g] {
+        GeomType::Capsule | GeomType::Cylinder => radius + 0.3 * half * axis,
+        _ => radius,
+    }
+}
+
+/// Draws a geom.
+pub(super) fn draw(camera: &Camera, model: &Model, data: &Data, g: usize, color: Color, canvas: &mut dyn Canvas) {
+    let [radius, half, _] = model.geom_size[g];
+    let center = data.geom_xpos[g];
+    let axis = column(&data.geom_xmat[g], 2);
+    let ends = [add_scaled(center, axis, half), add_scaled(center, axis, -half)];
+    match model.geom_type[g] {
+        GeomType::Plane => {}
+        GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
+        GeomType::Capsule => round(camera, ends, radius, color, canvas),
+        GeomType::Cylinder => cylinder(camera, ends, &data.geom_xmat[g], radius, color, canvas),
+    }
+}
+
+/// Draws a small ball, such as a site.
+pub(super) fn marker(camera: &Camera, center: Vec3, radius: f64, color: Color, canvas: &mut dyn Canvas) {
+    if color.a > 0 {
+        round(camera, [center; 2], radius, color, canvas);
+    }
+}
+
+/// A capsule, or where both ends are one, a sphere.
+fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &mut dyn Canvas) {
+    if ends.iter().any(|end| camera.depth(*end) < NEAR + radius) {
+        return;
+    }
+    let light = camera.flat(LIGHT);
+    let centers = ends.map(|end| camera.project(end));
+    let radii = ends.map(|end| camera.pixels(radius, end));
+    let (dark, bright) = (blend(color, Color::rgb(16, 18, 34), 0.52), blend(color, Color::WHITE, 0.22));
+    // a line around it sets it off from what is behind
+    outline(centers, radii.map(|r| r + 0.6), blend(dark, Color::BLACK, 0.35), canvas);
+    for layer in 0..LAYERS {
+        let t = layer as f64 / (LAYERS - 1) as f64;
+        let shrink = 1.0 - 0.86 * t;
+        let shift = 0.46 * t;
+        let moved: [Point; 2] = std::array::from_fn(|i| {
+            [centers[i][0] + light[0] * radii[i] * shift, centers[i][1] + light[1] * radii[i] * shift]
+        });
+        let shade = if t < 0.6 { blend(dark, color, (t / 0.6).sqrt()) } else { blend(color, bright, (t - 0.6) / 0.4) };
+        outline(moved, radii.map(|r| r * shrink), shade, canvas);
+    }
+}
+
+/// Fills the hull of two circles.
+fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dyn Canvas) {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let distance = (along[0] * along[0] + along[1] * along[1]).sqrt();
+    if distance <= (ra - rb).abs() + 1e-9 {
+        let (center, radius) = if ra >= rb { (a, ra) } else { (b, rb) };
+        canvas.circle(center, radius.max(0.0), color);
+        return;
+    }
+    // the hull leaves each circle where its tangents touch
+    let turn = libm::atan2(along[1], along[0]);
+    let slope = libm::atan2((ra - rb) / distance, (1.0 - ((ra - rb) / distance).powi(2)).max(0.0).sqrt());
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let points: [Point; 2 * ARC] = std::array::from_fn(|i| {
+        let (center, radius, from, to) = if i < ARC {
+            (b, rb, turn - quarter + slope, turn + quarter - slope)
+        } else {
+            (a, ra, turn + quarter - slope, turn + 3.0 * quarter + slope)
+        };
+        let angle = from + (to - from) * (i % ARC) as f64 / (ARC - 1) as f64;
+        let (sin, cos) = libm::sin_cos(angle);
+        [center[0] + radius * cos, center[1] + radius * sin]
+    });
+    canvas.polygon(&points, color);
+}
+
+/// A cylinder: its side in strips, each as bright as it faces the light, then the end that is seen.
+fn cylinder(camera: &Camera, ends: [Vec3; 2], mat: &[f64; 9], radius: f64, color: Color, canvas: &mut dyn Canvas) {
+    const SIDES: usize = 32;
+    if ends.iter().any(|end| camera.depth(*end) < NEAR + radius) {
+        return;
+    }
+    let (x, y, z) = (column(mat, 0), column(mat, 1), column(mat, 2));
+    let spoke = |i: usize| {
+        let (sin, cos) = libm::sin_cos(i as f64 * std::f64::consts::TAU / SIDES as f64);
+        add(scale(x, cos), scale(y, sin))
+    };
+    let lit = |normal: Vec3| {
+        let facing = dot(normal, LIGHT);
+        let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
+        if facing < 0.4 { blend(dark, color, (facing + 0.4) / 0.8) } else { blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2) }
+    };
+    let ring = |end: Vec3| -> [Point; SIDES] {
+        std::array::from_fn(|i| camera.project(add_scaled(end, spoke(i), radius)))
+    };
+    let rings = ends.map(ring);
+    for i in 0..SIDES {
+        let next = (i + 1) % SIDES;
+        let normal = spoke(i);
+        let towards = sub(camera.pos, add_scaled(ends[0], normal, radius));
+        if dot(normal, towards) > 0.0 || dot(spoke(next), towards) > 0.0 {
+            let strip = [rings[0][i], rings[0][next], rings[1][next], rings[1][i]];
+            canvas.polygon(&strip, lit(normal));
+        }
+    }
+    for (end, normal, ring) in [(ends[0], z, rings[0]), (ends[1], scale(z, -1.0), rings[1])] {
+        if dot(normal, sub(camera.pos, end)) > 0.0 {
+            canvas.polygon(&ring, lit(normal));
+        }
+    }
+}

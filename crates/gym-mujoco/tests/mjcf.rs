@@ -1,0 +1,133 @@
+//! What the reader of MJCF refuses: each error names the line, the element and the attribute.
+
+use gym_mujoco::{Error, Model};
+
+/// A model with one line at fault, line 4.
+fn in_the_world(line: &str) -> String {
+    format!("<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>")
+}
+
+/// A model whose section is at fault, on line 6.
+fn section(line: &str) -> String {
+    format!(
+        "<mujoco>\n<worldbody>\n<body name=\"b\">\n<joint name=\"j\"/><geom size=\"0.1\"/></body><body name=\"f\"><freejoint name=\"free\"/><geom size=\"1\"/></body>\n</worldbody>\n{line}\n</mujoco>"
+    )
+}
+
+/// Text, line, element and attribute of what is refused.
+type Refused = (String, u32, &'static str, Option<&'static str>);
+
+fn refused() -> Vec<Refused> {
+    let world = |line: &str, element, attribute| (in_the_world(line), 4, element, attribute);
+    let other = |line: &str, element, attribute| (section(line), 6, element, attribute);
+    let body = |line: &str, element, attribute| {
+        (in_the_world(&format!("<body>{line}<geom size=\"0.1\"/></body>")), 4, element, attribute)
+    };
+    vec![
+        // outside of the supported part
+        world("<geom type=\"box\" size=\"1 1 1\"/>", "geom", Some("type")),
+        world("<geom type=\"ellipsoid\" size=\"1 1 1\"/>", "geom", Some("type")),
+        world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("type")),
+        world("<geom size=\"1\" condim=\"4\"/>", "geom", Some("condim")),
+        world("<geom size=\"1\" condim=\"6\"/>", "geom", Some("condim")),
+        world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
+        world("<geom size=\"1\" solref=\"-100 -5\"/>", "geom", Some("solref")),
+        world("<nonsense/>", "nonsense", None),
+        world("<body mocap=\"true\"><geom size=\"1\"/></body>", "body", Some("mocap")),
+        world("<frame pos=\"1 0 0\"/>", "frame", None),
+        world("<joint/>", "joint", None),
+        body("<joint type=\"ball\"/>", "joint", Some("type")),
+        body("<joint frictionloss=\"0.1\"/>", "joint", Some("frictionloss")),
+        body("<joint springdamper=\"1 1\"/>", "joint", Some("springdamper")),
+        body("<joint solreflimit=\"-1 -1\"/>", "joint", Some("solreflimit")),
+        body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
+        other("<option cone=\"elliptic\"/>", "option", Some("cone")),
+        other("<option impratio=\"2\"/>", "option", Some("impratio")),
+        other("<option integrator=\"implicit\"/>", "option", Some("integrator")),
+        other("<option solver=\"CG\"/>", "option", Some("solver")),
+        other("<option><flag contact=\"disable\"/></option>", "flag", None),
+        other("<option noslip_iterations=\"3\"/>", "option", Some("noslip_iterations")),
+        other("<compiler eulerseq=\"zyx\"/>", "compiler", Some("eulerseq")),
+        other("<compiler coordinate=\"global\"/>", "compiler", Some("coordinate")),
+        other("<include file=\"x.xml\"/>", "include", None),
+        other("<equality/>", "equality", None),
+        other("<sensor/>", "sensor", None),
+        other("<asset><mesh file=\"x.obj\"/></asset>", "mesh", None),
+        other("<actuator><position joint=\"j\"/></actuator>", "position", None),
+        other("<actuator><motor joint=\"j\" forcerange=\"-1 1\"/></actuator>", "motor", Some("forcerange")),
+        other("<tendon><spatial/></tendon>", "spatial", None),
+        other(
+            "<tendon><fixed stiffness=\"1\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon>",
+            "fixed",
+            Some("stiffness"),
+        ),
+        other("<contact><pair geom1=\"a\" geom2=\"b\"/></contact>", "pair", None),
+        other("<default><position kp=\"1\"/></default>", "position", None),
+        other("<keyframe><key act=\"1\"/></keyframe>", "key", Some("act")),
+        // makes no sense
+        world("<geom size=\"nan\"/>", "geom", Some("size")),
+        world("<geom size=\"1e999\"/>", "geom", Some("size")),
+        world("<geom size=\"1,2\"/>", "geom", Some("size")),
+        world("<geom size=\"\"/>", "geom", Some("size")),
+        world("<geom size=\"-1\"/>", "geom", Some("size")),
+        world("<geom/>", "geom", Some("size")),
+        world("<geom size=\"1\" pos=\"1 2\"/>", "geom", Some("pos")),
+        world("<geom size=\"1\" pos=\"1 2 3 4\"/>", "geom", Some("pos")),
+        world("<geom size=\"1\" quat=\"0 0 0 0\"/>", "geom", Some("quat")),
+        world("<geom size=\"1\" quat=\"1 0 0 0\" euler=\"1 0 0\"/>", "geom", Some("euler")),
+        world("<geom size=\"1\" fromto=\"0 0 0 1 0 0\"/>", "geom", Some("fromto")),
+        world("<geom size=\"1\" type=\"capsule\" fromto=\"1 0 0 1 0 0\"/>", "geom", Some("fromto")),
+        world("<geom size=\"1\" contype=\"1.5\"/>", "geom", Some("contype")),
+        world("<geom size=\"1\" class=\"none\"/>", "geom", Some("class")),
+        world("<geom size=\"1\" material=\"none\"/>", "geom", Some("material")),
+        world("<geom size=\"1\" name=\"x\"/><geom size=\"1\" name=\"x\"/>", "geom", Some("name")),
+        world("<geom size=\"1\">text</geom>", "geom", None),
+        world("<body><joint/></body>", "body", None),
+        world("<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>", "geom", Some("type")),
+        world("<body><body><freejoint/><geom size=\"1\"/></body></body>", "freejoint", Some("type")),
+        body("<joint range=\"1 -1\"/>", "joint", Some("range")),
+        body("<joint axis=\"0 0 0\"/>", "joint", Some("axis")),
+        body("<freejoint/><joint/>", "freejoint", Some("type")),
+        body("<inertial mass=\"1\"/>", "inertial", Some("pos")),
+        body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 5\"/>", "inertial", None),
+        other("<actuator><motor joint=\"none\"/></actuator>", "motor", Some("joint")),
+        other("<actuator><motor joint=\"free\"/></actuator>", "motor", Some("joint")),
+        other("<actuator><motor/></actuator>", "motor", Some("joint")),
+        other("<actuator><motor joint=\"j\" ctrlrange=\"1 0\"/></actuator>", "motor", Some("ctrlrange")),
+        other("<contact><exclude body1=\"b\" body2=\"none\"/></contact>", "exclude", Some("body2")),
+        other("<keyframe><key qpos=\"1 2 3\"/></keyframe>", "key", Some("qpos")),
+        other("<option timestep=\"0\"/>", "option", Some("timestep")),
+        // damaged
+        ("<mujoco>\n<worldbody>".into(), 2, "mujoco", None),
+        ("".into(), 1, "mujoco", None),
+        ("<mujoco>\n\n<a></b></mujoco>".into(), 3, "mujoco", None),
+        ("<!DOCTYPE x [<!ENTITY a \"b\">]><mujoco>&a;</mujoco>".into(), 1, "mujoco", None),
+        ("<robot/>".into(), 1, "robot", None),
+    ]
+}
+
+#[test]
+fn errors_name_line_element_and_attribute() {
+    for (text, line, element, attribute) in refused() {
+        match Model::from_xml(&text) {
+            Err(Error::Mjcf { line: l, element: e, attribute: a, reason }) => {
+                assert_eq!((l, &*e, a.as_deref()), (line, element, attribute), "{text}\n{reason}");
+                let message = Model::from_xml(&text).unwrap_err().to_string();
+                assert!(message.contains(&format!("line {line}")) && message.contains(element), "{message}");
+            }
+            other => panic!("{text}\n{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn sizes_and_depths_have_limits() {
+    let deep = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(5000), "</body>".repeat(5000));
+    let message = Model::from_xml(&deep).unwrap_err().to_string();
+    assert!(message.contains("nested deeper"), "{message}");
+    let many = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<geom size=\"1\"/>".repeat(5000));
+    let message = Model::from_xml(&many).unwrap_err().to_string();
+    assert!(message.contains("more than 1000"), "{message}");
+    let long = " ".repeat(9 << 20);
+    assert!(Model::from_xml(&long).unwrap_err().to_string().contains("the limit is"));
+}

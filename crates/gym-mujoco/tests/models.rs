@@ -1,0 +1,77 @@
+//! The built-in models against the figures that MuJoCo 3.12.0 compiles for the models of Gymnasium 1.4.0.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gym_mujoco::Model;
+use gym_mujoco::tasks::load;
+use serde_json::Value;
+
+/// Compares numbers, and collects what differs.
+fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<String>) {
+    match (expected, got) {
+        (Value::Object(a), _) => {
+            for (key, a) in a {
+                compare(&format!("{path}.{key}"), a, &got[key], differences);
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&format!("{path}[{i}]"), a, b, differences);
+            }
+        }
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            // these come out of a factorisation
+            let solved = ["invweight0", "meaninertia", "acc0"].iter().any(|name| path.contains(name));
+            let limit = if solved { 1e-10 } else { 1e-12 };
+            if (a - b).abs() > limit * a.abs().max(1.0) || !b.is_finite() {
+                differences.push(format!("{path}: {b} for {a}"));
+            }
+        }
+        _ if expected == got => {}
+        _ => differences.push(format!("{path}: {got} for {expected}")),
+    }
+}
+
+/// The folders of figures: the one in this crate, and the one that `GYM_REFERENCE` names.
+fn folders() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
+    let more = std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("models_mujoco"));
+    std::iter::once(own).chain(more.filter(|folder| folder.is_dir())).collect()
+}
+
+#[test]
+fn models_have_mujocos_figures() {
+    let (mut files, mut wrong) = (0, Vec::new());
+    for folder in folders() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let mut recorded: Value = match path.extension() {
+                Some(json) if json == "json" => serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap(),
+                _ => continue,
+            };
+            if recorded.get("body_mass").is_none() {
+                continue;
+            }
+            let model = match recorded["xml"].as_str() {
+                Some(xml) => Arc::new(Model::from_xml_file(folder.join(xml)).unwrap()),
+                None => load(&format!("{}.xml", recorded["model"].as_str().unwrap())).unwrap(),
+            };
+            // names and versions of the recorder, and what only MuJoCo's viewer uses
+            let object = recorded.as_object_mut().unwrap();
+            for key in ["model", "xml", "gymnasium", "mujoco", "numpy", "vis", "mat_texrepeat"] {
+                object.remove(key);
+            }
+            let mut differences = Vec::new();
+            compare("", &recorded, &Value::Object(model.figures()), &mut differences);
+            if !differences.is_empty() {
+                differences.truncate(12);
+                wrong.push(format!("{}: {differences:#?}", path.display()));
+            }
+            files += 1;
+        }
+    }
+    assert!(files >= 31, "{files} files");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,0 +1,130 @@
+//! What holds for every simulation: it can be stored, it never ends in numbers that are not finite, it allocates nothing.
+
+use std::path::Path;
+
+use gym_mujoco::{forward, physics, step, Data, Model};
+
+const MODELS: [&str; 13] = [
+    "inverted_pendulum", "inverted_double_pendulum", "reacher", "pusher", "pusher_v5", "swimmer", "half_cheetah", "hopper", "walker2d",
+    "walker2d_v5", "ant", "humanoid", "humanoidstandup",
+];
+
+fn built_in(name: &str) -> Model {
+    Model::from_xml_file(Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml")).unwrap()
+}
+
+/// Draws from -1 to 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
+    }
+
+    /// Controls of one of several kinds: small, at the limits, held, far beyond the limits.
+    fn control(&mut self, m: &Model, d: &mut Data, kind: usize) {
+        for i in 0..m.nu() {
+            let most = m.actuator_ctrlrange[i][1];
+            let draw = self.next();
+            d.ctrl[i] = match kind % 4 {
+                0 => draw * most,
+                1 => draw.signum() * most,
+                2 => if i % 2 == 0 { most } else { -most },
+                _ => draw * 1e6,
+            };
+        }
+    }
+}
+
+fn everything(d: &Data) -> String {
+    serde_json::to_string(d).unwrap()
+}
+
+#[test]
+fn stored_data_continues_bit_for_bit() {
+    for name in MODELS {
+        let m = built_in(name);
+        let (mut d, mut random) = (Data::new(&m), Random(3));
+        for i in 0..60 {
+            random.control(&m, &mut d, i / 20);
+            step(&m, &mut d);
+        }
+        let mut restored: Data = serde_json::from_str(&everything(&d)).unwrap();
+        let mut cloned = d.clone();
+        for _ in 0..40 {
+            random.control(&m, &mut d, 0);
+            restored.ctrl.clone_from(&d.ctrl);
+            cloned.ctrl.clone_from(&d.ctrl);
+            for data in [&mut d, &mut restored, &mut cloned] {
+                step(&m, data);
+            }
+            assert!(everything(&d) == everything(&restored) && everything(&d) == everything(&cloned), "{name}");
+        }
+    }
+}
+
+#[test]
+fn data_is_reused_for_another_model_like_new() {
+    let (ant, hopper) = (built_in("ant"), built_in("hopper"));
+    let mut d = Data::new(&ant);
+    step(&ant, &mut d);
+    d.reset(&hopper);
+    let mut fresh = Data::new(&hopper);
+    for data in [&mut d, &mut fresh] {
+        step(&hopper, data);
+    }
+    assert_eq!(everything(&d), everything(&fresh));
+}
+
+/// `GYM_SOAK_STEPS` says how many steps; a million passes.
+#[test]
+fn no_control_makes_numbers_that_are_not_finite() {
+    let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());
+    for name in MODELS {
+        let m = built_in(name);
+        let (mut d, mut random) = (Data::new(&m), Random(7));
+        for i in 0..steps {
+            if i % 10 == 0 {
+                random.control(&m, &mut d, i / 500);
+            }
+            step(&m, &mut d);
+            let numbers = d.qpos.iter().chain(&d.qvel).chain(&d.qacc).chain(&d.qfrc_constraint).chain(d.efc.force.iter());
+            assert!(numbers.copied().all(f64::is_finite), "{name}, step {i}");
+        }
+        physics::rne_post_constraint(&m, &mut d);
+        assert!(d.cfrc_ext.iter().flatten().all(|x| x.is_finite()));
+    }
+}
+
+#[test]
+fn a_state_that_diverged_is_reset() {
+    for name in ["hopper", "ant"] {
+        let m = built_in(name);
+        for bad in [f64::NAN, f64::INFINITY, 2e10] {
+            let mut fresh = Data::new(&m);
+            step(&m, &mut fresh);
+            for spoil in [|d: &mut Data, bad| d.qpos[1] = bad, |d: &mut Data, bad| d.qvel[1] = bad] {
+                let mut d = Data::new(&m);
+                d.time = 3.0;
+                spoil(&mut d, bad);
+                step(&m, &mut d);
+                assert_eq!(d.qpos, fresh.qpos, "{name} {bad}");
+                assert_eq!(d.time, fresh.time);
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_controls_count_as_none() {
+    let m = built_in("half_cheetah");
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut d = Data::new(&m);
+        d.ctrl.fill(0.5);
+        d.ctrl[2] = bad;
+        forward(&m, &mut d);
+        // infinity is clamped to the control's range first
+        assert_eq!(d.qfrc_actuator.iter().all(|&f| f == 0.0), bad.is_nan());
+    }
+}

@@ -1,0 +1,82 @@
+//! Recorded episodes of Gymnasium's MuJoCo environments, repeated.
+//!
+//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder that has them.
+
+use std::path::{Path, PathBuf};
+
+use gym_core::trace::Trace;
+use gym_mujoco::model_and_data;
+use serde_json::{Value, json};
+
+/// The largest difference, relative above 1; infinite where keys, lengths, flags or texts differ.
+fn off(a: &Value, b: &Value) -> f64 {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => match (a.as_f64(), b.as_f64()) {
+            (Some(a), Some(b)) => (a - b).abs() / a.abs().max(1.0),
+            _ => f64::INFINITY,
+        },
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).map(|(a, b)| off(a, b)).fold(0.0, f64::max)
+        }
+        (Value::Object(a), Value::Object(b)) if a.len() == b.len() => {
+            a.iter().map(|(key, a)| b.get(key).map_or(f64::INFINITY, |b| off(a, b))).fold(0.0, f64::max)
+        }
+        _ if a == b => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Compares a file up to its horizon: how many events, the largest difference, and what is wrong.
+fn compare(path: &Path) -> Result<(usize, f64), String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let file: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+    let mut trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+    let horizon = file["horizon"].as_u64().ok_or("no horizon")? as usize;
+    let limit = file["tolerance"].as_f64().unwrap_or(1e-9);
+    trace.events.truncate(horizon);
+    let state = |env: &gym_core::BoxEnv| {
+        model_and_data(env).map(|(_, data)| json!({"qpos": data.qpos, "qvel": data.qvel}))
+    };
+    let answers = trace.replay(state).map_err(|error| error.to_string())?;
+    let mut worst = 0.0_f64;
+    for (i, (asked, answer)) in trace.events.iter().zip(&answers.events).enumerate() {
+        let (asked, answer) = (json!(asked), json!(answer));
+        for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
+            if asked[part].is_null() {
+                continue;
+            }
+            let here = off(&asked[part], &answer[part]);
+            if here > limit {
+                return Err(format!("event {i} of {horizon}, {part} is {here:.1e} off: {} for {}", answer[part], asked[part]));
+            }
+            worst = worst.max(here);
+        }
+    }
+    Ok((trace.events.len(), worst))
+}
+
+fn compare_all(folder: &Path) {
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().contains("-v")))
+        .collect();
+    paths.sort();
+    assert!(!paths.is_empty(), "{} has no traces", folder.display());
+    let mut wrong = Vec::new();
+    for path in &paths {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        match compare(path) {
+            Ok((events, worst)) => println!("{name}: {events} events, {worst:.1e}"),
+            Err(error) => wrong.push(format!("{name}: {}", &error[..error.len().min(400)])),
+        }
+    }
+    assert!(wrong.is_empty(), "{} of {} differ:\n{}", wrong.len(), paths.len(), wrong.join("\n"));
+}
+
+#[test]
+fn all_recorded_episodes() {
+    if let Some(folder) = std::env::var_os("GYM_REFERENCE") {
+        compare_all(&PathBuf::from(folder).join("traces_mujoco"));
+    }
+}

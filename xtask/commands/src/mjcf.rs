@@ -1,0 +1,21 @@
+//! `cargo xtask mjcf FILE`
+
+use std::path::PathBuf;
+
+use gym::mujoco::Model;
+use gym::{Error, Result};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// A model in MJCF.
+    file: PathBuf,
+}
+
+pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
+    let model = Model::from_xml_file(&arguments.file).map_err(|error| Error::custom(error.to_string()))?;
+    let figures = model.figures();
+    for (name, size) in figures["sizes"].as_object().into_iter().flatten() {
+        println!("{name:9} {size}");
+    }
+    Ok(())
+}

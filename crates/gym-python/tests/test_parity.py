@@ -10,7 +10,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import rustgym
 
-THEIRS = [i for i in IDS if i in gymnasium.registry and "rustgym" not in str(gymnasium.registry[i].entry_point)]
+FAMILIES = ("gymnasium.envs.classic_control", "gymnasium.envs.toy_text", "gymnasium.envs.box2d")
+THEIRS = [i for i in IDS if i in gymnasium.registry and str(gymnasium.registry[i].entry_point).startswith(FAMILIES)]
 
 
 def their(env_id: str, **kwargs: object) -> gymnasium.Env:

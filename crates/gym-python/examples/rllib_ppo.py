@@ -2,7 +2,7 @@
 """Ray RLlib: PPO learns to balance a pole, with environments in processes of their own.
 
     pip install rustgym "ray[rllib]" torch
-    python rllib.py [--way name|creator|vector] [--iterations 5]
+    python rllib_ppo.py [--way name|creator|vector] [--iterations 5]
 
 Ray's workers start without what the main program has registered. Each way of naming the environment therefore imports
 rustgym in the worker.

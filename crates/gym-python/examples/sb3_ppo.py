@@ -2,7 +2,7 @@
 """Stable-Baselines3: PPO learns to balance a pole, on a vector of ours.
 
     pip install rustgym stable-baselines3
-    python stable_baselines3.py [--steps 100000]
+    python sb3_ppo.py [--steps 100000]
 """
 
 import argparse

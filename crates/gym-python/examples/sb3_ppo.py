@@ -7,6 +7,7 @@
 
 import argparse
 
+import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor
@@ -17,6 +18,7 @@ parser = argparse.ArgumentParser()
 parser.add_argument("--steps", type=int, default=100_000)
 steps = parser.parse_args().steps
 
+torch.set_num_threads(1)  # a network this small is faster on one
 # one object steps all eight; `make_vec_env("rustgym:rustgym/CartPole-v1", 8)` works as well, and steps them in Python
 envs = VecMonitor(rustgym.sb3.VecEnv("CartPole-v1", num_envs=8))
 model = PPO(

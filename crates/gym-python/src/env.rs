@@ -60,6 +60,14 @@ impl Core {
         outcome.or_raise()
     }
 
+    /// The whole state, as JSON.
+    fn snapshot(&self) -> PyResult<String> {
+        guard(|| {
+            let snapshot: Json = self.env.snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+            Ok(snapshot.to_string())
+        })
+    }
+
     fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let info = PyDict::new(py);
         let mut result = Ok(());
@@ -199,14 +207,10 @@ impl Env {
 
     /// The whole state, as JSON.
     fn snapshot(&self, py: Python<'_>) -> PyResult<String> {
-        let core = self.lock(py)?;
-        guard(|| {
-            let snapshot: Json = core.env.snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
-            Ok(snapshot.to_string())
-        })
+        self.lock(py)?.snapshot()
     }
 
-    /// Goes on from a snapshot. `observation` is what the agent sees of it.
+    /// Goes on from a snapshot; `is_running` says whether it is of an episode.
     fn restore(&self, py: Python<'_>, snapshot: &str, is_running: bool) -> PyResult<()> {
         let snapshot = serde_json::from_str(snapshot)
             .and_then(serde_json::from_value::<Snapshot>)
@@ -290,11 +294,11 @@ impl Env {
     /// What it is made of, and a snapshot to go on from.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, env) = (slf.py(), slf.get());
-        let snapshot = env.snapshot(py)?;
-        let (is_running, observation) = {
+        let (snapshot, is_running, observation) = {
             let core = env.lock(py)?;
             let space = core.env.observation_space();
-            (core.is_running, space.to_json(&core.observation).map(|json| json.to_string()).ok())
+            let observation = space.to_json(&core.observation).map(|json| json.to_string()).ok();
+            (core.snapshot()?, core.is_running, observation)
         };
         let made_of = (&env.id, &env.kwargs, &env.render_mode, snapshot, is_running, observation);
         Ok((slf.get_type().getattr("rebuild")?, made_of.into_pyobject(py)?))

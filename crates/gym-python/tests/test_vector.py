@@ -139,6 +139,12 @@ def test_attributes_of_the_environments() -> None:
         rustgym.VectorEnv("CartPole-v1", 3, kind="native").get_attr("state")
 
 
+def test_arguments_of_the_environments() -> None:
+    envs = rustgym.VectorEnv("LunarLander-v3", 2, kind="sync", enable_wind=True)
+    envs.reset(seed=0)
+    assert envs.get_attr("enable_wind") == (True, True) and envs.get_attr("wind_idx")[0] != envs.get_attr("wind_idx")[1]
+
+
 def test_a_panic_in_one(faults: str) -> None:
     for kind in ("sync", "async"):
         envs = rustgym.VectorEnv(faults, 3, kind=kind)

@@ -104,11 +104,11 @@ class Env(gymnasium.Env[Any, Any]):
                 self.__dict__[name] = value
 
     @staticmethod
-    def _of(inner: native.Env, env_id: str, render_mode: str | None) -> Env:
+    def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
         """The environment around a native one, which may have wrappers of the Rust side."""
         import rustgym.envs as envs
 
-        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode)
+        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **kwargs)
         env._native = inner
         env._np_random_seed = -1
         return env

@@ -75,6 +75,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                     f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and those of rustgym.VectorEnv"
                 )
         self.env_id = env_id
+        self._given = kwargs
         self.num_envs = num_envs
         self.render_mode = render_mode
         self.autoreset_mode = AutoresetMode(autoreset_mode)
@@ -200,7 +201,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     @property
     def envs(self) -> tuple[Env, ...]:
         """Copies of the environments, to look at; not of a native vector, which is not made of any."""
-        return tuple(Env._of(native, self.env_id, self.render_mode) for native in self._native.envs())
+        return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or what it returns where it is a method."""

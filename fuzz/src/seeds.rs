@@ -64,13 +64,7 @@ pub fn traces() -> Vec<Vec<u8>> {
         let reset = Event { reset: Some((&Reset::seed(7)).into()), ..Event::default() };
         let step = |_| Some(Event { step: Some(space.to_json(&actions.sample()).ok()?), ..Event::default() });
         let events = std::iter::once(Some(reset)).chain((0..3).map(step)).collect::<Option<_>>()?;
-        let trace = Trace {
-            id: registration.id().into(),
-            kwargs: Default::default(),
-            wrappers: vec![],
-            vector: None,
-            events,
-        };
+        let trace = Trace { id: registration.id().into(), events, ..Trace::default() };
         serde_json::to_vec(&trace).ok()
     });
     traces.collect()

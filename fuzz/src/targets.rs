@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use gym::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
 use gym::trace::Trace;
 use gym::{BoxEnv, Env, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
@@ -236,16 +236,4 @@ fn is_reasonable(json: &Json) -> bool {
         Json::Object(map) => map.values().all(is_reasonable),
         _ => true,
     }
-}
-
-/// Takes every call and draws nothing.
-struct Blank;
-
-impl Canvas for Blank {
-    fn clear(&mut self, _: Color) {}
-    fn fill(&mut self, _: Shape<'_>, _: Color) {}
-    fn stroke(&mut self, _: Shape<'_>, _: f64, _: Color) {}
-    fn text(&mut self, _: &str, _: Point, _: f64, _: Align, _: Color) {}
-    fn push(&mut self, _: Transform) {}
-    fn pop(&mut self) {}
 }

@@ -25,7 +25,9 @@ fn drawings_are_as_kept() {
         let mut actions = env.action_sampler(0).unwrap();
         env.reset(0).unwrap();
         let mut drawn = String::new();
-        for step in 0..3 {
+        // all of CarRacing's field is in sight at first
+        let steps = if id.starts_with("CarRacing") { 1 } else { 3 };
+        for step in 0..steps {
             let recording = Recording::of(|canvas| env.draw(canvas));
             drawn += &format!("# step {step}\n{recording}\n");
             if env.step(&actions.sample()).unwrap().done() {

@@ -32,9 +32,19 @@ fn starts() {
         } else if let Some(walker) = env.unwrapped::<BipedalWalker>() {
             assert_eq!(&json!(walker.terrain()), &start["terrain_y"], "{name}");
         } else if let Some(car) = env.unwrapped::<CarRacing>() {
-            let track: Vec<[f64; 4]> =
-                car.track().expect("reset").iter().map(|p| [p.alpha, p.beta, p.x, p.y]).collect();
-            assert_eq!(&json!(track), &start["track"], "{name}");
+            let track = car.track().expect("reset");
+            for (i, (p, expected)) in track.iter().zip(start["track"].as_array().expect("tiles")).enumerate()
+            {
+                assert_eq!(
+                    json!([p.beta, p.x, p.y]),
+                    json!(&expected.as_array().expect("four")[1..]),
+                    "{name}"
+                );
+                // an arc tangent, correctly rounded here and not always in the C library; the track is laid
+                // by comparing it
+                let alpha = expected[0].as_f64().expect("a number");
+                assert!([alpha.next_down(), alpha, alpha.next_up()].contains(&p.alpha), "{name}: tile {i}");
+            }
             assert_eq!(start["tiles"].as_u64(), Some(track.len() as u64), "{name}");
         } else {
             panic!("{name}: nothing here knows its start");

@@ -29,10 +29,11 @@
 
 use std::f32::consts::PI;
 
-use gym_core::canvas::{self, Canvas, Color, Point, Transform};
+use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
+use gym_core::math::{cos, sin};
 use gym_core::render::Metadata;
 use gym_core::{
-    Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pixels,
+    Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +51,8 @@ const SPEED_HIP: f32 = 4.0; // rad/s
 const SPEED_KNEE: f32 = 6.0;
 const LIDAR_RANGE: f64 = 160.0 / SCALE;
 const LIDAR_RAYS: usize = 10;
+/// Pictures from one sweep of the beam to the next.
+const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
 const HULL_POLY: [[f64; 2]; 5] = [[-30.0, 9.0], [6.0, 9.0], [34.0, 1.0], [34.0, -8.0], [-30.0, -8.0]];
 const LEG_DOWN: f64 = -8.0 / SCALE;
@@ -105,7 +108,8 @@ struct Episode {
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
-    steps: u32,
+    /// Pictures taken, up to 99: the beam of the lidar sweeps with them.
+    pictures: usize,
 }
 
 impl BipedalWalker {
@@ -234,8 +238,8 @@ fn cloud(rng: &mut Generator) -> [Point; 5] {
     std::array::from_fn(|a| {
         #[expect(clippy::approx_constant, reason = "Gymnasium's")]
         let angle = 3.14 * 2.0 * a as f64 / 5.0;
-        let px = x + 15.0 * TERRAIN_STEP * angle.sin() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
-        let py = y + 5.0 * TERRAIN_STEP * angle.cos() + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        let px = x + 15.0 * TERRAIN_STEP * sin(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
+        let py = y + 5.0 * TERRAIN_STEP * cos(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
         [px, py]
     })
 }
@@ -307,7 +311,7 @@ impl Episode {
             ground_contact: [false; 2],
             prev_shaping: None,
             lidar: [1.0; LIDAR_RAYS],
-            steps: 0,
+            pictures: 0,
         }
     }
 
@@ -319,7 +323,6 @@ impl Episode {
             self.world.set_max_motor_torque(joint, MOTORS_TORQUE * a.abs().clamp(0.0, 1.0));
         }
         self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
-        self.steps = self.steps.wrapping_add(1);
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.hull);
             for (leg, contact) in [1, 3].into_iter().zip(&mut self.ground_contact) {
@@ -331,7 +334,8 @@ impl Episode {
         let pos = self.world.position(self.hull);
         let x = f64::from(pos.x);
         for i in 0..LIDAR_RAYS {
-            let hit = self.world.ray_cast(pos, self.ray_end(i), GROUND);
+            let end = self.ray_end(i);
+            let hit = self.world.ray_cast(pos, vec2(end[0], end[1]), GROUND);
             self.lidar[i] = hit.map_or(1.0, |hit| hit.fraction);
         }
 
@@ -357,10 +361,10 @@ impl Episode {
     }
 
     /// Where a ray of the lidar ends if nothing is in its way.
-    fn ray_end(&self, i: usize) -> Vec2 {
+    fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
         let angle = 1.5 * i as f64 / 10.0;
-        vec2(f64::from(pos.x) + angle.sin() * LIDAR_RANGE, f64::from(pos.y) - angle.cos() * LIDAR_RANGE)
+        [f64::from(pos.x) + sin(angle) * LIDAR_RANGE, f64::from(pos.y) - cos(angle) * LIDAR_RANGE]
     }
 
     fn observe(&self) -> [f32; 24] {
@@ -393,47 +397,78 @@ impl Episode {
             && self.joints.iter().all(|joint| world.has_joint(*joint))
             && self.fixtures.iter().chain(&self.obstacles).all(|fixture| world.has_fixture(*fixture))
             && self.terrain_y.len() == TERRAIN_LENGTH
+            && self.pictures < LIDAR_CYCLE
     }
 
-    fn draw_ground(&self, canvas: &mut dyn Canvas, scroll: f64) {
+    /// How far the picture has moved along, in m.
+    fn scroll(&self) -> f64 {
+        f64::from(self.world.position(self.hull).x) - VIEWPORT_W / SCALE / 5.0
+    }
+
+    fn draw_ground(&self, canvas: &mut dyn Canvas) {
+        let scroll = self.scroll();
         let point = |i: usize| [i as f64 * TERRAIN_STEP, self.terrain_y[i]];
-        let first = ((scroll / TERRAIN_STEP) as usize).min(TERRAIN_LENGTH - 1);
-        let last = (((scroll + VIEWPORT_W / SCALE) / TERRAIN_STEP) as usize + 1).min(TERRAIN_LENGTH - 1);
-        // in one piece, as pieces side by side would show their seams
-        let mut ground = [[0.0; 2]; TERRAIN_LENGTH + 2];
-        for i in first..=last {
-            ground[i + 1] = point(i);
+        for i in 0..TERRAIN_LENGTH - 1 {
+            let ([x1, y1], [x2, y2]) = (point(i), point(i + 1));
+            if x2 >= scroll && x1 <= scroll + VIEWPORT_W / SCALE {
+                let ground = [[x1, y1], [x2, y2], [x2, 0.0], [x1, 0.0]].map(|p| p.map(|x| x * SCALE));
+                common::draw_polygon(canvas, &ground, Color::rgb(102, 153, 76));
+            }
         }
-        (ground[first], ground[last + 2]) = ([point(first)[0], 0.0], [point(last)[0], 0.0]);
-        let green = Color::rgb(102, 153, 76);
-        pixels::polygon(canvas, Transform::scale(SCALE, SCALE), &mut ground[first..=last + 2], green);
-        // the beam of the lidar sweeps down and up
-        let i = self.steps as usize % 100;
-        if i < 2 * LIDAR_RAYS {
-            let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
-            let (p1, end) = (self.world.position(self.hull), self.ray_end(i));
-            let p2 = p1 + (end - p1) * self.lidar[i];
-            let pixel = |p: Vec2| pixels::whole(canvas, [p.x, p.y].map(|x| f64::from(x) * SCALE));
-            let (p1, p2) = (pixel(p1), pixel(p2));
-            canvas.line(p1, p2, 1.0, Color::rgb(255, 0, 0));
+    }
+
+    /// The beam sweeps down and up, and then waits.
+    fn draw_lidar(&self, canvas: &mut dyn Canvas) {
+        let i = (self.pictures + 1) % LIDAR_CYCLE;
+        if i >= 2 * LIDAR_RAYS {
+            return;
         }
-        for i in first..last {
+        let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
+        let (p1, end, fraction) = (self.world.position(self.hull), self.ray_end(i), self.lidar[i]);
+        let p2 = if fraction < 1.0 {
+            // where the engine says that the ray met the ground
+            let end = vec2(end[0], end[1]);
+            [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y]
+                .map(f64::from)
+        } else {
+            end
+        };
+        let points = [[p1.x, p1.y].map(f64::from), p2].map(|p| p.map(|x| x * SCALE));
+        canvas.pygame(Primitive::Lines { points: &points, closed: false, width: 1 }, Color::rgb(255, 0, 0));
+    }
+
+    /// The edges of the ground and the obstacles on it, last first.
+    fn draw_terrain(&self, canvas: &mut dyn Canvas) {
+        for i in (0..TERRAIN_LENGTH - 1).rev() {
+            // as the world has them: in `f32`
+            let point = |i: usize| {
+                let at = vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
+                [at.x, at.y].map(|x| f64::from(x * SCALE as f32))
+            };
             let green = if i % 2 == 0 { 255 } else { 204 };
-            let [p1, p2] = [point(i), point(i + 1)].map(|p| p.map(|x| x * SCALE));
-            canvas.line(p1, p2, 1.0, Color::rgb(76, green, 76));
+            let points = [point(i), point(i + 1)];
+            canvas.pygame(Primitive::AaLines { points: &points, closed: false }, Color::rgb(76, green, 76));
         }
-        for fixture in &self.obstacles {
-            let colors = [Color::WHITE, Color::rgb(153, 153, 153)];
-            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
+        for fixture in self.obstacles.iter().rev() {
+            self.draw_body(canvas, *fixture, [(255, 255, 255), (153, 153, 153)]);
         }
+    }
+
+    fn draw_body(&self, canvas: &mut dyn Canvas, fixture: FixtureId, colors: [(u8, u8, u8); 2]) {
+        let (mut corners, count) = common::pixel_corners(&self.world, fixture, SCALE);
+        let [fill, outline] = colors.map(|(r, g, b)| Color::rgb(r, g, b));
+        common::draw_polygon(canvas, &corners[..count], fill);
+        canvas.pygame(Primitive::Lines { points: &corners[..count], closed: true, width: 1 }, outline);
+        // the first point again: it gets the whole colour
+        corners[count] = corners[0];
+        canvas.pygame(Primitive::AaPolygon(&corners[..=count]), outline);
     }
 
     fn draw_walker(&self, canvas: &mut dyn Canvas) {
         let colors = [(178, 101, 152), (178, 101, 152), (128, 51, 102), (128, 51, 102), (127, 51, 229)];
         let outlines = [(127, 76, 101), (127, 76, 101), (77, 26, 51), (77, 26, 51), (76, 76, 127)];
         for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
-            let colors = [fill, outline].map(|(r, g, b)| Color::rgb(r, g, b));
-            common::draw_outlined(canvas, &self.world, *fixture, SCALE, colors, true);
+            self.draw_body(canvas, *fixture, [fill, outline]);
         }
     }
 }
@@ -492,28 +527,44 @@ impl Env for BipedalWalker {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         let Some(episode) = &self.episode else { return };
-        let x = f64::from(episode.world.position(episode.hull).x);
-        let scroll = (x - VIEWPORT_W / SCALE / 5.0).max(0.0);
-        canvas.clear(Color::rgb(215, 215, 255));
-        // the picture is cut from a wider one, between two pixels
-        let [left, _] = pixels::whole(canvas, [scroll * SCALE, 0.0]);
-        canvas.push(pixels::flipped(VIEWPORT_H));
+        let scroll = episode.scroll();
+        canvas.clear(Color::BLACK);
+        // Gymnasium draws a wider picture, from the start of the ground, and shows its right end
+        let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
-        // clouds are far away
-        let far = Transform::translate(scroll * SCALE / 2.0, 0.0).then(Transform::scale(SCALE, SCALE));
+        canvas.push(pygame::flipped(VIEWPORT_H));
+        let sky = pygame::corners([scroll * SCALE, 0.0], [scroll * SCALE + VIEWPORT_W, VIEWPORT_H]);
+        let [a, b, c, d] = sky;
+        canvas.pygame(Primitive::Polygon(&[a, d, c, b]), Color::rgb(215, 215, 255));
         for cloud in &episode.clouds {
-            pixels::polygon(canvas, far, *cloud, Color::WHITE);
+            let (left, right) = cloud
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| (low.min(*x), high.max(*x)));
+            // clouds are far away
+            if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
+                let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);
+                common::draw_polygon(canvas, &cloud, Color::WHITE);
+            }
         }
-        episode.draw_ground(canvas, scroll);
+        episode.draw_ground(canvas);
+        episode.draw_lidar(canvas);
+        episode.draw_terrain(canvas);
         episode.draw_walker(canvas);
-        let (x, top) = (TERRAIN_STEP * 3.0 * SCALE, TERRAIN_HEIGHT * SCALE + 50.0);
-        canvas.line([x, top - 50.0], [x, top], 1.0, Color::BLACK);
+        let (x, bottom) = (TERRAIN_STEP * 3.0 * SCALE, TERRAIN_HEIGHT * SCALE);
+        let top = bottom + 50.0;
+        let pole = Primitive::AaLines { points: &[[x, bottom], [x, top]], closed: false };
+        canvas.pygame(pole, Color::BLACK);
         let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
-        pixels::polygon(canvas, Transform::IDENTITY, flag, Color::rgb(230, 51, 0));
-        let flag = flag.map(|corner| pixels::whole(canvas, corner));
-        canvas.stroke(canvas::Shape::Polygon(&flag), 1.0, Color::BLACK);
+        canvas.pygame(Primitive::Polygon(&flag), Color::rgb(230, 51, 0));
+        canvas.pygame(Primitive::Lines { points: &flag, closed: true, width: 1 }, Color::BLACK);
         canvas.pop();
         canvas.pop();
+    }
+
+    fn picture_taken(&mut self) {
+        if let Some(episode) = &mut self.episode {
+            episode.pictures = (episode.pictures + 1) % LIDAR_CYCLE;
+        }
     }
 
     fn close(&mut self) {

@@ -1,7 +1,6 @@
 //! What the three environments share.
 
-use gym_core::canvas::{Canvas, Color, Point, Shape};
-use gym_core::pixels;
+use gym_core::canvas::{Canvas, Color, Point, Primitive};
 
 use crate::physics::{FixtureId, Vec2, World};
 
@@ -29,11 +28,14 @@ pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
+/// As many corners as a polygon has, and one for the first again.
+const MOST_CORNERS: usize = 9;
+
 /// The corners of a polygon where its body is now.
-pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; 8], usize) {
+pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; MOST_CORNERS], usize) {
     let pose = world.pose(world.body_of(fixture));
     let vertices = world.vertices(fixture);
-    let mut corners = [[0.0; 2]; 8];
+    let mut corners = [[0.0; 2]; MOST_CORNERS];
     for (corner, vertex) in corners.iter_mut().zip(vertices) {
         let p = pose.rotation * vertex + pose.translation.vector;
         *corner = [f64::from(p.x), f64::from(p.y)];
@@ -41,31 +43,14 @@ pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; 8], usize) 
     (corners, vertices.len())
 }
 
-/// Fills a fixture's polygon.
-pub(crate) fn draw_fixture(canvas: &mut dyn Canvas, world: &World, fixture: FixtureId, fill: Color) {
+/// The corners of a polygon in pixels, so many of them per m. Gymnasium scales in `f32`.
+pub(crate) fn pixel_corners(world: &World, fixture: FixtureId, scale: f64) -> ([Point; MOST_CORNERS], usize) {
     let (corners, count) = corners(world, fixture);
-    canvas.polygon(&corners[..count], fill);
+    (corners.map(|corner| corner.map(|x| f64::from(x as f32 * scale as f32))), count)
 }
 
-/// Fills a fixture's polygon on a canvas in pixels, so many of them per m, and outlines it. pygame does
-/// the same with whole pixels, or with an outline that is not cut to them.
-pub(crate) fn draw_outlined(
-    canvas: &mut dyn Canvas,
-    world: &World,
-    fixture: FixtureId,
-    scale: f64,
-    [fill, outline]: [Color; 2],
-    whole: bool,
-) {
-    let (mut corners, count) = corners(world, fixture);
-    for corner in &mut corners {
-        // Gymnasium scales in `f32`: what is whole there is whole here, before fractions are cut off
-        *corner = corner.map(|x| f64::from(x as f32 * scale as f32));
-        if whole {
-            *corner = pixels::whole(canvas, *corner);
-        }
-    }
-    // the outline covers what pygame fills around the corners
-    canvas.polygon(&corners[..count], fill);
-    canvas.stroke(Shape::Polygon(&corners[..count]), 1.0, outline);
+/// `draw.polygon` and `gfxdraw.aapolygon`, which Gymnasium calls together.
+pub(crate) fn draw_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
+    canvas.pygame(Primitive::Polygon(points), color);
+    canvas.pygame(Primitive::AaPolygon(points), color);
 }

@@ -14,6 +14,7 @@
 //!
 //! Linking this crate registers them; name it (`use gym_box2d as _;`) if nothing else of it is
 //! used.
+#![warn(clippy::disallowed_methods)]
 
 pub mod bipedal_walker;
 pub mod car_racing;
@@ -22,7 +23,7 @@ pub mod lunar_lander;
 pub mod physics;
 
 pub use bipedal_walker::BipedalWalker;
-pub use car_racing::CarRacing;
+pub use car_racing::{CarRacing, ScoreGlyphs};
 pub use lunar_lander::LunarLander;
 
 /// The example of the README, compiled and run.

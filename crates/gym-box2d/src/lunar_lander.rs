@@ -21,19 +21,19 @@
 //! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
 //! global one.
 //!
-//! Differences from Gymnasium: particles of the exhaust are a matter of drawing alone: they fly freely,
-//! without touching the ground as Gymnasium's do.
-//!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/lunar_lander.py`.
 
+mod exhaust;
+
 use std::f64::consts::PI;
 
-use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::math::{cos, sin, tanh};
 use gym_core::render::Metadata;
 use gym_core::{
     Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
-    pixels,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,7 @@ use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2
 use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World,
 };
+use exhaust::Exhaust;
 
 const FPS: f64 = 50.0;
 const SCALE: f64 = 30.0; // pixels per m
@@ -160,6 +161,8 @@ impl Element for Action {
 pub struct LunarLander {
     config: Config,
     episode: Option<Episode>,
+    /// Whether pictures are taken.
+    renders: bool,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -178,22 +181,8 @@ struct Episode {
     game_over: bool,
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
-    steps: u32,
-    /// The last puffs of the engines, to draw.
-    puffs: [Puff; PUFFS],
-    next_puff: usize,
-}
-
-/// Puffs that can be visible at once: of two engines, over seven steps.
-const PUFFS: usize = 14;
-
-/// A particle of the exhaust, when it left the engine.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Puff {
-    position: Point,
-    velocity: Point,
-    power: f64,
-    step: u32,
+    /// What the engines emit, if pictures are taken.
+    exhaust: Option<Exhaust>,
 }
 
 /// Far beyond the 20 up to which Gymnasium recommends wind, and far below what overflows a `float32`.
@@ -222,7 +211,7 @@ impl LunarLander {
             let reason = format!("version is {}: the versions are 2 and 3", config.version);
             return Err(Error::argument("LunarLander", reason));
         }
-        Ok(Self { config, episode: None })
+        Ok(Self { config, episode: None, renders: false })
     }
 
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
@@ -243,13 +232,7 @@ impl Episode {
         let smooth_y: [f64; CHUNKS] =
             std::array::from_fn(|i| 0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1]));
 
-        let moon = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
-        world.create_fixture(moon, &FixtureDef::new(Shape::Edge(Vec2::zeros(), vec2(W, 0.0))));
-        for i in 0..CHUNKS - 1 {
-            let edge = Shape::Edge(vec2(chunk_x(i), smooth_y[i]), vec2(chunk_x(i + 1), smooth_y[i + 1]));
-            world.create_fixture(moon, &FixtureDef { friction: 0.1, ..FixtureDef::new(edge) });
-        }
-
+        exhaust::create_moon(&mut world, &smooth_y);
         let (initial_x, initial_y) = (VIEWPORT_W / SCALE / 2.0, VIEWPORT_H / SCALE);
         let lander = world.create_body(&BodyDef::dynamic(vec2(initial_x, initial_y), 0.0));
         let hull = world.create_fixture(
@@ -311,9 +294,7 @@ impl Episode {
             game_over: false,
             ground_contact: [false; 2],
             prev_shaping: None,
-            steps: 0,
-            puffs: [Puff::default(); PUFFS],
-            next_puff: 0,
+            exhaust: None,
         }
     }
 
@@ -321,7 +302,7 @@ impl Episode {
     fn blow(&mut self, config: &Config) {
         let gust = |index: i64| {
             let index = index as f64;
-            ((0.02 * index).sin() + (PI * 0.01 * index).sin()).tanh()
+            tanh(sin(0.02 * index) + sin(PI * 0.01 * index))
         };
         let wind_mag = gust(self.wind_idx) * config.wind_power;
         self.wind_idx += 1;
@@ -337,11 +318,10 @@ impl Episode {
         let at = [f64::from(position.x) + ox + at[0], f64::from(position.y) + oy + at[1]];
         let impulse = vec2(-ox * engine_power * power, -oy * engine_power * power);
         self.world.apply_linear_impulse(self.lander, impulse, vec2(at[0], at[1]));
-
-        let mass = density * PI * (2.0 / SCALE).powi(2);
-        let velocity = [ox, oy].map(|o| o * engine_power * power / mass);
-        self.puffs[self.next_puff] = Puff { position: at, velocity, power, step: self.steps };
-        self.next_puff = (self.next_puff + 1) % PUFFS;
+        if let Some(exhaust) = &mut self.exhaust {
+            let impulse = vec2(ox * engine_power * power, oy * engine_power * power);
+            exhaust.emit(vec2(at[0], at[1]), impulse, density, power);
+        }
     }
 
     fn step(&mut self, config: &Config, action: &Action) -> ([f32; 8], Outcome) {
@@ -363,7 +343,7 @@ impl Episode {
         };
 
         let angle = f64::from(self.world.angle(self.lander));
-        let tip = [angle.sin(), angle.cos()];
+        let tip = [sin(angle), cos(angle)];
         let side = [-tip[1], tip[0]];
         let dispersion = [(); 2].map(|()| self.rng.uniform(-1.0, 1.0) / SCALE);
 
@@ -384,7 +364,9 @@ impl Episode {
         }
 
         self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
-        self.steps = self.steps.wrapping_add(1);
+        if let Some(exhaust) = &mut self.exhaust {
+            exhaust.step();
+        }
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.lander);
             for (leg, contact) in self.legs.iter().zip(&mut self.ground_contact) {
@@ -437,18 +419,28 @@ impl Episode {
         self.world.is_valid()
             && [self.lander, a, b].iter().all(|body| self.world.has_body(*body))
             && self.fixtures.iter().all(|fixture| self.world.has_fixture(*fixture))
-            && self.next_puff < PUFFS
+            && self.exhaust.as_ref().is_none_or(Exhaust::is_valid)
     }
 
-    /// A puff where it is now and how much of its life is left, if any.
-    fn flight(&self, puff: &Puff, gravity: f64) -> Option<(Point, f64)> {
-        let age = f64::from(self.steps.wrapping_sub(puff.step));
-        let ttl = puff.power - 0.15 * age;
-        let t = age / FPS;
-        // as many small steps give: gravity acts before the way is made
-        let fall = gravity * (t * t + t / FPS) / 2.0;
-        let [[x, y], [vx, vy]] = [puff.position, puff.velocity];
-        (ttl >= 0.0 && puff.power > 0.0).then_some(([x + vx * t, y + vy * t + fall], ttl))
+    /// Keeps the exhaust from now on, or not.
+    fn render(&mut self, config: &Config, renders: bool) {
+        if !renders {
+            self.exhaust = None;
+        } else if self.exhaust.is_none() {
+            self.exhaust = Some(Exhaust::new(config.gravity, &self.smooth_y));
+        }
+    }
+
+    /// Both flags, which Gymnasium draws again after each body.
+    fn draw_flags(canvas: &mut dyn Canvas) {
+        for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
+            let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];
+            let top = y + 50.0;
+            let pole = Primitive::Lines { points: &[[x, y], [x, top]], closed: false, width: 1 };
+            canvas.pygame(pole, Color::WHITE);
+            let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
+            common::draw_polygon(canvas, &flag, Color::rgb(204, 204, 0));
+        }
     }
 }
 
@@ -477,6 +469,7 @@ impl Env for LunarLander {
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut episode = Episode::new(&self.config, rng);
+        episode.render(&self.config, self.renders);
         let idle =
             if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
         *observation = episode.step(&self.config, &idle).0;
@@ -504,6 +497,9 @@ impl Env for LunarLander {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.episode = snapshot.for_config("LunarLander", &self.config, Episode::is_valid)?;
+        if let Some(episode) = &mut self.episode {
+            episode.render(&self.config, self.renders);
+        }
         Ok(())
     }
 
@@ -518,36 +514,41 @@ impl Env for LunarLander {
     fn draw(&self, canvas: &mut dyn Canvas) {
         let Some(episode) = &self.episode else { return };
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(VIEWPORT_H));
-        let fill = |canvas: &mut dyn Canvas, corners: &mut [Point], color| {
-            pixels::polygon(canvas, Transform::scale(SCALE, SCALE), corners, color);
-        };
+        canvas.push(pygame::flipped(VIEWPORT_H));
         for i in 0..CHUNKS - 1 {
             let (x1, x2) = (chunk_x(i), chunk_x(i + 1));
-            let mut sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
-            fill(canvas, &mut sky, Color::BLACK);
+            let sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
+            common::draw_polygon(canvas, &sky.map(|corner| corner.map(|x| x * SCALE)), Color::BLACK);
         }
-        for puff in &episode.puffs {
-            if let Some((position, ttl)) = episode.flight(puff, self.config.gravity) {
-                let shade = |x: f64| (x.clamp(0.2, 1.0) * 255.0) as u8;
-                let color = Color::rgb(shade(0.15 + ttl), shade(0.5 * ttl), shade(0.5 * ttl));
-                // pygame's circle lies around a corner of pixels
-                let [x, y] = pixels::whole(canvas, position.map(|x| x * SCALE));
-                canvas.circle([x - 0.5, y - 0.5], 2.0, color);
-            }
+        for (position, ttl) in episode.exhaust.iter().flat_map(Exhaust::visible) {
+            let shade = |x: f64| (x.max(0.2) * 255.0) as u8;
+            let color = Color::rgb(shade(0.15 + ttl), shade(0.5 * ttl), shade(0.5 * ttl));
+            let center = [position.x, position.y].map(|x| f64::from(x * SCALE as f32));
+            let radius = f64::from(exhaust::RADIUS) * SCALE;
+            canvas.pygame(Primitive::Circle { center, radius }, color);
+            Episode::draw_flags(canvas);
         }
         for fixture in episode.fixtures {
-            let colors = [Color::rgb(128, 102, 230), Color::rgb(77, 77, 128)];
-            common::draw_outlined(canvas, &episode.world, fixture, SCALE, colors, false);
-        }
-        for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
-            let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];
-            let mut flag = [[x, y + 50.0], [x, y + 40.0], [x + 25.0, y + 45.0]];
-            let [x, y] = pixels::whole(canvas, [x, y]);
-            canvas.line([x, y - 0.5], [x, y + 50.5], 1.0, Color::WHITE);
-            pixels::polygon(canvas, Transform::IDENTITY, &mut flag[..], Color::rgb(204, 204, 0));
+            let (corners, count) = common::pixel_corners(&episode.world, fixture, SCALE);
+            let corners = &corners[..count];
+            common::draw_polygon(canvas, corners, Color::rgb(128, 102, 230));
+            canvas.pygame(Primitive::AaLines { points: corners, closed: true }, Color::rgb(77, 77, 128));
+            Episode::draw_flags(canvas);
         }
         canvas.pop();
+    }
+
+    fn start_rendering(&mut self) {
+        self.renders = true;
+        if let Some(episode) = &mut self.episode {
+            episode.render(&self.config, true);
+        }
+    }
+
+    fn picture_taken(&mut self) {
+        if let Some(exhaust) = self.episode.as_mut().and_then(|episode| episode.exhaust.as_mut()) {
+            exhaust.fade();
+        }
     }
 
     fn close(&mut self) {

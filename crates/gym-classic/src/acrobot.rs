@@ -17,19 +17,18 @@
 //! coding"; the equations are those of Sutton and Barto's book, in the order of Gymnasium 1.4.0,
 //! `envs/classic_control/acrobot.py`, integrated by one Runge-Kutta step of 0.2 s.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-use gym_core::canvas::{Canvas, Color, Transform};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::numpy::sin_cos_f32;
 use crate::reset;
 
 /// The environment.
@@ -112,12 +111,22 @@ impl Dynamics for AcrobotDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(advance::<Libm>(state, *action))
+        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
+        let (state, reward, terminated) =
+            native::advance(self, [theta1, theta2, dtheta1, dtheta2], fresh, *action);
+        let [theta1, theta2, dtheta1, dtheta2] = state;
+        let state = State { theta1, theta2, dtheta1, dtheta2, fresh: false };
+        Ok(Transition { state, reward, terminated })
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 6] {
-        if state.fresh { see(state, |theta| sin_cos_f32(theta as f32)) } else { see(state, sin_cos::<Libm>) }
+        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
+        if !fresh {
+            return native::see(self, [theta1, theta2, dtheta1, dtheta2]);
+        }
+        let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
+        [cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32]
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -132,57 +141,68 @@ impl Dynamics for AcrobotDynamics {
         const BOUND: f64 = LINK_LENGTH_1 + LINK_LENGTH_2 + 0.2;
         const SCALE: f64 = 500.0 / (2.0 * BOUND); // pixels per m
         const RADIUS: f64 = 0.1 * SCALE;
+        const MIDDLE: f64 = 250.0;
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(500.0));
-        let shoulder = Transform::translate(250.0, 250.0);
-        let goal = (250.0 + SCALE).floor();
-        canvas.line([0.0, goal], [500.0, goal], 1.0, Color::BLACK);
-        let upper = shoulder.then(Transform::rotate(state.theta1 - PI / 2.0));
-        let elbow = upper.then(Transform::translate(LINK_LENGTH_1 * SCALE, 0.0));
-        let lower = elbow.then(Transform::rotate(state.theta2));
-        for (link, length) in [(upper, LINK_LENGTH_1 * SCALE), (lower, LINK_LENGTH_2 * SCALE)] {
-            pixels::rect(canvas, link, [0.0, -RADIUS], [length, RADIUS], Color::rgb(0, 204, 204));
-            pixels::circle(canvas, link.origin, RADIUS, Color::rgb(204, 204, 0));
+        canvas.push(pygame::flipped(500.0));
+        let goal = [-BOUND, BOUND].map(|x| [x * SCALE + MIDDLE, SCALE + MIDDLE]);
+        canvas.pygame(Primitive::Lines { points: &goal, closed: false, width: 1 }, Color::BLACK);
+        // the first state is of 32 bits, and so is what numpy computes from it
+        let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
+        let (sin, cos) = if state.fresh {
+            let (sin, cos) = numpy_sin_cos_f32(state.theta1 as f32);
+            (f64::from(sin), f64::from(cos))
+        } else {
+            sin_cos(state.theta1)
+        };
+        let elbow = [LINK_LENGTH_1 * sin, -LINK_LENGTH_1 * cos].map(|x| number(x * number(SCALE)));
+        let angle = |theta: f64| number(theta - number(PI / 2.0));
+        let links = [
+            ([0.0, 0.0], angle(state.theta1), LINK_LENGTH_1),
+            (elbow, angle(number(state.theta1 + state.theta2)), LINK_LENGTH_2),
+        ];
+        for (joint, angle, length) in links {
+            let [x, y] = joint.map(|x| x + MIDDLE);
+            let link = pygame::corners([0.0, -RADIUS], [length * SCALE, RADIUS]).map(|corner| {
+                let corner = pygame::rotate_rad(corner, angle);
+                [corner[0] + x, corner[1] + y]
+            });
+            pygame::gfx_polygon(canvas, &link, Color::rgb(0, 204, 204));
+            pygame::gfx_circle(canvas, [x, y], RADIUS, Color::rgb(204, 204, 0));
         }
         canvas.pop();
     }
 }
 
-/// One step in time.
-#[inline(always)]
-fn advance<M: Math>(state: &State, action: Action) -> Transition<State> {
-    let torque = f64::from(action as i8 - 1);
-    let State { theta1, theta2, dtheta1, dtheta2, .. } = *state;
-    let [theta1, theta2, dtheta1, dtheta2] = rk4::<M>([theta1, theta2, dtheta1, dtheta2], torque);
-    let state = State {
-        theta1: M::wrap(theta1),
-        theta2: M::wrap(theta2),
-        dtheta1: dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1),
-        dtheta2: dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2),
-        fresh: false,
-    };
-    let terminated = -M::cos(state.theta1) - M::cos(state.theta2 + state.theta1) > 1.0;
-    Transition { state, reward: if terminated { 0.0 } else { -1.0 }, terminated }
-}
+impl Equations<4, 6> for AcrobotDynamics {
+    /// The torque.
+    #[inline(always)]
+    fn input(action: Action) -> f64 {
+        f64::from(action as i8 - 1)
+    }
 
-/// What the agent sees of a state.
-#[inline(always)]
-fn see(state: &State, sin_cos: impl Fn(f64) -> (f32, f32)) -> [f32; 6] {
-    let (sin1, cos1) = sin_cos(state.theta1);
-    let (sin2, cos2) = sin_cos(state.theta2);
-    [cos1, sin1, cos2, sin2, state.dtheta1 as f32, state.dtheta2 as f32]
-}
+    /// One step in time.
+    #[inline(always)]
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4> {
+        let [theta1, theta2, dtheta1, dtheta2] = rk4(state, torque);
+        let (theta1, theta2) = (wrap(theta1), wrap(theta2));
+        let dtheta1 = dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1);
+        let dtheta2 = dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2);
+        let terminated = (-theta1.cos() - (theta2 + theta1).cos()).gt(theta1.same(1.0));
+        let reward = R::select(terminated, theta1.same(0.0), theta1.same(-1.0));
+        Next { state: [theta1, theta2, dtheta1, dtheta2], reward, terminated }
+    }
 
-#[inline(always)]
-fn sin_cos<M: Math>(theta: f64) -> (f32, f32) {
-    let (sin, cos) = M::sin_cos(theta);
-    (sin as f32, cos as f32)
+    #[inline(always)]
+    fn see<R: Real>(&self, [theta1, theta2, dtheta1, dtheta2]: [R; 4]) -> [R; 6] {
+        let ((sin1, cos1), (sin2, cos2)) = (theta1.sin_cos(), theta2.sin_cos());
+        [cos1, sin1, cos2, sin2, dtheta1, dtheta2]
+    }
 }
 
 /// The derivatives of both angles and both velocities.
 #[inline(always)]
-fn dsdt<M: Math>([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [f64; 4] {
+fn dsdt<R: Real>([theta1, theta2, dtheta1, dtheta2]: [R; 4], torque: R) -> [R; 4] {
     const M1: f64 = LINK_MASS_1;
     const M2: f64 = LINK_MASS_2;
     const L1: f64 = LINK_LENGTH_1;
@@ -192,36 +212,76 @@ fn dsdt<M: Math>([theta1, theta2, dtheta1, dtheta2]: [f64; 4], torque: f64) -> [
     const I2: f64 = LINK_MOI;
     const G: f64 = GRAVITY;
     // squares of constants are exact either way; those of variables are `pow`, as in numpy
-    let (sin2, cos2) = M::sin_cos(theta2);
+    let (sin2, cos2) = theta2.sin_cos();
 
-    let d1 = M1 * (LC1 * LC1) + M2 * (L1 * L1 + LC2 * LC2 + 2.0 * L1 * LC2 * cos2) + I1 + I2;
-    let d2 = M2 * (LC2 * LC2 + L1 * LC2 * cos2) + I2;
-    let phi2 = M2 * LC2 * G * M::cos(theta1 + theta2 - PI / 2.0);
-    let phi1 = -M2 * L1 * LC2 * M::square(dtheta2) * sin2 - 2.0 * M2 * L1 * LC2 * dtheta2 * dtheta1 * sin2
-        + (M1 * LC1 + M2 * L1) * G * M::cos(theta1 - PI / 2.0)
+    let d1 = (cos2 * (2.0 * L1 * LC2) + (L1 * L1 + LC2 * LC2)) * M2 + M1 * (LC1 * LC1) + I1 + I2;
+    let d2 = (cos2 * (L1 * LC2) + LC2 * LC2) * M2 + I2;
+    let phi2 = (theta1 + theta2 - PI / 2.0).cos() * (M2 * LC2 * G);
+    let phi1 = dtheta2.square() * (-M2 * L1 * LC2) * sin2 - dtheta2 * (2.0 * M2 * L1 * LC2) * dtheta1 * sin2
+        + (theta1 - PI / 2.0).cos() * ((M1 * LC1 + M2 * L1) * G)
         + phi2;
-    let ddtheta2 = (torque + d2 / d1 * phi1 - M2 * L1 * LC2 * M::square(dtheta1) * sin2 - phi2)
-        / (M2 * (LC2 * LC2) + I2 - M::square(d2) / d1);
+    let ddtheta2 = (torque + d2 / d1 * phi1 - dtheta1.square() * (M2 * L1 * LC2) * sin2 - phi2)
+        / (-(d2.square() / d1) + (M2 * (LC2 * LC2) + I2));
     let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
 }
 
+/// `y + k * factor`.
+#[inline(always)]
+fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: f64) -> [R; 4] {
+    [y1 + k1 * factor, y2 + k2 * factor, y3 + k3 * factor, y4 + k4 * factor]
+}
+
 /// One step of the classical Runge-Kutta method.
 #[inline(always)]
-fn rk4<M: Math>(y0: [f64; 4], torque: f64) -> [f64; 4] {
-    let advance = |step: f64, k: [f64; 4]| std::array::from_fn(|i| y0[i] + step * k[i]);
-    let k1 = dsdt::<M>(y0, torque);
-    let k2 = dsdt::<M>(advance(DT / 2.0, k1), torque);
-    let k3 = dsdt::<M>(advance(DT / 2.0, k2), torque);
-    let k4 = dsdt::<M>(advance(DT, k3), torque);
-    std::array::from_fn(|i| y0[i] + DT / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+fn rk4<R: Real>(y0: [R; 4], torque: R) -> [R; 4] {
+    let mut k = dsdt(y0, torque);
+    let mut sum = k;
+    // a loop, because a compiled copy of the derivatives for each of its rounds would be no faster
+    for (step, weight) in [(DT / 2.0, 2.0), (DT / 2.0, 2.0), (DT, 1.0)] {
+        k = dsdt(add(y0, k, step), torque);
+        sum = add(sum, k, weight);
+    }
+    add(y0, sum, DT / 6.0)
+}
+
+/// An angle brought between ±π turn by turn, as Gymnasium does it, for the same rounding, unless this
+/// would take forever.
+#[inline(always)]
+fn wrap<R: Real>(x: R) -> R {
+    const MANY: f64 = 1e4;
+    let few = x.abs().le(x.same(MANY));
+    if !R::all(few) {
+        return wrap_many(x, few);
+    }
+    let mut x = x;
+    loop {
+        let above = x.gt(x.same(PI));
+        if !R::any(above) {
+            break;
+        }
+        x = R::select(above, x - TAU, x);
+    }
+    loop {
+        let below = x.lt(x.same(-PI));
+        if !R::any(below) {
+            break;
+        }
+        x = R::select(below, x + TAU, x);
+    }
+    x
+}
+
+/// The same where some angles are huge.
+#[cold]
+fn wrap_many<R: Real>(x: R, few: R::Mask) -> R {
+    let at_once = (x + PI).modulo(TAU) - PI;
+    R::select(few, wrap(R::select(few, x, x.same(0.0))), at_once)
 }
 
 impl Native for AcrobotDynamics {
     type Packed = [f64; 4];
     type Stream = WordStream;
-
-    const DRAWS: bool = false;
 
     fn pack(state: &State) -> [f64; 4] {
         [state.theta1, state.theta2, state.dtheta1, state.dtheta2]
@@ -233,13 +293,8 @@ impl Native for AcrobotDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
-        advance::<Polynomial>(state, action)
-    }
-
-    #[inline(always)]
-    fn observe_state(&self, state: &State) -> [f32; 6] {
-        see(state, sin_cos::<Polynomial>)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

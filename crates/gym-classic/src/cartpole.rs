@@ -15,12 +15,12 @@
 //! can solve difficult learning control problems", in Florian's corrected form (2007); the order of
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
-use gym_core::canvas::{Canvas, Color, Transform};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -79,38 +79,37 @@ pub struct CartPoleDynamics {
     config: Config,
 }
 
-impl CartPoleDynamics {
-    /// The equations of motion.
+impl Equations<4, 4> for CartPoleDynamics {
+    /// The force.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, action: Action) -> Transition<State> {
-        let State { x, x_dot, theta, theta_dot, fallen } = *state;
-        let force = if action == Action::Right { FORCE_MAG } else { -FORCE_MAG };
-        let (sintheta, costheta) = M::sin_cos(theta);
+    fn input(action: Action) -> f64 {
+        if action == Action::Right { FORCE_MAG } else { -FORCE_MAG }
+    }
 
-        let temp = (force + POLEMASS_LENGTH * (theta_dot * theta_dot) * sintheta) / TOTAL_MASS;
-        let thetaacc = (GRAVITY * sintheta - costheta * temp)
-            / (LENGTH * (4.0 / 3.0 - MASS_POLE * (costheta * costheta) / TOTAL_MASS));
-        let xacc = temp - POLEMASS_LENGTH * thetaacc * costheta / TOTAL_MASS;
+    /// The equations of motion, for a pole that has not fallen.
+    #[inline(always)]
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4> {
+        let [x, x_dot, theta, theta_dot] = state;
+        let (sintheta, costheta) = theta.sin_cos();
+
+        let temp = (force + theta_dot * theta_dot * POLEMASS_LENGTH * sintheta) / TOTAL_MASS;
+        let thetaacc = (sintheta * GRAVITY - costheta * temp)
+            / ((-(costheta * costheta * MASS_POLE / TOTAL_MASS) + 4.0 / 3.0) * LENGTH);
+        let xacc = temp - thetaacc * POLEMASS_LENGTH * costheta / TOTAL_MASS;
 
         // explicit Euler: positions move with the old velocities
-        let next = State {
-            x: x + TAU * x_dot,
-            x_dot: x_dot + TAU * xacc,
-            theta: theta + TAU * theta_dot,
-            theta_dot: theta_dot + TAU * thetaacc,
-            fallen,
-        };
-        let terminated = (next.x < -X_THRESHOLD)
-            | (next.x > X_THRESHOLD)
-            | (next.theta < -THETA_THRESHOLD)
-            | (next.theta > THETA_THRESHOLD);
-        let reward = match (self.config.sutton_barto_reward, terminated) {
-            (true, true) => -1.0,
-            (true, false) => 0.0,
-            (false, true) if fallen => 0.0,
-            (false, _) => 1.0,
-        };
-        Transition { state: State { fallen: fallen | terminated, ..next }, reward, terminated }
+        let x = x + x_dot * TAU;
+        let theta = theta + theta_dot * TAU;
+        let next = [x, x_dot + xacc * TAU, theta, theta_dot + thetaacc * TAU];
+        let terminated = x.abs().gt(x.same(X_THRESHOLD)) | theta.abs().gt(x.same(THETA_THRESHOLD));
+        let (dropped, held) = if self.config.sutton_barto_reward { (-1.0, 0.0) } else { (1.0, 1.0) };
+        let reward = R::select(terminated, x.same(dropped), x.same(held));
+        Next { state: next, reward, terminated }
+    }
+
+    #[inline(always)]
+    fn see<R: Real>(&self, state: [R; 4]) -> [R; 4] {
+        state
     }
 }
 
@@ -148,7 +147,15 @@ impl Dynamics for CartPoleDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(self.advance::<Libm>(state, *action))
+        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let (state, mut reward, terminated) =
+            native::advance(self, [x, x_dot, theta, theta_dot], false, *action);
+        if fallen && !terminated {
+            reward = 0.0;
+        }
+        let [x, x_dot, theta, theta_dot] = state;
+        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
+        Ok(Transition { state, reward, terminated })
     }
 
     #[inline]
@@ -170,18 +177,22 @@ impl Dynamics for CartPoleDynamics {
         const POLE_WIDTH: f64 = 10.0;
         const CART: [f64; 2] = [50.0, 30.0];
         const CART_Y: f64 = 100.0;
+        const AXLE: f64 = CART[1] / 4.0; // above the middle of the cart
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(400.0));
-        let cart = Transform::translate(state.x * SCALE + 300.0, CART_Y);
+        canvas.push(pygame::flipped(400.0));
+        let cart_x = state.x * SCALE + 300.0;
         let [width, height] = CART.map(|side| side / 2.0);
-        pixels::rect(canvas, cart, [-width, -height], [width, height], Color::BLACK);
-        let axle = cart.then(Transform::translate(0.0, CART[1] / 4.0));
-        let pole = axle.then(Transform::rotate(-state.theta));
+        let cart = pygame::corners([-width, -height], [width, height]).map(|[x, y]| [x + cart_x, y + CART_Y]);
+        pygame::gfx_polygon(canvas, &cart, Color::BLACK);
         let half = POLE_WIDTH / 2.0;
-        pixels::rect(canvas, pole, [-half, -half], [half, POLE_LENGTH - half], Color::rgb(202, 152, 101));
-        pixels::circle(canvas, axle.origin, half, Color::rgb(129, 132, 203));
-        canvas.line([0.0, CART_Y], [600.0, CART_Y], 1.0, Color::BLACK);
+        let pole = pygame::corners([-half, -half], [half, POLE_LENGTH - half]).map(|corner| {
+            let [x, y] = pygame::rotate_rad(corner, -state.theta);
+            [x + cart_x, y + CART_Y + AXLE]
+        });
+        pygame::gfx_polygon(canvas, &pole, Color::rgb(202, 152, 101));
+        pygame::gfx_circle(canvas, [cart_x, CART_Y + AXLE], half, Color::rgb(129, 132, 203));
+        canvas.pygame(Primitive::HLine { x1: 0.0, x2: 600.0, y: CART_Y }, Color::BLACK);
         canvas.pop();
     }
 }
@@ -189,8 +200,6 @@ impl Dynamics for CartPoleDynamics {
 impl Native for CartPoleDynamics {
     type Packed = [f64; 4];
     type Stream = WordStream;
-
-    const DRAWS: bool = false;
 
     fn pack(state: &State) -> [f64; 4] {
         [state.x, state.x_dot, state.theta, state.theta_dot]
@@ -203,8 +212,8 @@ impl Native for CartPoleDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, action)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

@@ -12,13 +12,13 @@
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
-use gym_core::canvas::{Canvas, Color, Point, Shape, Transform};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -69,21 +69,30 @@ pub struct MountainCarDynamics {
     config: Config,
 }
 
-impl MountainCarDynamics {
+impl Equations<2, 2> for MountainCarDynamics {
+    /// The direction to accelerate in.
+    #[inline(always)]
+    fn input(action: Action) -> f64 {
+        f64::from(action as i8 - 1)
+    }
+
     /// The equations of motion.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, action: Action) -> Transition<State> {
-        let State { mut position, mut velocity } = *state;
-        let push = f64::from(action as i8 - 1);
-        velocity += push * FORCE + M::cos(3.0 * position) * -GRAVITY;
-        velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
-        position += velocity;
-        position = position.clamp(MIN_POSITION, MAX_POSITION);
-        if (position == MIN_POSITION) & (velocity < 0.0) {
-            velocity = 0.0;
-        }
-        let terminated = (position >= GOAL_POSITION) & (velocity >= self.config.goal_velocity);
-        Transition { state: State { position, velocity }, reward: -1.0, terminated }
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2> {
+        let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
+        let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
+        let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
+        let at_wall = position.le(position.same(MIN_POSITION));
+        let zero = velocity.same(0.0);
+        let velocity = R::select(at_wall & velocity.lt(zero), zero, velocity);
+        let terminated =
+            position.same(GOAL_POSITION).le(position) & velocity.same(self.config.goal_velocity).le(velocity);
+        Next { state: [position, velocity], reward: velocity.same(-1.0), terminated }
+    }
+
+    #[inline(always)]
+    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
+        state
     }
 }
 
@@ -119,7 +128,10 @@ impl Dynamics for MountainCarDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(self.advance::<Libm>(state, *action))
+        let (state, reward, terminated) =
+            native::advance(self, [state.position, state.velocity], false, *action);
+        let [position, velocity] = state;
+        Ok(Transition { state: State { position, velocity }, reward, terminated })
     }
 
     #[inline]
@@ -136,7 +148,7 @@ impl Dynamics for MountainCarDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        draw(state.position, GOAL_POSITION, canvas);
+        draw(state.position, false, GOAL_POSITION, canvas);
     }
 }
 
@@ -148,46 +160,55 @@ pub(crate) fn check_goal_velocity(env: &str, goal_velocity: f64) -> Result<()> {
     Ok(())
 }
 
-/// The valley, the car and the flag, of both mountain cars.
-pub(crate) fn draw(position: f64, goal_position: f64, canvas: &mut dyn Canvas) {
+/// The valley, the car and the flag, of both mountain cars. With a position of 32 bits, numpy computes the
+/// car's place in 32 bits.
+pub(crate) fn draw(position: f64, is_single: bool, goal_position: f64, canvas: &mut dyn Canvas) {
     const SCALE: f64 = 600.0 / (MAX_POSITION - MIN_POSITION); // pixels per unit
     const CLEARANCE: f64 = 10.0; // of the car above the ground
     const CAR: [f64; 2] = [40.0, 20.0];
     const WHEEL_RADIUS: f64 = CAR[1] / 2.5;
     const POINTS: usize = 100;
-    const HILL_WIDTH: f64 = 0.8; // pygame's line is thinner than a pixel where it is steep
-    let height = |x: f64| (3.0 * x).sin() * 0.45 + 0.55;
+    let height = |x: f64| sin(3.0 * x) * 0.45 + 0.55;
     let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
+    // the same of the car
+    let number = |x: f64| if is_single { f64::from(x as f32) } else { x };
+    let angle = number(3.0 * position);
+    let sin = if is_single { f64::from(numpy_sin_cos_f32(angle as f32).0) } else { sin(angle) };
+    let car_height = number(number(sin * number(0.45)) + number(0.55));
+    let car_pixel = [number(position - number(MIN_POSITION)), car_height].map(|x| number(x * number(SCALE)));
 
     canvas.clear(Color::WHITE);
-    canvas.push(pixels::flipped(400.0));
+    canvas.push(pygame::flipped(400.0));
+    // numpy's linspace
+    let step = (MAX_POSITION - MIN_POSITION) / (POINTS - 1) as f64;
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
-        pixel(MIN_POSITION + (MAX_POSITION - MIN_POSITION) * i as f64 / (POINTS - 1) as f64)
+        pixel(if i == POINTS - 1 { MAX_POSITION } else { i as f64 * step + MIN_POSITION })
     });
-    canvas.stroke(Shape::Polyline(&hill), HILL_WIDTH, Color::BLACK);
+    canvas.pygame(Primitive::AaLines { points: &hill, closed: false }, Color::BLACK);
 
-    let [x, y] = pixel(position);
     // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
-    let slope = Transform::rotate((3.0 * position).cos());
-    let car = Transform::translate(x, y + CLEARANCE).then(slope);
-    pixels::rect(canvas, car, [-CAR[0] / 2.0, 0.0], [CAR[0] / 2.0, CAR[1]], Color::BLACK);
+    let turn = cos(angle);
+    let place = |point: Point| {
+        let ([x, y], [left, bottom]) = (pygame::rotate_rad(point, turn), car_pixel);
+        [number(x) + left, number(y + CLEARANCE) + bottom].map(number)
+    };
+    let car = pygame::corners([-CAR[0] / 2.0, 0.0], [CAR[0] / 2.0, CAR[1]]).map(place);
+    pygame::gfx_polygon(canvas, &car, Color::BLACK);
     for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
-        pixels::circle(canvas, car.apply([wheel, 0.0]), WHEEL_RADIUS, Color::rgb(128, 128, 128));
+        pygame::gfx_circle(canvas, place([wheel, 0.0]), WHEEL_RADIUS, Color::rgb(128, 128, 128));
     }
 
-    let [x, y] = pixels::whole(canvas, pixel(goal_position));
-    let top = y + 50.0;
-    canvas.line([x, y - 0.5], [x, top + 0.5], 1.0, Color::BLACK);
+    let [x, bottom] = pixel(goal_position).map(f64::trunc);
+    let top = bottom + 50.0;
+    canvas.pygame(Primitive::VLine { x, y1: bottom, y2: top }, Color::BLACK);
     let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
-    pixels::polygon(canvas, Transform::IDENTITY, flag, Color::rgb(204, 204, 0));
+    pygame::gfx_polygon(canvas, &flag, Color::rgb(204, 204, 0));
     canvas.pop();
 }
 
 impl Native for MountainCarDynamics {
     type Packed = [f64; 2];
     type Stream = WordStream;
-
-    const DRAWS: bool = false;
 
     fn pack(state: &State) -> [f64; 2] {
         [state.position, state.velocity]
@@ -199,8 +220,8 @@ impl Native for MountainCarDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, action)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

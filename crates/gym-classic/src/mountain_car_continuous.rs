@@ -14,10 +14,10 @@
 //! the state is `float64` after a reset and `float32` from the first step on.
 
 use gym_core::canvas::Canvas;
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -49,35 +49,42 @@ pub struct MountainCarContinuousDynamics {
     config: Config,
 }
 
-impl MountainCarContinuousDynamics {
+impl Equations<2, 2> for MountainCarContinuousDynamics {
+    /// The force.
+    #[inline(always)]
+    fn input([force]: [f32; 1]) -> f64 {
+        f64::from(force)
+    }
+
     /// The equations of motion, for a force of any size.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, action: f32) -> Transition<State> {
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2> {
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
-        let single = |x: f64| f64::from(x as f32);
-        let state_type = |x: f64| if state.fresh { x } else { single(x) };
-        let State { mut position, mut velocity, .. } = *state;
+        let state_type = |x: R| R::select(fresh, x, x.single());
+        let same = |x: f64| position.same(x);
 
-        let pull = 0.0025 * M::cos(state_type(3.0 * position));
-        let change = if (-1.0..=1.0).contains(&action) {
-            single(single(f64::from(action) * single(POWER)) - single(pull))
-        } else {
-            // a clipped force is one of the bounds, a Python float: the sum is then `float64`
-            f64::from(action.signum()) * POWER - pull
-        };
-        let max_speed = state_type(MAX_SPEED);
-        let (min_position, max_position) = (state_type(MIN_POSITION), state_type(MAX_POSITION));
-        velocity = clip(state_type(velocity + state_type(change)), -max_speed, max_speed);
-        position = clip(state_type(position + velocity), min_position, max_position);
-        if (position == min_position) & (velocity < 0.0) {
-            velocity = 0.0;
-        }
-        let terminated =
-            (position >= state_type(GOAL_POSITION)) & (velocity >= state_type(self.config.goal_velocity));
-        let bonus = if terminated { 100.0 } else { 0.0 };
-        let reward = bonus - f64::from(action) * f64::from(action) * 0.1;
-        let state = State { position: single(position), velocity: single(velocity), fresh: false };
-        Transition { state, reward, terminated }
+        let pull = state_type(position * 3.0).cos() * 0.0025;
+        let within = (force * same(POWER).single()).single() - pull.single();
+        // a clipped force is one of the bounds, a Python float: the sum is then `float64`
+        let beyond = same(POWER).copysign(force) - pull;
+        let change = R::select(force.abs().le(same(1.0)), within.single(), beyond);
+        let max_speed = state_type(same(MAX_SPEED));
+        let min_position = state_type(same(MIN_POSITION));
+        let max_position = state_type(same(MAX_POSITION));
+        let velocity = clip(state_type(velocity + state_type(change)), -max_speed, max_speed);
+        let position = clip(state_type(position + velocity), min_position, max_position);
+        let at_wall = position.le(min_position);
+        let velocity = R::select(at_wall & velocity.lt(same(0.0)), same(0.0), velocity);
+        let terminated = state_type(same(GOAL_POSITION)).le(position)
+            & state_type(same(self.config.goal_velocity)).le(velocity);
+        let bonus = R::select(terminated, same(100.0), same(0.0));
+        let reward = bonus - force * force * 0.1;
+        Next { state: [position.single(), velocity.single()], reward, terminated }
+    }
+
+    #[inline(always)]
+    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
+        state
     }
 }
 
@@ -118,8 +125,11 @@ impl Dynamics for MountainCarContinuousDynamics {
         action: &[f32; 1],
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
-        let action = reset::finite(*action, || self.action_space())?;
-        Ok(self.advance::<Libm>(state, action))
+        reset::finite(*action, || self.action_space())?;
+        let (state, reward, terminated) =
+            native::advance(self, [state.position, state.velocity], state.fresh, *action);
+        let [position, velocity] = state;
+        Ok(Transition { state: State { position, velocity, fresh: false }, reward, terminated })
     }
 
     #[inline]
@@ -136,22 +146,20 @@ impl Dynamics for MountainCarContinuousDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        mountain_car::draw(state.position, GOAL_POSITION, canvas);
+        mountain_car::draw(state.position, !state.fresh, GOAL_POSITION, canvas);
     }
 }
 
-/// `np.clip`. Unlike `clamp` it does not ask whether the bounds are in order.
+/// `np.clip`.
 #[inline(always)]
-fn clip(x: f64, low: f64, high: f64) -> f64 {
-    let x = if x < low { low } else { x };
-    if x > high { high } else { x }
+fn clip<R: Real>(x: R, low: R, high: R) -> R {
+    let x = R::select(x.lt(low), low, x);
+    R::select(x.gt(high), high, x)
 }
 
 impl Native for MountainCarContinuousDynamics {
     type Packed = [f64; 2];
     type Stream = WordStream;
-
-    const DRAWS: bool = false;
 
     fn pack(state: &State) -> [f64; 2] {
         [state.position, state.velocity]
@@ -163,8 +171,8 @@ impl Native for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, [action]: [f32; 1], _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, action)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

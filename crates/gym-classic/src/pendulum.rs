@@ -14,13 +14,13 @@
 
 use std::f64::consts::PI;
 
-use gym_core::canvas::{Canvas, Color, Point, Shape, Transform, arc};
-use gym_core::math::{Libm, Math, Polynomial};
+use gym_core::canvas::{Canvas, Color, Point, arc};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pixels,
+    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -75,29 +75,35 @@ struct Start {
     y_init: Option<f64>,
 }
 
-impl PendulumDynamics {
+impl Equations<2, 3> for PendulumDynamics {
+    /// The torque.
+    #[inline(always)]
+    fn input([torque]: [f32; 1]) -> f64 {
+        f64::from(torque)
+    }
+
     /// The equation of motion, for a torque of any size.
     #[inline(always)]
-    fn advance<M: Math>(&self, state: &State, torque: f32) -> Transition<State> {
-        let u = torque.clamp(-MAX_TORQUE, MAX_TORQUE);
-        let State { theta, theta_dot, .. } = *state;
-        let angle = M::modulo(theta + PI, 2.0 * PI) - PI;
-        let costs = M::square(angle) + 0.1 * M::square(theta_dot) + f64::from(0.001 * M::square_f32(u));
+    fn advance<R: Real>(&self, [theta, theta_dot]: [R; 2], _fresh: R::Mask, torque: R) -> Next<R, 2> {
+        let u = torque.clamp(-f64::from(MAX_TORQUE), f64::from(MAX_TORQUE));
+        let angle = (theta + PI).modulo(2.0 * PI) - PI;
+        // the last product and its sum with nothing are those of `float32`
+        let effort = (u.square_f32() * f64::from(0.001f32)).single();
+        let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
-        let pull = 3.0 * self.config.g / (2.0 * LENGTH) * M::sin(theta);
-        let push = f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32 * u);
+        let pull = theta.sin() * (3.0 * self.config.g / (2.0 * LENGTH));
+        let push = (u * f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32)).single();
         let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
         let theta = theta + theta_dot * DT;
-        let state = State { theta, theta_dot, last_torque: Some(u) };
-        Transition { state, reward: -costs, terminated: false }
+        let terminated = theta.lt(theta) & theta.lt(theta);
+        Next { state: [theta, theta_dot], reward: -costs, terminated }
     }
-}
 
-/// What the agent sees of a state.
-#[inline(always)]
-fn see<M: Math>(state: &State) -> [f32; 3] {
-    let (sin, cos) = M::sin_cos(state.theta);
-    [cos as f32, sin as f32, state.theta_dot as f32]
+    #[inline(always)]
+    fn see<R: Real>(&self, [theta, theta_dot]: [R; 2]) -> [R; 3] {
+        let (sin, cos) = theta.sin_cos();
+        [cos, sin, theta_dot]
+    }
 }
 
 impl Dynamics for PendulumDynamics {
@@ -147,12 +153,16 @@ impl Dynamics for PendulumDynamics {
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
         let torque = reset::finite(*action, || self.action_space())?;
-        Ok(self.advance::<Libm>(state, torque))
+        let (state, reward, terminated) =
+            native::advance(self, [state.theta, state.theta_dot], false, *action);
+        let [theta, theta_dot] = state;
+        let last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
+        Ok(Transition { state: State { theta, theta_dot, last_torque }, reward, terminated })
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 3] {
-        see::<Libm>(state)
+        native::see(self, [state.theta, state.theta_dot])
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -165,52 +175,55 @@ impl Dynamics for PendulumDynamics {
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
         const SCALE: f64 = 500.0 / 4.4; // pixels per m
-        const ROD_RADIUS: f64 = 0.1 * SCALE;
+        const ROD_WIDTH: f64 = 0.2 * SCALE;
         const ROD: Color = Color::rgb(204, 77, 77);
 
         canvas.clear(Color::WHITE);
-        canvas.push(pixels::flipped(500.0));
-        let axle = Transform::translate(250.0, 250.0);
-        let rod = axle.then(Transform::rotate(state.theta + PI / 2.0));
-        pixels::rect(canvas, rod, [0.0, -ROD_RADIUS], [SCALE, ROD_RADIUS], ROD);
-        pixels::circle(canvas, axle.origin, ROD_RADIUS, ROD);
-        pixels::circle(canvas, rod.apply([SCALE, 0.0]), ROD_RADIUS, ROD);
+        canvas.push(pygame::flipped(500.0));
+        let place = |point: Point| pygame::rotate_rad(point, state.theta + PI / 2.0).map(|x| x + MIDDLE);
+        let rod = pygame::corners([0.0, -ROD_WIDTH / 2.0], [SCALE, ROD_WIDTH / 2.0]).map(place);
+        pygame::gfx_polygon(canvas, &rod, ROD);
+        pygame::gfx_circle(canvas, [MIDDLE; 2], ROD_WIDTH / 2.0, ROD);
+        pygame::gfx_circle(canvas, place([SCALE, 0.0]), ROD_WIDTH / 2.0, ROD);
         if let Some(torque) = state.last_torque {
-            canvas.push(axle);
             draw_torque(f64::from(torque), SCALE, canvas);
-            canvas.pop();
         }
-        pixels::circle(canvas, axle.origin, 0.05 * SCALE, Color::BLACK);
+        pygame::gfx_circle(canvas, [MIDDLE; 2], 0.05 * SCALE, Color::BLACK);
         canvas.pop();
     }
 }
 
-/// An arrow around the axle, as large as the torque and in its direction.
+/// Where the axle is, both ways.
+const MIDDLE: f64 = 250.0;
+
+/// An arrow around the axle, as large as the torque and in its direction. Gymnasium shows a picture of
+/// one; this is drawn, with the same size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // measured from Gymnasium's picture, for a radius of 1: its circle is no circle and off the axle
+    // for a radius of 1; Gymnasium's circle is no circle and off the axle, so this one is neither
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;
     const SHIFT: f64 = 0.064;
     const HEAD: [Point; 4] = [[0.77, -0.1], [0.91, -0.02], [1.05, -0.1], [0.91, 0.3]];
+    const POINTS: usize = 33;
     let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole picture is twice as wide
     if size < 1.0 {
         return;
     }
     // drawn counterclockwise; a negative torque turns the other way
-    canvas.push(Transform::scale(size * torque.signum(), size));
-    let line: [Point; 33] = arc([0.0, 0.0], 1.0, -1.5 * PI, 0.0);
-    let line = line.map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
-    canvas.stroke(Shape::Polyline(&line), WIDTH, Color::BLACK);
-    canvas.polygon(&HEAD, Color::BLACK);
-    canvas.pop();
+    let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
+    let edge = |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
+    let (inner, outer): ([Point; POINTS], [Point; POINTS]) =
+        (edge(1.0 - WIDTH / 2.0), edge(1.0 + WIDTH / 2.0));
+    let ring: [Point; 2 * POINTS] =
+        std::array::from_fn(|i| place(outer.get(i).copied().unwrap_or_else(|| inner[2 * POINTS - 1 - i])));
+    pygame::gfx_polygon(canvas, &ring, Color::BLACK);
+    pygame::gfx_polygon(canvas, &HEAD.map(place), Color::BLACK);
 }
 
 impl Native for PendulumDynamics {
     type Packed = [f64; 2];
     type Stream = WordStream;
-
-    const DRAWS: bool = false;
 
     fn pack(state: &State) -> [f64; 2] {
         [state.theta, state.theta_dot]
@@ -222,13 +235,8 @@ impl Native for PendulumDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, [torque]: [f32; 1], _rng: &mut WordStream) -> Transition<State> {
-        self.advance::<Polynomial>(state, torque)
-    }
-
-    #[inline(always)]
-    fn observe_state(&self, state: &State) -> [f32; 3] {
-        see::<Polynomial>(state)
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, _, _>(token, self);
     }
 }
 

@@ -75,6 +75,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
+        env.start_rendering();
         for step in 0..30 {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
             if first.text != second.text {
@@ -85,6 +86,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
             if env.ansi() != env.ansi() {
                 return broken(format!("seed {seed}, step {step}: asked twice, `ansi` gives two texts"));
             }
+            env.picture_taken();
             let what = "an episode that was drawn";
             same(&carry_on(&mut unseen, seed + step, 1)?, &carry_on(&mut env, seed + step, 1)?, what)?;
         }

@@ -54,6 +54,8 @@ trait Erased: Send {
     fn info(&self, visit: &mut dyn FnMut(&str, Value));
     fn metadata(&self) -> Metadata;
     fn draw(&self, canvas: &mut dyn Canvas);
+    fn start_rendering(&mut self);
+    fn picture_taken(&mut self);
     fn ansi(&self) -> Option<String>;
     fn render_mode(&self) -> Option<RenderMode>;
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()>;

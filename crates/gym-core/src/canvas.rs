@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 use std::fmt::{self, Write};
 use std::ops::Deref;
 
+use crate::math;
+
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];
 
@@ -84,6 +86,75 @@ pub enum Shape<'a> {
     Path(&'a [Segment]),
 }
 
+/// One call of pygame, with its numbers as Gymnasium passes them: coordinates name the centres of pixels.
+///
+/// A canvas at Gymnasium's own size draws them as pygame does, to the last bit; any other draws smooth
+/// shapes that look alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive<'a> {
+    /// `gfxdraw.hline`: the pixels of a row between two columns.
+    HLine {
+        /// An end.
+        x1: f64,
+        /// The other end.
+        x2: f64,
+        /// The row.
+        y: f64,
+    },
+    /// `gfxdraw.vline`: the pixels of a column between two rows.
+    VLine {
+        /// The column.
+        x: f64,
+        /// An end.
+        y1: f64,
+        /// The other end.
+        y2: f64,
+    },
+    /// `gfxdraw.aapolygon`: the smoothed outline of a polygon.
+    AaPolygon(&'a [Point]),
+    /// `gfxdraw.filled_polygon`: the inside of a polygon.
+    FilledPolygon(&'a [Point]),
+    /// `gfxdraw.aacircle`: the smoothed outline of a circle.
+    AaCircle {
+        /// Its centre.
+        center: Point,
+        /// Its radius.
+        radius: f64,
+    },
+    /// `gfxdraw.filled_circle`: a circle with its outline.
+    FilledCircle {
+        /// Its centre.
+        center: Point,
+        /// Its radius.
+        radius: f64,
+    },
+    /// `draw.polygon` of width 0: a polygon with its outline.
+    Polygon(&'a [Point]),
+    /// `draw.line`, `draw.lines`, and `draw.polygon` of a width: lines between points.
+    Lines {
+        /// The points.
+        points: &'a [Point],
+        /// Whether a line leads from the last to the first.
+        closed: bool,
+        /// In pixels.
+        width: u32,
+    },
+    /// `draw.circle`: a circle about a corner of pixels.
+    Circle {
+        /// Its centre.
+        center: Point,
+        /// Its radius.
+        radius: f64,
+    },
+    /// `draw.aaline` and `draw.aalines`: smoothed lines between points.
+    AaLines {
+        /// The points.
+        points: &'a [Point],
+        /// Whether a line leads from the last to the first.
+        closed: bool,
+    },
+}
+
 /// Where a text is anchored horizontally.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
@@ -124,7 +195,7 @@ impl Transform {
 
     /// Turns about the origin, from x towards y.
     pub fn rotate(radians: f64) -> Self {
-        let (sin, cos) = radians.sin_cos();
+        let (sin, cos) = math::sin_cos(radians);
         Self { x: [cos, sin], y: [-sin, cos], origin: [0.0, 0.0] }
     }
 
@@ -168,10 +239,16 @@ pub trait Canvas {
     /// Returns to the coordinates before the last [`push`](Canvas::push).
     fn pop(&mut self);
 
-    /// Whether one unit of the outermost coordinates is one pixel. Shapes can then be moved to whole
-    /// pixels, for sharp edges; at any other size they are better left where they are.
-    fn unit_is_pixel(&self) -> bool {
-        false
+    /// Draws one of pygame's calls; see [`crate::pygame`] for the coordinates.
+    fn pygame(&mut self, primitive: Primitive<'_>, color: Color) {
+        crate::pygame::smooth(self, primitive, color);
+    }
+
+    /// Draws what follows on a surface of the size `from`, until the matching [`pop`](Canvas::pop); pygame's
+    /// `smoothscale` then shrinks it to the size `to`, in the pixels of this canvas.
+    fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
+        let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
+        self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
     }
 
     /// Fills a polygon.
@@ -211,13 +288,14 @@ impl Canvas for Blank {
     fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
     fn push(&mut self, _transform: Transform) {}
     fn pop(&mut self) {}
+    fn pygame(&mut self, _primitive: Primitive<'_>, _color: Color) {}
 }
 
 /// The points of an arc around `center`, from angle `start` to `end` in radians, both included.
 pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
     std::array::from_fn(|i| {
         let angle = start + (end - start) * i as f64 / (N.max(2) - 1) as f64;
-        [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]
+        [center[0] + radius * math::cos(angle), center[1] + radius * math::sin(angle)]
     })
 }
 

@@ -187,6 +187,14 @@ pub trait Env: Clone + Send + 'static {
         let _ = canvas;
     }
 
+    /// Tells the environment that pictures of it will be taken, before the first of them. From then on it
+    /// may keep what pictures alone show, such as the particles of an exhaust.
+    fn start_rendering(&mut self) {}
+
+    /// Tells the environment that a picture of it was taken. What moves on from picture to picture rather
+    /// than from step to step does so now; nothing of the episode may change.
+    fn picture_taken(&mut self) {}
+
     /// The current state as text, for the mode `ansi`.
     fn ansi(&self) -> Option<String> {
         None

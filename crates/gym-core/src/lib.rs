@@ -1,5 +1,6 @@
 //! Reinforcement-learning environments in Rust.
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![warn(clippy::disallowed_methods)]
 
 pub mod array;
 mod boxed;
@@ -8,7 +9,7 @@ mod env;
 mod error;
 pub mod file;
 mod functional;
-pub mod pixels;
+pub mod pygame;
 pub mod registry;
 pub mod render;
 mod reset;

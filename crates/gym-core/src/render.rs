@@ -108,10 +108,34 @@ impl Default for Metadata {
 
 /// A picture: 8-bit red, green, blue.
 #[derive(Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "StoredFrame")]
 pub struct Frame {
     width: u32,
     height: u32,
     pixels: Vec<u8>,
+}
+
+/// A [`Frame`] read from outside, whose pixels need not fit its size.
+#[derive(Deserialize)]
+struct StoredFrame {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+impl TryFrom<StoredFrame> for Frame {
+    type Error = Error;
+
+    fn try_from(StoredFrame { width, height, pixels }: StoredFrame) -> Result<Self> {
+        let bytes = u128::from(width) * u128::from(height) * 3;
+        if pixels.len() as u128 != bytes {
+            return Err(Error::custom(format!(
+                "a frame of {width}x{height} has {} bytes of pixels: it needs {bytes}, 3 for each pixel",
+                pixels.len()
+            )));
+        }
+        Ok(Self { width, height, pixels })
+    }
 }
 
 impl Frame {
@@ -183,7 +207,8 @@ impl Rendered {
 /// Turns drawings into pixels. A rendering crate such as `gym-render` submits a
 /// [`PainterProvider`]; [`Painter`]s are what wrappers then hold.
 pub trait Painter: Send {
-    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`.
+    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas is black at first,
+    /// whatever the frame showed.
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame);
 }
 
@@ -223,4 +248,23 @@ inventory::collect!(ScreenProvider);
 /// What opens windows, or `None` where no crate that does is linked.
 pub fn open_screen() -> Option<OpenScreen> {
     inventory::iter::<ScreenProvider>.into_iter().next().map(|provider| provider.open)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stored_frame_has_the_pixels_of_its_size() {
+        let frame = Frame::new(2, 1);
+        let json = serde_json::to_string(&frame).unwrap();
+        assert_eq!(serde_json::from_str::<Frame>(&json).unwrap(), frame);
+        for (width, height, pixels) in
+            [(2, 1, "0,0,0"), (2, 1, ""), (0, 0, "0"), (u32::MAX, u32::MAX, "0,0,0"), (1, 1, "0,0,0,0")]
+        {
+            let json = format!(r#"{{"width": {width}, "height": {height}, "pixels": [{pixels}]}}"#);
+            let error = serde_json::from_str::<Frame>(&json).unwrap_err().to_string();
+            assert!(error.contains(&format!("a frame of {width}x{height} has")), "{error}");
+        }
+    }
 }

@@ -13,16 +13,23 @@
 //!
 //! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
 //! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
+//!
+//! With `"render_mode": "rgb_array"` the environment is rendered once after each event. An event then has the
+//! CRC-32 of the picture (`frame`) and of an observation that is a picture (`observation_crc32`), and the same
+//! with rectangles blackened (`frame_masked`, `observation_masked`), which the trace names: `"frame_mask":
+//! [[6, 365, 65, 380]]`, each its first column and row and its last ones. A masked checksum counts instead of
+//! the other.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use crate::registry::EnvBuilder;
+use crate::render::{RenderMode, Rendered};
 use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
-use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, WrapperSpec, builder};
+use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Trace {
     /// The environment's id.
     pub id: String,
@@ -36,6 +43,15 @@ pub struct Trace {
     /// The vector that it is a sub-environment of, if it is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
+    /// The render mode, if pictures are compared: `rgb_array`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub render_mode: Option<RenderMode>,
+    /// Rectangles of the frame that are blackened for `frame_masked`: left, top, right, bottom, all included.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frame_mask: Vec<[usize; 4]>,
+    /// The same for `observation_masked`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub observation_mask: Vec<[usize; 4]>,
     /// What happened, in order.
     pub events: Vec<Event>,
 }
@@ -86,6 +102,21 @@ pub struct Event {
     /// CarRacing, whose observation is a picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<Json>,
+    /// CRC-32 of the frame's bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Json>,
+    /// The same of the masked frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_masked: Option<Json>,
+    /// The same of the frame without what Gymnasium loads from a file. It is read, and not compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_plain: Option<Json>,
+    /// CRC-32 of an observation's bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observation_crc32: Option<Json>,
+    /// The same of the masked observation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observation_masked: Option<Json>,
 }
 
 /// Seed and options of a reset.
@@ -149,10 +180,9 @@ impl Trace {
             self.replay_events(|event| event.replay_vector(&mut envs, &mut columns))
         } else {
             let mut env = self.make()?;
-            self.replay_events(|event| event.replay(&mut env, &state))
+            self.replay_events(|event| event.replay(self, &mut env, &state))
         };
-        let Self { id, kwargs, wrappers, vector, .. } = self.clone();
-        Ok(Self { id, kwargs, wrappers, vector, events: events? })
+        Ok(Self { events: events?, ..self.clone() })
     }
 
     fn replay_events(&self, mut replay: impl FnMut(&Event) -> Result<Event>) -> Result<Vec<Event>> {
@@ -193,7 +223,10 @@ impl Trace {
     }
 
     fn builder(&self) -> EnvBuilder {
-        let builder = builder(&self.id).args(self.kwargs.clone());
+        let mut builder = builder(&self.id).args(self.kwargs.clone());
+        if let Some(mode) = self.render_mode {
+            builder = builder.render_mode(mode);
+        }
         self.wrappers.iter().cloned().fold(builder, EnvBuilder::wrap)
     }
 
@@ -207,6 +240,12 @@ impl Trace {
         }
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
+        // a masked checksum counts instead of the other
+        for (masked, plain) in [("frame_masked", "frame"), ("observation_masked", "observation_crc32")] {
+            if recorded.iter().any(|(name, _)| *name == masked) {
+                recorded.retain(|(name, _)| *name != plain);
+            }
+        }
         self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
             recorded.iter().find_map(|(name, part)| {
                 let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
@@ -220,26 +259,35 @@ impl Trace {
 type Part = (&'static str, fn(&Event) -> Option<&Json>);
 
 /// What is compared.
-const PARTS: [Part; 6] = [
+const PARTS: [Part; 10] = [
     ("observation", |event| event.observation.as_ref()),
     ("reward", |event| event.reward.as_ref()),
     ("terminated", |event| event.terminated.as_ref()),
     ("truncated", |event| event.truncated.as_ref()),
     ("info", |event| event.info.as_ref()),
     ("state", |event| event.state.as_ref()),
+    ("frame", |event| event.frame.as_ref()),
+    ("frame_masked", |event| event.frame_masked.as_ref()),
+    ("observation_crc32", |event| event.observation_crc32.as_ref()),
+    ("observation_masked", |event| event.observation_masked.as_ref()),
 ];
 
 impl Event {
-    fn replay(&self, env: &mut BoxEnv, state: &dyn Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
+    fn replay(
+        &self,
+        trace: &Trace,
+        env: &mut BoxEnv,
+        state: &dyn Fn(&BoxEnv) -> Option<Json>,
+    ) -> Result<Self> {
+        let mut observed = Value::Null;
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {
-                let observation = env.reset(Reset::try_from(request)?)?;
-                Self { observation: Some(json!(observation)), ..Self::default() }
+                env.reset_into(&Reset::try_from(request)?, &mut observed)?;
+                Self::default()
             }
             (None, Some(action)) => {
-                let step = env.step(&env.action_space().from_json(action)?)?;
+                let step = env.step_into(&env.action_space().from_json(action)?, &mut observed)?;
                 Self {
-                    observation: Some(json!(step.observation)),
                     reward: Some(json!(step.reward)),
                     terminated: Some(json!(step.terminated)),
                     truncated: Some(json!(step.truncated)),
@@ -253,8 +301,22 @@ impl Event {
         answer.info = Some(json!(env.info_map()));
         if self.state.is_some() {
             answer.state = state(env);
-            if self.observation.is_none() {
-                answer.observation = None;
+        }
+        // pictures are compared by their checksums
+        if self.observation.is_some() || (self.state.is_none() && trace.render_mode.is_none()) {
+            answer.observation = Some(json!(observed));
+        }
+        if trace.render_mode.is_some()
+            && let Rendered::Frame(frame) = env.render()?
+        {
+            let width = frame.width() as usize;
+            answer.frame = Some(json!(crc32fast::hash(frame.pixels())));
+            answer.frame_masked = masked(frame.pixels(), width, &trace.frame_mask);
+            if let Value::Array(picture) = &observed
+                && let (Some(pixels), &[_, width, 3]) = (picture.as_slice::<u8>(), picture.shape())
+            {
+                answer.observation_crc32 = Some(json!(crc32fast::hash(pixels)));
+                answer.observation_masked = masked(pixels, width, &trace.observation_mask);
             }
         }
         Ok(answer)
@@ -276,6 +338,19 @@ impl Event {
         answer.info = Some(json!(envs.infos(columns)));
         Ok(answer)
     }
+}
+
+/// The checksum of a picture of 3 bytes a pixel whose rectangles are blackened, if there are any.
+fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json> {
+    let mut pixels = pixels.to_vec();
+    for (y, row) in pixels.chunks_exact_mut((3 * width).max(3)).enumerate() {
+        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+            if rectangles.iter().any(|[l, t, r, b]| (l..=r).contains(&&x) && (t..=b).contains(&&y)) {
+                pixel.fill(0);
+            }
+        }
+    }
+    (!rectangles.is_empty()).then(|| json!(crc32fast::hash(&pixels)))
 }
 
 fn not_an_event() -> Error {

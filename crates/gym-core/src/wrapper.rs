@@ -159,6 +159,16 @@ pub trait Wrapper: Clone + Send + 'static {
         self.inner().draw(canvas);
     }
 
+    /// As [`Env::start_rendering`].
+    fn start_rendering(&mut self) {
+        self.inner_mut().start_rendering();
+    }
+
+    /// As [`Env::picture_taken`].
+    fn picture_taken(&mut self) {
+        self.inner_mut().picture_taken();
+    }
+
     /// As [`Env::ansi`].
     fn ansi(&self) -> Option<String> {
         self.inner().ansi()
@@ -221,6 +231,14 @@ macro_rules! forward {
 
         fn draw(&self, canvas: &mut dyn Canvas) {
             self$(.$field)?.draw(canvas);
+        }
+
+        fn start_rendering(&mut self) {
+            self$(.$field)?.start_rendering();
+        }
+
+        fn picture_taken(&mut self) {
+            self$(.$field)?.picture_taken();
         }
 
         fn ansi(&self) -> Option<String> {

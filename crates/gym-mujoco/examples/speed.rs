@@ -1,14 +1,24 @@
 //! Time of the engine per environment step, on the models of Gymnasium's tasks under random controls.
 use std::time::Instant;
 
-use gym_mujoco::{physics as p, step, Data, Model};
+use gym_mujoco::{Data, Model, physics as p, step};
 
 fn main() {
-    let folder = std::path::PathBuf::from(std::env::var_os("GYM_REFERENCE").expect("GYM_REFERENCE")).join("models_mujoco");
+    let folder = std::path::PathBuf::from(std::env::var_os("GYM_REFERENCE").expect("GYM_REFERENCE"))
+        .join("models_mujoco");
     let only: Vec<String> = std::env::args().skip(1).collect();
     for (name, skip) in [
-        ("inverted_pendulum", 2), ("inverted_double_pendulum", 5), ("reacher", 2), ("pusher_v5", 5), ("swimmer", 4),
-        ("half_cheetah", 5), ("hopper", 4), ("walker2d_v5", 4), ("ant", 5), ("humanoid", 5), ("humanoidstandup", 5),
+        ("inverted_pendulum", 2),
+        ("inverted_double_pendulum", 5),
+        ("reacher", 2),
+        ("pusher_v5", 5),
+        ("swimmer", 4),
+        ("half_cheetah", 5),
+        ("hopper", 4),
+        ("walker2d_v5", 4),
+        ("ant", 5),
+        ("humanoid", 5),
+        ("humanoidstandup", 5),
     ] {
         if !only.is_empty() && !only.iter().any(|o| o == name) {
             continue;
@@ -24,7 +34,8 @@ fn main() {
             let t = Instant::now();
             for _ in 0..n {
                 for i in 0..m.nu() {
-                    seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    seed =
+                        seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                     let u = (seed >> 40) as f64 / f64::from(1_u32 << 24) * 2.0 - 1.0;
                     d.ctrl[i] = u * m.actuator_ctrlrange[i][1];
                 }

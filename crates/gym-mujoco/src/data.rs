@@ -152,9 +152,19 @@ impl Data {
         self.time = 0.0;
         self.qpos.copy_from_slice(&m.qpos0);
         for vector in [
-            &mut self.qvel, &mut self.ctrl, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
-            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
-            &mut self.actuator_force, &mut self.ten_length, &mut self.ten_velocity,
+            &mut self.qvel,
+            &mut self.ctrl,
+            &mut self.qacc_warmstart,
+            &mut self.qacc,
+            &mut self.qfrc_passive,
+            &mut self.qfrc_bias,
+            &mut self.qfrc_actuator,
+            &mut self.qfrc_smooth,
+            &mut self.qacc_smooth,
+            &mut self.qfrc_constraint,
+            &mut self.actuator_force,
+            &mut self.ten_length,
+            &mut self.ten_velocity,
         ] {
             vector.fill(0.0);
         }
@@ -195,8 +205,15 @@ impl Data {
         let (nv, nbody) = (m.nv(), m.nbody());
         self.qpos.resize(m.nq(), 0.0);
         for vector in [
-            &mut self.qvel, &mut self.qacc_warmstart, &mut self.qacc, &mut self.qfrc_passive, &mut self.qfrc_bias,
-            &mut self.qfrc_actuator, &mut self.qfrc_smooth, &mut self.qacc_smooth, &mut self.qfrc_constraint,
+            &mut self.qvel,
+            &mut self.qacc_warmstart,
+            &mut self.qacc,
+            &mut self.qfrc_passive,
+            &mut self.qfrc_bias,
+            &mut self.qfrc_actuator,
+            &mut self.qfrc_smooth,
+            &mut self.qacc_smooth,
+            &mut self.qfrc_constraint,
             &mut self.qld_diag_inv,
         ] {
             vector.resize(nv, 0.0);

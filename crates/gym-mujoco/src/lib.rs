@@ -19,6 +19,6 @@ pub use error::{Error, Result};
 pub use model::{CompiledModel, Model};
 pub use physics::{forward, step};
 pub use tasks::{
-    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher, Reacher, Swimmer,
-    Walker2d, model_and_data,
+    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher,
+    Reacher, Swimmer, Walker2d, model_and_data,
 };

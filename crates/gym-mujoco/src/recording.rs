@@ -47,19 +47,23 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let m = model(recording, folder)?;
     let mut answer = recording.clone();
-    let (side, run): (_, fn(&Model, &mut Data) -> Value) = match recording.get("kind").and_then(Value::as_str) {
+    let (side, run): (_, fn(&Model, &mut Data) -> Value) = match recording.get("kind").and_then(Value::as_str)
+    {
         Some("steps") => ("after", after_step),
         Some("forward") => ("out", after_forward),
         Some(kind) => return Err(wrong(&format!("the kind {kind:?}: there are \"steps\" and \"forward\""))),
         None => {
-            let figures = m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
+            let figures =
+                m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
             answer.extend(figures);
             return Ok(answer);
         }
     };
-    let cases = answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
+    let cases =
+        answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
     for (i, case) in cases.iter_mut().enumerate() {
-        let state = State::deserialize(&*case).map_err(|error| wrong(&format!("a case {i} that is no state: {error}")))?;
+        let state = State::deserialize(&*case)
+            .map_err(|error| wrong(&format!("a case {i} that is no state: {error}")))?;
         let mut data = state.into_data(&m)?;
         case[side] = run(&m, &mut data);
     }
@@ -70,9 +74,8 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     let text = |key: &str| recording.get(key).and_then(Value::as_str);
     match (text("xml"), text("model")) {
         (Some(xml), _) => Model::from_xml_file(folder.join(xml)).map(Arc::new),
-        (None, Some(name)) => {
-            tasks::load(&format!("{name}.xml")).map_err(|error| Error::Data(format!("the recording's model: {error}")))
-        }
+        (None, Some(name)) => tasks::load(&format!("{name}.xml"))
+            .map_err(|error| Error::Data(format!("the recording's model: {error}"))),
         (None, None) => Err(Error::Data("the recording has neither `model` nor `xml`".into())),
     }
 }

@@ -122,7 +122,11 @@ fn errors_name_line_element_and_attribute() {
 
 #[test]
 fn sizes_and_depths_have_limits() {
-    let deep = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(5000), "</body>".repeat(5000));
+    let deep = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body>".repeat(5000),
+        "</body>".repeat(5000)
+    );
     let message = Model::from_xml(&deep).unwrap_err().to_string();
     assert!(message.contains("nested deeper"), "{message}");
     let many = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<geom size=\"1\"/>".repeat(5000));

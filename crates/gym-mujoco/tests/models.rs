@@ -48,7 +48,9 @@ fn models_have_mujocos_figures() {
         for entry in std::fs::read_dir(&folder).unwrap() {
             let path = entry.unwrap().path();
             let mut recorded: Value = match path.extension() {
-                Some(json) if json == "json" => serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap(),
+                Some(json) if json == "json" => {
+                    serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap()
+                }
                 _ => continue,
             };
             if recorded.get("body_mass").is_none() {

@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use gym_mujoco::{forward, physics, step, Data, Model};
-use serde_json::{json, Value};
+use gym_mujoco::{Data, Model, forward, physics, step};
+use serde_json::{Value, json};
 
 /// The folders of recordings: the one in this crate, and the one that `GYM_REFERENCE` names.
 fn folders() -> Vec<PathBuf> {
@@ -23,7 +23,10 @@ fn read(path: &Path) -> String {
 fn model(path: &Path, file: &Value) -> Model {
     let xml = match file["xml"].as_str() {
         Some(xml) => path.with_file_name(xml),
-        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(file["model"].as_str().unwrap()).with_extension("xml"),
+        None => Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("models")
+            .join(file["model"].as_str().unwrap())
+            .with_extension("xml"),
     };
     Model::from_xml(&read(&xml)).unwrap_or_else(|e| panic!("{}: {e}", xml.display()))
 }
@@ -109,7 +112,9 @@ fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Va
             }
             let mut w = if key == "contact" {
                 let (a, b) = (expected.as_array().unwrap(), got[key].as_array().unwrap());
-                let of = |(a, b): (&Value, &Value)| a.as_object().unwrap().iter().map(|(k, v)| off(v, &b[k])).fold(0.0, f64::max);
+                let of = |(a, b): (&Value, &Value)| {
+                    a.as_object().unwrap().iter().map(|(k, v)| off(v, &b[k])).fold(0.0, f64::max)
+                };
                 if a.len() == b.len() { a.iter().zip(b).map(of).fold(0.0, f64::max) } else { f64::INFINITY }
             } else {
                 off(expected, &got[key])
@@ -124,9 +129,14 @@ fn compare(file: &Value, m: &Model, side: &str, run: fn(&Model, &mut Data) -> Va
             }
         }
     }
-    let worst: Vec<String> = worst.iter().filter(|(_, w)| **w > 0.0).map(|(k, w)| format!("{k} {w:.0e}")).collect();
+    let worst: Vec<String> =
+        worst.iter().filter(|(_, w)| **w > 0.0).map(|(k, w)| format!("{k} {w:.0e}")).collect();
     println!("{name} {side}: {} ; {deep} deep; iterations differ in {iterations}", worst.join("  "));
-    if bad.is_empty() { Ok(()) } else { Err(format!("{name} {side}: {} off, first {:?}", bad.len(), &bad[..bad.len().min(12)])) }
+    if bad.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("{name} {side}: {} off, first {:?}", bad.len(), &bad[..bad.len().min(12)]))
+    }
 }
 
 fn all(kind: &str, side: &str, run: fn(&Model, &mut Data) -> Value) {
@@ -141,7 +151,8 @@ fn all(kind: &str, side: &str, run: fn(&Model, &mut Data) -> Value) {
     assert!(!paths.is_empty(), "there are no recordings of {kind}");
     let mut failed = Vec::new();
     for path in paths {
-        let file: Value = serde_json::from_str(&read(&path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let file: Value =
+            serde_json::from_str(&read(&path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         failed.extend(compare(&file, &model(&path, &file), side, run).err());
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));

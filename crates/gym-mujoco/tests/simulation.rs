@@ -2,15 +2,29 @@
 
 use std::path::Path;
 
-use gym_mujoco::{forward, physics, step, Data, Model};
+use gym_mujoco::{Data, Model, forward, physics, step};
 
 const MODELS: [&str; 13] = [
-    "inverted_pendulum", "inverted_double_pendulum", "reacher", "pusher", "pusher_v5", "swimmer", "half_cheetah", "hopper", "walker2d",
-    "walker2d_v5", "ant", "humanoid", "humanoidstandup",
+    "inverted_pendulum",
+    "inverted_double_pendulum",
+    "reacher",
+    "pusher",
+    "pusher_v5",
+    "swimmer",
+    "half_cheetah",
+    "hopper",
+    "walker2d",
+    "walker2d_v5",
+    "ant",
+    "humanoid",
+    "humanoidstandup",
 ];
 
 fn built_in(name: &str) -> Model {
-    Model::from_xml_file(Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml")).unwrap()
+    Model::from_xml_file(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml"),
+    )
+    .unwrap()
 }
 
 /// Draws from -1 to 1.
@@ -30,7 +44,13 @@ impl Random {
             d.ctrl[i] = match kind % 4 {
                 0 => draw * most,
                 1 => draw.signum() * most,
-                2 => if i % 2 == 0 { most } else { -most },
+                2 => {
+                    if i % 2 == 0 {
+                        most
+                    } else {
+                        -most
+                    }
+                }
                 _ => draw * 1e6,
             };
         }
@@ -59,7 +79,10 @@ fn stored_data_continues_bit_for_bit() {
             for data in [&mut d, &mut restored, &mut cloned] {
                 step(&m, data);
             }
-            assert!(everything(&d) == everything(&restored) && everything(&d) == everything(&cloned), "{name}");
+            assert!(
+                everything(&d) == everything(&restored) && everything(&d) == everything(&cloned),
+                "{name}"
+            );
         }
     }
 }
@@ -89,7 +112,13 @@ fn no_control_makes_numbers_that_are_not_finite() {
                 random.control(&m, &mut d, i / 500);
             }
             step(&m, &mut d);
-            let numbers = d.qpos.iter().chain(&d.qvel).chain(&d.qacc).chain(&d.qfrc_constraint).chain(d.efc.force.iter());
+            let numbers = d
+                .qpos
+                .iter()
+                .chain(&d.qvel)
+                .chain(&d.qacc)
+                .chain(&d.qfrc_constraint)
+                .chain(d.efc.force.iter());
             assert!(numbers.copied().all(f64::is_finite), "{name}, step {i}");
         }
         physics::rne_post_constraint(&m, &mut d);

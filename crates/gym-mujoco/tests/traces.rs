@@ -47,7 +47,10 @@ fn compare(path: &Path) -> Result<(usize, f64), String> {
             }
             let here = off(&asked[part], &answer[part]);
             if here > limit {
-                return Err(format!("event {i} of {horizon}, {part} is {here:.1e} off: {} for {}", answer[part], asked[part]));
+                return Err(format!(
+                    "event {i} of {horizon}, {part} is {here:.1e} off: {} for {}",
+                    answer[part], asked[part]
+                ));
             }
             worst = worst.max(here);
         }

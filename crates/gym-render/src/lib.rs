@@ -33,8 +33,6 @@
 
 mod apng;
 mod changes;
-mod coverage;
-mod flatten;
 mod font;
 mod gif;
 mod inline;
@@ -45,13 +43,15 @@ mod palette;
 mod pixels;
 mod plot;
 mod png;
+mod pygame;
 mod raster;
 mod record;
 mod record_vector_video;
 mod record_video;
 mod recorder;
+mod sheet;
+mod skia;
 mod stream;
-mod stroke;
 mod svg;
 mod tape;
 #[cfg(test)]

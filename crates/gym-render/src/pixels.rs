@@ -6,10 +6,11 @@ use gym_core::canvas::{Color, Point};
 use gym_core::render::Frame;
 
 /// Bytes of a pixel.
-const RGB: usize = 3;
-/// Edges lie on parts of a pixel, as in `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit
-/// together, and the few shades along edges fit into a GIF's colour table.
-pub(crate) const SUBPIXELS: usize = 4;
+pub(crate) const RGB: usize = 3;
+/// Edges of rectangles lie on parts of a pixel, as those of other shapes do in `tiny-skia` (its
+/// `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into a GIF's
+/// colour table.
+const SUBPIXELS: usize = 4;
 
 /// Covers the whole frame; translucent colours are laid over what is there.
 pub(crate) fn clear(frame: &mut Frame, color: Color) {
@@ -59,29 +60,34 @@ pub(crate) fn row(frame: &mut Frame, y: usize) -> &mut [u8] {
 
 /// Lays colour over consecutive pixels of a row that are all covered alike.
 pub(crate) fn blend_run(row: &mut [u8], pixels: Range<usize>, color: Color, coverage: u8) {
-    let run = &mut row[pixels.start * RGB..pixels.end * RGB];
-    let Color { r, g, b, a } = color;
-    if scale(a, coverage) == 255 {
-        if r == g && g == b {
-            return run.fill(r);
-        }
-        // in words, so that the compiler does not write byte by byte
-        let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
-        let group = [word(0), word(1), word(2)];
-        let mut groups = run.chunks_exact_mut(8 * RGB);
-        for pixels in groups.by_ref() {
-            for (pixels, word) in pixels.chunks_exact_mut(8).zip(group) {
-                pixels.copy_from_slice(&word.to_ne_bytes());
-            }
-        }
-        groups.into_remainder().chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
+    if scale(color.a, coverage) == 255 {
+        fill_run(row, pixels, color);
     } else {
+        let run = &mut row[pixels.start * RGB..pixels.end * RGB];
         run.chunks_exact_mut(RGB).for_each(|pixel| blend(pixel, color, coverage));
     }
 }
 
+/// Makes consecutive pixels of a row one colour, as if it were opaque.
+pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, .. }: Color) {
+    let run = &mut row[pixels.start * RGB..pixels.end * RGB];
+    if r == g && g == b {
+        return run.fill(r);
+    }
+    // in words, so that the compiler does not write byte by byte
+    let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
+    let group = [word(0), word(1), word(2)];
+    let mut groups = run.chunks_exact_mut(8 * RGB);
+    for pixels in groups.by_ref() {
+        for (pixels, word) in pixels.chunks_exact_mut(8).zip(group) {
+            pixels.copy_from_slice(&word.to_ne_bytes());
+        }
+    }
+    groups.into_remainder().chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
+}
+
 /// `color` over `pixel`, weighed by the coverage.
-fn blend(pixel: &mut [u8], Color { r, g, b, a }: Color, coverage: u8) {
+pub(crate) fn blend(pixel: &mut [u8], Color { r, g, b, a }: Color, coverage: u8) {
     let alpha = scale(a, coverage);
     for (old, new) in pixel.iter_mut().zip([r, g, b]) {
         let sum = u32::from(new) * u32::from(alpha) + u32::from(*old) * u32::from(255 - alpha);

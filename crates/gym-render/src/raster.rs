@@ -1,15 +1,14 @@
-//! Drawings as pixels, anti-aliased.
+//! Drawings as pixels.
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Shape, Transform};
 use gym_core::inventory;
+use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
 
-use crate::coverage::{Coverage, REACH};
-use crate::flatten::Flatten;
-use crate::outline::outline;
-use crate::stroke::Stroker;
+use crate::pygame::{RgbPixels, is_in_reach, paint};
+use crate::sheet::Sheet;
 use crate::transforms::Transforms;
-use crate::{font, pixels};
+use crate::{pixels, skia};
 
 inventory::submit! {
     PainterProvider { new: || Box::new(Raster::new()) }
@@ -17,19 +16,20 @@ inventory::submit! {
 
 /// Draws into [`Frame`]s of any size; the coordinates of the drawing are stretched to fill them.
 ///
-/// It keeps its buffers from frame to frame: use one for many, and drawing allocates nothing any more.
-/// A shape that reaches further than 32768 pixels from the frame's corner is left out, unless it is an
-/// upright rectangle.
+/// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates nothing once
+/// the buffers have grown: use one painter for many frames. At any other size, and for all other shapes,
+/// `tiny-skia` draws smooth shapes. One that reaches further than 32768 pixels from the frame's corner is
+/// left out, unless it is an upright rectangle.
 #[derive(Debug)]
 pub struct Raster {
-    coverage: Coverage,
     transforms: Transforms,
+    sheet: Sheet,
 }
 
 impl Raster {
     /// A painter without buffers yet.
     pub fn new() -> Self {
-        Self { coverage: Coverage::default(), transforms: Transforms::new() }
+        Self { transforms: Transforms::new(), sheet: Sheet::default() }
     }
 }
 
@@ -42,10 +42,12 @@ impl Default for Raster {
 impl Painter for Raster {
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame) {
         let (width, height) = (frame.width(), frame.height());
-        self.coverage.resize(width, height);
         let scale = |pixels: u32, units: u32| f64::from(pixels) / f64::from(units.max(1));
         self.transforms.restart(Transform::scale(scale(width, size.0), scale(height, size.1)));
-        draw(&mut Surface { raster: self, unit_is_pixel: (width, height) == size, frame });
+        let is_own_size = (width, height) == size;
+        let mut surface = Surface { raster: self, frame, is_own_size, is_blank: true, sheet: None };
+        draw(&mut surface);
+        surface.finish();
     }
 }
 
@@ -66,53 +68,76 @@ pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Frame {
 struct Surface<'a> {
     raster: &'a mut Raster,
     frame: &'a mut Frame,
-    unit_is_pixel: bool,
+    /// Whether a unit of the drawing is a pixel of the frame.
+    is_own_size: bool,
+    /// Whether nothing is drawn yet, so that the frame still shows what was there before.
+    is_blank: bool,
+    /// The depth of the transforms at which a surface to be shrunk began, while it is drawn.
+    sheet: Option<usize>,
 }
 
 impl Surface<'_> {
-    /// Fills an outline given in inner coordinates.
-    fn fill_outline(&mut self, color: Color, draw: impl FnOnce(&mut dyn FnMut(Segment))) {
-        let transform = self.raster.transforms.current();
-        let mut pen = Flatten::new(&mut self.raster.coverage, 1.0);
-        draw(&mut |segment| pen.segment(transformed(segment, transform)));
-        self.raster.coverage.fill(self.frame, color);
+    /// Before anything is drawn: the frame is black.
+    fn start(&mut self) {
+        if std::mem::take(&mut self.is_blank) {
+            self.frame.pixels_mut().fill(0);
+        }
     }
 
-    /// Strokes an outline given in inner coordinates. A line thinner than a pixel is drawn a pixel
-    /// wide and fainter, so that it does not fall between the samples.
-    fn stroke_outline(
-        &mut self,
-        width: f64,
-        round_ends: bool,
-        color: Color,
-        draw: impl FnOnce(&mut dyn FnMut(Segment)),
-    ) {
-        let transform = self.raster.transforms.current();
-        let scale = (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt();
-        let pixels = width * scale;
-        // not a number neither
-        if !(pixels > 0.0 && pixels <= 2.0 * REACH) {
-            return;
+    /// Before a shape is drawn that is none of pygame's. A surface to be shrunk is then shrunk as far as it
+    /// is drawn; what comes after is drawn smoothly.
+    fn start_smooth(&mut self) {
+        self.start();
+        if let Some(depth) = self.sheet.take() {
+            self.raster.sheet.finish(self.frame);
+            let scale = |to: u32, from: usize| f64::from(to) / from as f64;
+            let (width, height) = self.raster.sheet.size();
+            let scale =
+                Transform::scale(scale(self.frame.width(), width), scale(self.frame.height(), height));
+            self.raster.transforms.rebase(depth, scale);
         }
-        let (width, color) = if pixels < 1.0 {
-            (1.0 / scale, color.alpha((f64::from(color.a) * pixels).round() as u8))
-        } else {
-            (width, color)
+    }
+
+    fn finish(&mut self) {
+        self.start();
+        if self.sheet.take().is_some() {
+            self.raster.sheet.finish(self.frame);
+        }
+    }
+
+    /// Where pygame's calls fall on the pixels of a surface: how many columns are to the left of the
+    /// frame, and whether row 0 is the lowest. `None` if a unit is no pixel.
+    fn placed(&self) -> Option<(i32, bool)> {
+        let height = match self.sheet {
+            Some(_) => self.raster.sheet.size().1 as f64,
+            None if self.is_own_size => f64::from(self.frame.height()),
+            None => return None,
         };
-        let mut stroker = Stroker::new(&mut self.raster.coverage, transform, width, round_ends, scale);
-        let mut pen = Flatten::new(&mut stroker, scale);
-        draw(&mut |segment| pen.segment(segment));
-        stroker.end();
-        self.raster.coverage.fill(self.frame, color);
+        let Transform { x, y, origin } = self.raster.transforms.current();
+        let left = UPRIGHT.origin[0] - origin[0];
+        let flipped = y == pygame::flipped(height).y;
+        let bottom = if flipped { pygame::flipped(height) } else { UPRIGHT };
+        let placed = x == UPRIGHT.x && y == bottom.y && origin[1] == bottom.origin[1];
+        let whole = left >= 0.0 && left <= f64::from(i16::MAX) && left.fract() == 0.0;
+        (placed && whole && (left == 0.0 || self.sheet.is_none())).then_some((left as i32, flipped))
     }
 }
 
 impl Canvas for Surface<'_> {
     fn clear(&mut self, color: Color) {
-        pixels::clear(self.frame, color);
+        if self.sheet.is_some() && color.a == 255 {
+            self.raster.sheet.clear(color);
+        } else if color.a == 255 {
+            self.is_blank = false;
+            pixels::clear(self.frame, color);
+        } else {
+            self.start_smooth();
+            pixels::clear(self.frame, color);
+        }
     }
 
     fn fill(&mut self, shape: Shape<'_>, color: Color) {
+        self.start_smooth();
         let transform = self.raster.transforms.current();
         let upright = transform.x[1] == 0.0 && transform.y[0] == 0.0;
         if let Shape::Rect { min, size, corner: 0.0 } = shape
@@ -121,18 +146,18 @@ impl Canvas for Surface<'_> {
             let max = [min[0] + size[0], min[1] + size[1]];
             pixels::fill_box(self.frame, transform.apply(min), transform.apply(max), color);
         } else {
-            self.fill_outline(color, |mut emit| outline(shape, &mut emit));
+            skia::fill(self.frame, shape, transform, color);
         }
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
-        self.stroke_outline(width, false, color, |mut emit| outline(shape, &mut emit));
+        self.start_smooth();
+        skia::stroke(self.frame, shape, width, self.raster.transforms.current(), color);
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
-        self.stroke_outline(size * font::WEIGHT, true, color, |mut emit| {
-            font::outline(text, position, size, align, &mut emit);
-        });
+        self.start_smooth();
+        skia::text(self.frame, text, position, size, align, self.raster.transforms.current(), color);
     }
 
     fn push(&mut self, transform: Transform) {
@@ -140,29 +165,48 @@ impl Canvas for Surface<'_> {
     }
 
     fn pop(&mut self) {
+        if self.sheet.is_some_and(|depth| self.raster.transforms.depth() == depth) {
+            self.finish();
+        }
         self.raster.transforms.pop();
     }
 
-    fn unit_is_pixel(&self) -> bool {
-        self.unit_is_pixel
+    fn pygame(&mut self, primitive: Primitive<'_>, color: Color) {
+        match self.placed() {
+            Some((left, flipped)) if color.a == 255 && is_in_reach(&primitive) => {
+                self.start();
+                if self.sheet.is_some() {
+                    self.raster.sheet.push(&primitive, color, flipped);
+                } else {
+                    paint(&mut RgbPixels { frame: self.frame, left, flipped }, &primitive, color);
+                }
+            }
+            _ => pygame::smooth(self, primitive, color),
+        }
     }
-}
 
-/// An affine map of a curve is the curve of the mapped points.
-fn transformed(segment: Segment, transform: Transform) -> Segment {
-    let place = |point| transform.apply(point);
-    match segment {
-        Segment::Move(to) => Segment::Move(place(to)),
-        Segment::Line(to) => Segment::Line(place(to)),
-        Segment::Quad(control, to) => Segment::Quad(place(control), place(to)),
-        Segment::Cubic(first, second, to) => Segment::Cubic(place(first), place(second), place(to)),
-        Segment::Close => Segment::Close,
+    fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
+        const LARGEST: u32 = 16_384;
+        let shrinks = to.0 < from.0 && to.1 < from.1 && from.0.max(from.1) <= LARGEST;
+        let shrinks = shrinks && to == (self.frame.width(), self.frame.height());
+        let is_exact = self.is_own_size
+            && self.sheet.is_none()
+            && shrinks
+            && self.raster.transforms.current() == Transform::IDENTITY;
+        if is_exact {
+            self.raster.transforms.push_anew(Transform::IDENTITY);
+            self.sheet = Some(self.raster.transforms.depth());
+            self.raster.sheet.begin(from);
+        } else {
+            let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
+            self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use gym_core::canvas::TURN;
+    use gym_core::canvas::{Segment, TURN};
 
     use super::*;
 
@@ -323,7 +367,7 @@ mod tests {
             canvas.text("Gym 0.1", [4.0, 44.0], 8.0, Align::Left, Color::BLACK.alpha(200));
         });
         let hash = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0x4402_f4b9_287e_3dfc);
+        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0xe042_ae4f_d295_ac5b);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Segment, Shape, Transform};
 
 use crate::number::{Decimal, Pair, Rgb};
 
@@ -81,6 +81,15 @@ impl Canvas for Recording {
         self.depth += 1;
     }
 
+    fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
+        self.line(format_args!("push smoothscaled {}x{} to {}x{}", from.0, from.1, to.0, to.1));
+        self.depth += 1;
+    }
+
+    fn pygame(&mut self, primitive: Primitive<'_>, color: Color) {
+        self.line(format_args!("pygame {} {}", Call(primitive), Rgba(color)));
+    }
+
     fn pop(&mut self) {
         self.depth = self.depth.saturating_sub(1);
         self.line(format_args!("pop"));
@@ -121,6 +130,39 @@ impl fmt::Display for Geometry<'_> {
                     Segment::Cubic(a, b, to) => write!(f, " cubic {} {} {}", Pair(a), Pair(b), Pair(to)),
                     Segment::Close => write!(f, " close"),
                 })
+            }
+        }
+    }
+}
+
+/// A call of pygame, under pygame's name.
+struct Call<'a>(Primitive<'a>);
+
+impl fmt::Display for Call<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let disc = |f: &mut fmt::Formatter<'_>, name, center, radius| {
+            write!(f, "{name} {} radius={}", Pair(center), Decimal::<3>(radius))
+        };
+        let number = Decimal::<3>;
+        match self.0 {
+            Primitive::HLine { x1, x2, y } => {
+                write!(f, "hline {} {} y={}", number(x1), number(x2), number(y))
+            }
+            Primitive::VLine { x, y1, y2 } => {
+                write!(f, "vline {} {} x={}", number(y1), number(y2), number(x))
+            }
+            Primitive::AaPolygon(points) => list(f, "aapolygon", points),
+            Primitive::FilledPolygon(points) => list(f, "filled_polygon", points),
+            Primitive::Polygon(points) => list(f, "polygon", points),
+            Primitive::AaCircle { center, radius } => disc(f, "aacircle", center, radius),
+            Primitive::FilledCircle { center, radius } => disc(f, "filled_circle", center, radius),
+            Primitive::Circle { center, radius } => disc(f, "circle", center, radius),
+            Primitive::Lines { points, closed, width } => {
+                list(f, if closed { "closed lines" } else { "lines" }, points)?;
+                write!(f, " width={width}")
+            }
+            Primitive::AaLines { points, closed } => {
+                list(f, if closed { "closed aalines" } else { "aalines" }, points)
             }
         }
     }

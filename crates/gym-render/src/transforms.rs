@@ -31,6 +31,24 @@ impl Transforms {
         self.current = self.current.then(inner);
     }
 
+    /// Starts anew with other coordinates, until the matching `pop`.
+    pub(crate) fn push_anew(&mut self, transform: Transform) {
+        self.outer.push(self.current);
+        self.current = transform;
+    }
+
+    /// How many are pushed and not yet popped.
+    pub(crate) fn depth(&self) -> usize {
+        self.outer.len()
+    }
+
+    /// Changes all coordinates from that depth on: they are now within `outer`.
+    pub(crate) fn rebase(&mut self, depth: usize, outer: Transform) {
+        for transform in self.outer.iter_mut().skip(depth).chain([&mut self.current]) {
+            *transform = outer.then(*transform);
+        }
+    }
+
     /// Does nothing on an empty stack.
     pub(crate) fn pop(&mut self) {
         if let Some(outer) = self.outer.pop() {

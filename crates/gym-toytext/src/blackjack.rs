@@ -16,9 +16,10 @@
 //! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
 
 use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
-use gym_core::vector::native::{self, Native, Whole};
+use gym_core::vector::native::{self, Many, Native, Whole};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -416,8 +417,6 @@ impl Native for BlackjackDynamics {
     type Packed = Whole<State>;
     type Stream = Generator;
 
-    const DRAWS: bool = true;
-
     #[inline(always)]
     fn pack(state: &State) -> Whole<State> {
         Whole(*state)
@@ -429,8 +428,8 @@ impl Native for BlackjackDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, rng: &mut Generator) -> Transition<State> {
-        self.play(state, action, rng)
+    fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
+        block.each(self, |state, action, rng| self.play(state, action, rng));
     }
 }
 

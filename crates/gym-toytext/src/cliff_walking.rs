@@ -17,9 +17,10 @@
 //! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.
 
 use gym_core::canvas::{Canvas, Color};
+use gym_core::math::Real;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Many, Native};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
 use serde::{Deserialize, Serialize};
 
@@ -266,7 +267,6 @@ impl Native for CliffWalkingDynamics {
     type Packed = Cell;
     type Stream = WordStream;
 
-    const DRAWS: bool = true;
     const INFO: bool = true;
 
     #[inline(always)]
@@ -282,8 +282,10 @@ impl Native for CliffWalkingDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
-        self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+    fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
+        block.each(self, |state, action, rng| {
+            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+        });
     }
 }
 

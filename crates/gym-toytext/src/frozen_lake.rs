@@ -18,9 +18,10 @@
 use std::sync::Arc;
 
 use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Many, Native};
 use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
 use serde::{Deserialize, Serialize};
 
@@ -441,7 +442,6 @@ impl Native for FrozenLakeDynamics {
     type Packed = Cell;
     type Stream = WordStream;
 
-    const DRAWS: bool = true;
     const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
@@ -466,8 +466,10 @@ impl Native for FrozenLakeDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
-        self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+    fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
+        block.each(self, |state, action, rng| {
+            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+        });
     }
 }
 

@@ -11,6 +11,7 @@
 //!
 //! Linking this crate registers them; name it (`use gym_toytext as _;`) if nothing else of it is
 //! used.
+#![warn(clippy::disallowed_methods)]
 
 mod art;
 pub mod blackjack;

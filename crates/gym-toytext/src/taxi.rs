@@ -18,9 +18,10 @@
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.
 
 use gym_core::canvas::{Align, Canvas, Color, Point, Transform};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Native};
+use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
     Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value,
 };
@@ -426,7 +427,6 @@ impl Native for TaxiDynamics {
     type Packed = Cell;
     type Stream = WordStream;
 
-    const DRAWS: bool = true;
     const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
@@ -450,8 +450,10 @@ impl Native for TaxiDynamics {
     }
 
     #[inline(always)]
-    fn step(&self, state: &State, action: Action, rng: &mut WordStream) -> Transition<State> {
-        self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+    fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
+        block.each(self, |state, action, rng| {
+            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+        });
     }
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::track::TrackPoint;
 use crate::common::{points, sign, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World, sin_cos,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
 };
 
 const SIZE: f64 = 0.02;
@@ -58,7 +58,8 @@ pub(super) struct Wheel {
 /// Whether a wheel leaves a mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Skidding {
-    start: Option<[f64; 2]>,
+    /// Whether it slipped in the step before, without a mark.
+    slips: bool,
     /// Which mark it draws on.
     mark: Option<u64>,
 }
@@ -74,7 +75,7 @@ pub(super) struct SkidMark {
 /// Marks that stay.
 const MARKS: usize = 30;
 /// Points of a mark.
-const MARK_POINTS: usize = 30;
+pub(super) const MARK_POINTS: usize = 30;
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Car {
@@ -219,7 +220,7 @@ impl Car {
             && mark.points.len() < MARK_POINTS
         {
             mark.points.push(position);
-        } else if let Some(start) = skid.start.take() {
+        } else if std::mem::take(&mut skid.slips) {
             let number = self.marks_made;
             skid.mark = Some(number);
             self.marks_made += 1;
@@ -228,21 +229,21 @@ impl Car {
             if let Some(mark) = self.marks.last_mut() {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
-                mark.points.extend([start, position]);
+                // (Gymnasium means to begin where the wheel was, but its name for that place has moved on)
+                mark.points.extend([position, position]);
             }
         } else {
-            skid.start = Some(position);
+            skid.slips = true;
         }
     }
 
     /// The white stripe of a wheel, in its coordinates, where the wheel's turn lets it be seen.
     pub(super) fn stripe(wheel: &Wheel) -> Option<[[f64; 2]; 4]> {
-        // the platform's sine may differ in the last digit, and with it the observation
-        let ends = [wheel.phase, wheel.phase + 1.2].map(|angle| sin_cos(angle as f32));
+        let ends = [wheel.phase, wheel.phase + 1.2].map(gym_core::math::sin_cos);
         if ends.iter().all(|(sin, _)| *sin > 0.0) {
             return None;
         }
-        let [c1, c2] = ends.map(|(sin, cos)| f64::from(if sin > 0.0 { cos.signum() } else { cos }));
+        let [c1, c2] = ends.map(|(sin, cos)| if sin > 0.0 { sign(cos) } else { cos });
         let corner = |x: f64, c: f64| [x * SIZE, WHEEL_R * c * SIZE];
         Some([corner(-WHEEL_W, c1), corner(WHEEL_W, c1), corner(WHEEL_W, c2), corner(-WHEEL_W, c2)])
     }

@@ -1,14 +1,17 @@
 //! What the driver sees: the field from above, turned with the car, and a dashboard.
 //!
-//! All is drawn in the coordinates of Gymnasium's window. Where Gymnasium draws 1000x800 pixels and
-//! averages them to 96x96, the observation is drawn at its own size, anti-aliased.
+//! All is drawn in the coordinates of Gymnasium's window of 1000x800 pixels, which pygame shrinks to the
+//! observation and to the frame.
 
-use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
+use std::f64::consts::SQRT_2;
+
+use gym_core::canvas::{Canvas, Color, Label, Point, Primitive};
+use gym_core::pygame::{self, UPRIGHT};
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Space};
 
-use super::car::Car;
-use super::{Episode, PLAYFIELD, SCALE};
+use super::car::{Car, MARK_POINTS};
+use super::{Episode, PLAYFIELD, SCALE, ScoreGlyphs, score};
 use crate::common;
 
 /// The size of Gymnasium's window.
@@ -18,8 +21,10 @@ const STATE_W: usize = 96;
 const STATE_H: usize = 96;
 /// Camera zoom.
 const ZOOM: f64 = 2.7;
-/// Half the distance of the grass patches.
+/// Side of a grass patch, and half the distance of two.
 const GRASS_DIM: f64 = PLAYFIELD / 20.0;
+/// Longest diagonal of a shape, in pixels of the window: what lies so far out of it is not drawn.
+const MAX_SHAPE_DIM: f64 = GRASS_DIM * SQRT_2 * ZOOM * SCALE;
 
 /// The space of observations: any picture.
 pub(super) fn space() -> Space {
@@ -44,7 +49,7 @@ impl Clone for Camera {
 
 impl Camera {
     /// Leaves a picture of the episode in `observation`.
-    pub(super) fn take(&mut self, episode: &Episode, observation: &mut Array) {
+    pub(super) fn take(&mut self, episode: &Episode, glyphs: Option<&ScoreGlyphs>, observation: &mut Array) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
             *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]);
         }
@@ -55,14 +60,18 @@ impl Camera {
             if self.frame.width() == 0 {
                 self.frame = Frame::new(STATE_W as u32, STATE_H as u32);
             }
-            let size = (WINDOW_W as u32, WINDOW_H as u32);
-            self.raster.paint(size, &mut |canvas| episode.draw(canvas, false), &mut self.frame);
+            let size = (STATE_W as u32, STATE_H as u32);
+            self.raster.paint(
+                size,
+                &mut |canvas| episode.draw(canvas, size, Scene::Observation, glyphs),
+                &mut self.frame,
+            );
             if let Some(pixels) = observation.as_mut_slice::<u8>() {
                 pixels.copy_from_slice(self.frame.pixels());
             }
         }
         #[cfg(not(feature = "picture"))]
-        let _ = episode;
+        let _ = (episode, glyphs);
     }
 }
 
@@ -70,210 +79,175 @@ fn color([r, g, b]: [f64; 3]) -> Color {
     Color::rgb(r as u8, g as u8, b as u8)
 }
 
-/// Whether some of a polygon can be in the window.
-fn is_visible(points: &[Point]) -> bool {
-    let beyond = |axis: usize, size: f64| {
-        points.iter().all(|p| p[axis] < 0.0) || points.iter().all(|p| p[axis] > size)
-    };
-    !beyond(0, WINDOW_W) && !beyond(1, WINDOW_H)
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scene {
+    /// What the driver sees.
+    Observation,
+    /// The same at the end of the step, with skid marks.
+    Frame,
 }
 
-/// Quadrangles of one colour, filled together; those out of sight are left out.
-struct Batch {
-    color: Color,
-    segments: [Segment; 100],
-    len: usize,
+/// From the field to the window.
+struct View {
+    zoom: f64,
+    angle: f64,
+    translation: Point,
 }
 
-impl Batch {
-    fn new(color: Color) -> Self {
-        Self { color, segments: [Segment::Close; 100], len: 0 }
+impl View {
+    fn new(episode: &Episode) -> Self {
+        let (world, hull) = (&episode.world, episode.car.hull);
+        let angle = -f64::from(world.angle(hull));
+        // the camera comes near in the first second
+        let zoom = 0.1 * SCALE * (1.0 - episode.t).max(0.0) + ZOOM * SCALE * episode.t.min(1.0);
+        let position = world.position(hull);
+        let scroll = [-f64::from(position.x) * zoom, -f64::from(position.y) * zoom];
+        let [x, y] = pygame::rotate_rad(scroll, angle);
+        Self { zoom, angle, translation: [WINDOW_W / 2.0 + x, WINDOW_H / 4.0 + y] }
     }
 
-    fn push(&mut self, canvas: &mut dyn Canvas, corners: [Point; 4]) {
-        if !is_visible(&corners) {
-            return;
-        }
-        let [a, b, c, d] = corners;
-        let outline =
-            [Segment::Move(a), Segment::Line(b), Segment::Line(c), Segment::Line(d), Segment::Close];
-        self.segments[self.len..self.len + outline.len()].copy_from_slice(&outline);
-        self.len += outline.len();
-        if self.len == self.segments.len() {
-            self.flush(canvas);
-        }
+    fn apply(&self, point: Point) -> Point {
+        let [x, y] = pygame::rotate_rad(point, self.angle);
+        [x * self.zoom + self.translation[0], y * self.zoom + self.translation[1]]
     }
 
-    fn flush(&mut self, canvas: &mut dyn Canvas) {
-        if self.len > 0 {
-            canvas.fill(Shape::Path(&self.segments[..self.len]), self.color);
-            self.len = 0;
+    /// Draws a shape of the field, if a corner of it is near enough to the window.
+    fn draw(&self, canvas: &mut dyn Canvas, corners: [Point; 4], color: Color) {
+        let near = |x: f64, size: f64| (-MAX_SHAPE_DIM..=size + MAX_SHAPE_DIM).contains(&x);
+        let corners = corners.map(|corner| self.apply(corner));
+        if corners.iter().any(|[x, y]| near(*x, WINDOW_W) && near(*y, WINDOW_H)) {
+            pygame::gfx_polygon(canvas, &corners, color);
         }
     }
 }
 
 impl Episode {
-    /// Pixels of the window per m: the camera comes near in the first second.
-    fn zoom(&self) -> f64 {
-        0.1 * SCALE * (1.0 - self.t).max(0.0) + ZOOM * SCALE * self.t.min(1.0)
-    }
-
-    /// From the field to the window.
-    fn view(&self) -> Transform {
-        let position = self.world.position(self.car.hull);
-        // the world's own sine and cosine: the platform's may differ in the last digit
-        let rotation = self.world.pose(self.car.hull).rotation;
-        let (sin, cos) = (f64::from(rotation.im), f64::from(rotation.re));
-        Transform::y_up(WINDOW_H)
-            .then(Transform::translate(WINDOW_W / 2.0, WINDOW_H / 4.0))
-            .then(Transform::scale(self.zoom(), self.zoom()))
-            .then(Transform { x: [cos, -sin], y: [sin, cos], origin: [0.0; 2] })
-            .then(Transform::translate(-f64::from(position.x), -f64::from(position.y)))
-    }
-
-    /// Draws everything, with skid marks or without, in the window's coordinates.
-    pub(super) fn draw(&self, canvas: &mut dyn Canvas, skid_marks: bool) {
-        let view = self.view();
-        self.draw_grass(canvas, view);
-        self.draw_road(canvas, view);
-        canvas.push(view);
-        if skid_marks {
-            for mark in &self.car.marks {
-                let color = if mark.on_grass { Color::rgb(102, 102, 0) } else { Color::BLACK };
-                canvas.stroke(Shape::Polyline(&mark.points), 2.0 / self.zoom(), color);
-            }
+    /// Draws a scene in a picture of that size.
+    pub(super) fn draw(
+        &self,
+        canvas: &mut dyn Canvas,
+        size: (u32, u32),
+        scene: Scene,
+        glyphs: Option<&ScoreGlyphs>,
+    ) {
+        canvas.push_smoothscaled((WINDOW_W as u32, WINDOW_H as u32), size);
+        canvas.clear(Color::BLACK);
+        canvas.push(pygame::flipped(WINDOW_H));
+        let view = View::new(self);
+        self.draw_grass(canvas, &view);
+        self.draw_road(canvas, &view);
+        if scene == Scene::Frame {
+            self.draw_skid_marks(canvas, &view);
         }
-        self.draw_car(canvas);
+        self.draw_car(canvas, &view);
         canvas.pop();
+        canvas.push(UPRIGHT);
+        let score = if scene == Scene::Frame { self.reward } else { self.observed_reward };
         self.draw_indicators(canvas);
+        let text = Label::new(format_args!("{score:04.0}"));
+        score::draw(canvas, &text, [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0], glyphs);
+        canvas.pop();
+        canvas.pop();
     }
 
-    /// The field in its colour, with patches, and black around it.
-    fn draw_grass(&self, canvas: &mut dyn Canvas, view: Transform) {
-        let square =
-            |x: f64, y: f64, d: f64| [[x, y], [x + d, y], [x + d, y + d], [x, y + d]].map(|p| view.apply(p));
-        let position = self.world.position(self.car.hull);
-        let reach = f64::hypot(WINDOW_W, WINDOW_H) / self.zoom();
-        if f64::from(position.amax()) + reach < PLAYFIELD {
-            canvas.clear(color(self.colors.background));
-        } else {
-            canvas.clear(Color::BLACK);
-            canvas.polygon(&square(-PLAYFIELD, -PLAYFIELD, 2.0 * PLAYFIELD), color(self.colors.background));
-        }
-        let mut patches = Batch::new(color(self.colors.grass));
-        for x in (-20..20).step_by(2) {
-            for y in (-20..20).step_by(2) {
-                patches.push(canvas, square(GRASS_DIM * f64::from(x), GRASS_DIM * f64::from(y), GRASS_DIM));
+    /// The field in its colour, with patches.
+    fn draw_grass(&self, canvas: &mut dyn Canvas, view: &View) {
+        const B: f64 = PLAYFIELD;
+        let field = [[B, B], [B, -B], [-B, -B], [-B, B]].map(|corner| view.apply(corner));
+        pygame::gfx_polygon(canvas, &field, color(self.colors.background));
+        for x in (-20..20).step_by(2).map(|x| GRASS_DIM * f64::from(x)) {
+            for y in (-20..20).step_by(2).map(|y| GRASS_DIM * f64::from(y)) {
+                let patch = [
+                    [x + GRASS_DIM, y + 0.0],
+                    [x + 0.0, y + 0.0],
+                    [x + 0.0, y + GRASS_DIM],
+                    [x + GRASS_DIM, y + GRASS_DIM],
+                ];
+                view.draw(canvas, patch, color(self.colors.grass));
             }
         }
-        patches.flush(canvas);
     }
 
-    /// The road in one piece, so that no grass shines through between its tiles, then the tiles'
-    /// shades and the kerbs.
-    fn draw_road(&self, canvas: &mut dyn Canvas, view: Transform) {
-        /// Tiles are smaller than a pixel of the observation below this zoom.
-        const SHADED_ZOOM: f64 = 3.0;
-        const STRETCH: usize = 16;
-        let road = |shade: f64| color(self.colors.road.map(|c| c + shade));
-        for stretch in self.tiles.chunks(STRETCH) {
-            // there on the left, back on the right
-            let mut outline = [[0.0; 2]; 2 * (STRETCH + 1)];
-            let n = stretch.len();
-            for (i, tile) in stretch.iter().enumerate() {
-                let [left, right, right_before, left_before] = tile.road.map(|p| view.apply(p));
-                if i == 0 {
-                    (outline[0], outline[2 * n + 1]) = (left_before, right_before);
-                }
-                (outline[i + 1], outline[2 * n - i]) = (left, right);
-            }
-            let outline = &outline[..2 * n + 2];
-            if is_visible(outline) {
-                canvas.polygon(outline, road(0.01 * 255.0));
-                // closes the seam to the stretch before
-                canvas.line(outline[0], outline[2 * n + 1], 2.0, road(0.01 * 255.0));
-            }
-        }
-        // tiles differ a little in shade until the car has been there
-        if self.zoom() > SHADED_ZOOM {
-            let (mut dark, mut bright) = (Batch::new(road(0.0)), Batch::new(road(0.02 * 255.0)));
-            for (i, tile) in self.tiles.iter().enumerate() {
-                let points = tile.road.map(|p| view.apply(p));
-                match if self.touched[i] { 0 } else { i % 3 } {
-                    0 => dark.push(canvas, points),
-                    2 => bright.push(canvas, points),
-                    _ => {}
-                }
-            }
-            dark.flush(canvas);
-            bright.flush(canvas);
-        }
-        let (mut white, mut red) = (Batch::new(Color::WHITE), Batch::new(Color::rgb(255, 0, 0)));
+    /// Each tile and its kerb. Tiles differ a little in shade until the car has been there.
+    fn draw_road(&self, canvas: &mut dyn Canvas, view: &View) {
         for (i, tile) in self.tiles.iter().enumerate() {
+            let shade = if self.touched[i] { 0.0 } else { 0.01 * (i % 3) as f64 * 255.0 };
+            view.draw(canvas, tile.road, color(self.colors.road.map(|c| c + shade)));
             if let Some(border) = tile.border {
-                let batch = if i % 2 == 0 { &mut white } else { &mut red };
-                batch.push(canvas, border.map(|p| view.apply(p)));
+                let color = if i % 2 == 0 { Color::WHITE } else { Color::rgb(255, 0, 0) };
+                view.draw(canvas, border, color);
             }
         }
-        white.flush(canvas);
-        red.flush(canvas);
     }
 
-    fn draw_car(&self, canvas: &mut dyn Canvas) {
+    fn draw_skid_marks(&self, canvas: &mut dyn Canvas, view: &View) {
+        for mark in &self.car.marks {
+            let mut points = [[0.0; 2]; MARK_POINTS];
+            let points = &mut points[..mark.points.len().min(MARK_POINTS)];
+            for (point, place) in points.iter_mut().zip(&mark.points) {
+                *point = view.apply(*place);
+            }
+            let color = if mark.on_grass { Color::rgb(102, 102, 0) } else { Color::BLACK };
+            canvas.pygame(Primitive::Lines { points, closed: false, width: 2 }, color);
+        }
+    }
+
+    fn draw_car(&self, canvas: &mut dyn Canvas, view: &View) {
+        let fill = |canvas: &mut dyn Canvas, corners: &mut [Point], color| {
+            corners.iter_mut().for_each(|corner| *corner = view.apply(*corner));
+            canvas.pygame(Primitive::Polygon(corners), color);
+        };
         for wheel in &self.car.wheels {
-            common::draw_fixture(canvas, &self.world, wheel.fixture, Color::BLACK);
+            let (mut corners, count) = common::corners(&self.world, wheel.fixture);
+            fill(canvas, &mut corners[..count], Color::BLACK);
             if let Some(stripe) = Car::stripe(wheel) {
                 let pose = self.world.pose(wheel.body);
-                let stripe = stripe.map(|[x, y]| {
+                let mut stripe = stripe.map(|[x, y]| {
                     let p = pose.rotation * common::vec2(x, y) + pose.translation.vector;
                     [f64::from(p.x), f64::from(p.y)]
                 });
-                canvas.polygon(&stripe, Color::rgb(77, 77, 77));
+                fill(canvas, &mut stripe, Color::rgb(77, 77, 77));
             }
         }
         for fixture in self.car.hull_fixtures {
-            common::draw_fixture(canvas, &self.world, fixture, Color::rgb(204, 0, 0));
+            let (mut corners, count) = common::corners(&self.world, fixture);
+            fill(canvas, &mut corners[..count], Color::rgb(204, 0, 0));
         }
     }
 
-    /// Speed, wheels, steering, turning, and the score.
+    /// Speed, wheels, steering, and turning.
     fn draw_indicators(&self, canvas: &mut dyn Canvas) {
-        const S: f64 = WINDOW_W / 40.0;
-        const H: f64 = WINDOW_H / 40.0;
+        const W: f64 = WINDOW_W;
+        const H: f64 = WINDOW_H;
+        const S: f64 = W / 40.0;
+        const T: f64 = H / 40.0;
         let state = self.state();
-        canvas.rect([0.0, WINDOW_H - 5.0 * H], [WINDOW_W, 5.0 * H], Color::BLACK);
-        let mut bar = |from: Point, to: Point, value: f64, color: Color| {
+        let mut bar = |value: f64, corners: [Point; 4], color: Color| {
             if value.abs() > 1e-4 {
-                let min = [from[0].min(to[0]), from[1].min(to[1])];
-                canvas.rect(min, [(to[0] - from[0]).abs(), (to[1] - from[1]).abs()], color);
+                canvas.pygame(Primitive::Polygon(&corners), color);
             }
         };
-        let mut vertical = |place: f64, scale: f64, value: f64, color: Color| {
-            let top = WINDOW_H - (H + H * scale * value);
-            bar([place * S, top], [(place + 1.0) * S, WINDOW_H - H], value, color);
+        bar(1.0, [[W, H], [W, H - 5.0 * T], [0.0, H - 5.0 * T], [0.0, H]], Color::BLACK);
+        let vertical = |place: f64, value: f64| {
+            let top = H - (T + T * value);
+            [[place * S, top], [(place + 1.0) * S, top], [(place + 1.0) * S, H - T], [place * S, H - T]]
+        };
+        let horizontal = |place: f64, value: f64| {
+            let (left, right) = (place * S, (place + value) * S);
+            [[left, H - 4.0 * T], [right, H - 4.0 * T], [right, H - 2.0 * T], [left, H - 2.0 * T]]
         };
         let [_, _, _, vx, vy, w] = state.hull;
-        vertical(5.0, 0.02, (vx * vx + vy * vy).sqrt(), Color::WHITE);
+        let true_speed = (vx * vx + vy * vy).sqrt();
+        bar(true_speed, vertical(5.0, 0.02 * true_speed), Color::WHITE);
         let (front, rear) = (Color::rgb(0, 0, 255), Color::rgb(51, 0, 255));
         for (place, (wheel, color)) in
             [7.0, 8.0, 9.0, 10.0].into_iter().zip(state.wheels.iter().zip([front, front, rear, rear]))
         {
-            vertical(place, 0.01, wheel[1], color);
+            bar(wheel[1], vertical(place, 0.01 * wheel[1]), color);
         }
-        let mut horizontal = |place: f64, scale: f64, value: f64, color: Color| {
-            let right = (place + scale * value) * S;
-            bar([place * S, WINDOW_H - 4.0 * H], [right, WINDOW_H - 2.0 * H], value, color);
-        };
-        horizontal(20.0, -10.0, state.wheels[0][0], Color::rgb(0, 255, 0));
-        horizontal(30.0, -0.8, w, Color::rgb(255, 0, 0));
-
-        let score = Label::new(format_args!("{:04.0}", self.reward));
-        canvas.text(
-            &score,
-            [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0 + 15.0],
-            30.0,
-            Align::Center,
-            Color::WHITE,
-        );
+        let steering = state.wheels[0][0];
+        bar(steering, horizontal(20.0, -10.0 * steering), Color::rgb(0, 255, 0));
+        bar(w, horizontal(30.0, -0.8 * w), Color::rgb(255, 0, 0));
     }
 }

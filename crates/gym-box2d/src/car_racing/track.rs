@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use gym_core::Generator;
 use gym_core::canvas::Point;
+use gym_core::math::{atan2, cos, sin};
 use serde::{Deserialize, Serialize};
 
 use super::{PLAYFIELD, SCALE};
@@ -23,7 +24,8 @@ const _: () = assert!(1.5 * TRACK_RAD < PLAYFIELD);
 /// A point of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackPoint {
-    /// The direction of the point from the middle of the field.
+    /// The direction of the point from the middle of the field; its last digit may be another one than
+    /// Gymnasium's, whose C library does not always round an arc tangent correctly.
     pub alpha: f64,
     /// The direction of the road: forward is (-sin, cos).
     pub beta: f64,
@@ -64,7 +66,7 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
             alpha = 2.0 * PI * c as f64 / CHECKPOINTS as f64;
             rad = 1.5 * TRACK_RAD;
         }
-        *checkpoint = (alpha, rad * alpha.cos(), rad * alpha.sin());
+        *checkpoint = (alpha, rad * cos(alpha), rad * sin(alpha));
     }
     let start_alpha = 2.0 * PI * -0.5 / CHECKPOINTS as f64;
     let walk = walk(&checkpoints);
@@ -77,7 +79,7 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
 
     let (first, last) = (track.first()?, track.last()?);
     // how far head and tail are apart
-    let (dx, dy) = (first.beta.cos() * (first.x - last.x), first.beta.sin() * (first.y - last.y));
+    let (dx, dy) = (cos(first.beta) * (first.x - last.x), sin(first.beta) * (first.y - last.y));
     let well_glued_together = (dx * dx + dy * dy).sqrt() <= TRACK_DETAIL_STEP;
     well_glued_together.then(|| track.to_vec())
 }
@@ -90,7 +92,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
     let mut track = Vec::new();
     let mut visited_other_side = false;
     for _ in 0..2500 {
-        let mut alpha = f64::atan2(y, x);
+        let mut alpha = atan2(y, x);
         if visited_other_side && alpha > 0.0 {
             laps += 1;
             visited_other_side = false;
@@ -113,7 +115,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
             }
             alpha -= 2.0 * PI;
         };
-        let (r1x, r1y) = (f64::cos(beta), f64::sin(beta));
+        let (r1x, r1y) = (cos(beta), sin(beta));
         let (p1x, p1y) = (-r1y, r1x);
         // the way to the destination, across the road
         let mut proj = r1x * (dest_x - x) + r1y * (dest_y - y);
@@ -164,7 +166,7 @@ fn borders(track: &[TrackPoint]) -> Vec<bool> {
 /// Paves a track.
 pub(super) fn tiles(track: &[TrackPoint]) -> Vec<Tile> {
     let border = borders(track);
-    let across = |p: &TrackPoint, d: f64| [p.x + d * p.beta.cos(), p.y + d * p.beta.sin()];
+    let across = |p: &TrackPoint, d: f64| [p.x + d * cos(p.beta), p.y + d * sin(p.beta)];
     (0..track.len())
         .map(|i| {
             let (p1, p2) = (&track[i], &track[(i + track.len() - 1) % track.len()]);

@@ -24,7 +24,6 @@ mod box2d;
 mod def;
 mod world;
 
-pub(crate) use box2d::trig::sin_cos;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
 };

@@ -68,6 +68,10 @@ impl<E: Env> Render<E> {
             RenderMode::Human => Window::Wanted,
             _ => Window::None,
         };
+        let mut env = env;
+        if painter.is_some() {
+            env.start_rendering();
+        }
         Ok(Self { env, mode, size: metadata.render_size, painter, window })
     }
 
@@ -98,6 +102,7 @@ impl<E: Env> Render<E> {
         if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter) {
             let size = self.env.metadata().render_size;
             painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), frame);
+            self.env.picture_taken();
             if !screen.show(frame) {
                 self.window = Window::None;
             }
@@ -137,15 +142,12 @@ impl<E: Env> crate::Wrapper for Render<E> {
             return Ok(());
         };
         let mut frame = match used {
-            Rendered::Frame(mut frame) if (frame.width(), frame.height()) == self.size => {
-                // a drawing need not cover everything
-                frame.pixels_mut().fill(0);
-                frame
-            }
+            Rendered::Frame(frame) if (frame.width(), frame.height()) == self.size => frame,
             _ => Frame::new(self.size.0, self.size.1),
         };
         let size = self.env.metadata().render_size;
         painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), &mut frame);
+        self.env.picture_taken();
         *rendered = Rendered::Frame(frame);
         Ok(())
     }

@@ -14,7 +14,8 @@ const MOST: usize = 1000;
 
 /// The figures, but for those that follow from the inertia matrix in the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
-    let mut m = CompiledModel { model: spec.name.clone(), opt: spec.option.clone(), ..CompiledModel::default() };
+    let mut m =
+        CompiledModel { model: spec.name.clone(), opt: spec.option.clone(), ..CompiledModel::default() };
     for (id, body) in spec.bodies.iter().enumerate() {
         add_body(&mut m, spec, id, body)?;
     }
@@ -99,8 +100,9 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
     let Joint { place, kind, .. } = joint;
     let free = *kind == JointType::Free;
     let limited = !free
-        && limited(joint.limited, joint.range, spec.compiler.autolimits)
-            .ok_or_else(|| place.attribute("range", "needs limited=\"true\" here, where autolimits is false"))?;
+        && limited(joint.limited, joint.range, spec.compiler.autolimits).ok_or_else(|| {
+            place.attribute("range", "needs limited=\"true\" here, where autolimits is false")
+        })?;
     if free && body.parent != 0 {
         return Err(place.attribute("type", "a free joint belongs to a body directly in the world"));
     }
@@ -161,10 +163,13 @@ fn limited(stated: Option<bool>, range: [f64; 2], autolimits: bool) -> Option<bo
 /// Adds a geom and returns its mass and where it is in its body.
 fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Result<Inertia> {
     let Geom { place, shape, .. } = geom;
-    let (mut size, mut pos, mut quat) = (geom.size, geom.pos.unwrap_or_default(), geom.orientation.resolve(spec.compiler.degree));
+    let (mut size, mut pos, mut quat) =
+        (geom.size, geom.pos.unwrap_or_default(), geom.orientation.resolve(spec.compiler.degree));
     if let Some([x0, y0, z0, x1, y1, z1]) = geom.fromto {
         if !matches!(shape, GeomType::Capsule | GeomType::Cylinder) {
-            return Err(place.attribute("fromto", "only capsules and cylinders have ends: give type=\"capsule\""));
+            return Err(
+                place.attribute("fromto", "only capsules and cylinders have ends: give type=\"capsule\"")
+            );
         }
         if geom.pos.is_some() {
             return Err(place.attribute("fromto", "does not go with pos, which it implies"));
@@ -223,7 +228,9 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
     let (needed, what) = match geom.shape {
         GeomType::Plane => {
             return if size[2] <= 0.0 || size[0] < 0.0 || size[1] < 0.0 {
-                Err(geom.place.attribute("size", "a plane has two half sizes, which may be 0, and a positive spacing"))
+                Err(geom
+                    .place
+                    .attribute("size", "a plane has two half sizes, which may be 0, and a positive spacing"))
             } else {
                 Ok(())
             };
@@ -263,7 +270,8 @@ fn inertia_of(body: &Body, degree: bool, from_geoms: Option<bool>, parts: &[Iner
         return Err(place.error(format!("the moments of inertia {a}, {b}, {c} must not be negative")));
     }
     if a + b < c || a + c < b || b + c < a {
-        return Err(place.error(format!("no body has the moments of inertia {a}, {b}, {c}: two must exceed the third")));
+        return Err(place
+            .error(format!("no body has the moments of inertia {a}, {b}, {c}: two must exceed the third")));
     }
     Ok(inertia)
 }
@@ -343,13 +351,16 @@ fn mark_simple(m: &mut CompiledModel) {
 fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for (id, body) in spec.bodies.iter().enumerate() {
         for camera in &body.cameras {
-            let target = match &camera.target {
-                Some(name) => Some(m.body_id(name).ok_or_else(|| {
-                    camera.place.attribute("target", format!("there is no body {name:?}"))
-                })?),
-                None if camera.mode >= 3 => return Err(camera.place.attribute("target", "missing: this mode needs it")),
-                None => None,
-            };
+            let target =
+                match &camera.target {
+                    Some(name) => Some(m.body_id(name).ok_or_else(|| {
+                        camera.place.attribute("target", format!("there is no body {name:?}"))
+                    })?),
+                    None if camera.mode >= 3 => {
+                        return Err(camera.place.attribute("target", "missing: this mode needs it"));
+                    }
+                    None => None,
+                };
             m.names.camera.push(camera.name.clone());
             m.cam_mode.push(camera.mode);
             m.cam_bodyid.push(id);
@@ -371,7 +382,8 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
 fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for exclude in &spec.excludes {
         let id = |name: &str, attribute: &str| {
-            m.body_id(name).ok_or_else(|| exclude.place.attribute(attribute, format!("there is no body {name:?}")))
+            m.body_id(name)
+                .ok_or_else(|| exclude.place.attribute(attribute, format!("there is no body {name:?}")))
         };
         let bodies = [id(&exclude.bodies[0], "body1")?, id(&exclude.bodies[1], "body2")?];
         let (first, second) = (bodies[0].min(bodies[1]), bodies[0].max(bodies[1]));
@@ -385,7 +397,8 @@ fn scalar_joint(m: &CompiledModel, place: &Place, name: &str) -> Result<usize> {
     let found = m.names.joint.iter().position(|joint| joint.as_deref() == Some(name));
     match found {
         Some(id) if m.jnt_type[id] == JointType::Free => {
-            Err(place.attribute("joint", format!("{name:?} is free: only a slide or hinge is supported here")))
+            Err(place
+                .attribute("joint", format!("{name:?} is free: only a slide or hinge is supported here")))
         }
         Some(id) => Ok(id),
         None => Err(place.attribute("joint", format!("there is no joint {name:?}"))),
@@ -409,10 +422,13 @@ fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
 fn add_motors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for motor in &spec.motors {
         let place = &motor.place;
-        let name = motor.joint.as_ref().ok_or_else(|| place.attribute("joint", "missing: it must be given"))?;
+        let name =
+            motor.joint.as_ref().ok_or_else(|| place.attribute("joint", "missing: it must be given"))?;
         let joint = scalar_joint(m, place, name)?;
-        let limited = limited(motor.ctrl_limited, motor.ctrl_range, spec.compiler.autolimits)
-            .ok_or_else(|| place.attribute("ctrlrange", "needs ctrllimited=\"true\" here, where autolimits is false"))?;
+        let limited =
+            limited(motor.ctrl_limited, motor.ctrl_range, spec.compiler.autolimits).ok_or_else(|| {
+                place.attribute("ctrlrange", "needs ctrllimited=\"true\" here, where autolimits is false")
+            })?;
         if limited && motor.ctrl_range[0] >= motor.ctrl_range[1] {
             return Err(place.attribute("ctrlrange", "the lower limit must be less than the upper one"));
         }

@@ -30,9 +30,9 @@ impl Classes {
     /// Reads a `default` section. A later section changes what the classes are from there on.
     pub(super) fn read(&mut self, mut section: Element<'_, '_>) -> Result<()> {
         match section.text("class") {
-            Some(name) if name != MAIN => {
-                Err(section.place().attribute("class", format!("the outermost class is {MAIN:?}, not {name:?}")))
-            }
+            Some(name) if name != MAIN => Err(section
+                .place()
+                .attribute("class", format!("the outermost class is {MAIN:?}, not {name:?}"))),
             _ => self.read_class(section, 0),
         }
     }

@@ -93,7 +93,13 @@ fn derived(m: &Model) -> Value {
         .clone()
         .map(|b| {
             let turned = norm(&m.body_iquat[b][1..]) >= EPS;
-            if turned { 0 } else if norm(&m.body_ipos[b]) < EPS { 1 } else { 3 }
+            if turned {
+                0
+            } else if norm(&m.body_ipos[b]) < EPS {
+                1
+            } else {
+                3
+            }
         })
         .collect();
 

@@ -78,7 +78,9 @@ impl Orientation {
             }
         }
         match given[..] {
-            [_, second, ..] => Err(element.place().attribute(second, format!("only one of {}", given.join(", ")))),
+            [_, second, ..] => {
+                Err(element.place().attribute(second, format!("only one of {}", given.join(", "))))
+            }
             _ => Ok(()),
         }
     }
@@ -94,7 +96,9 @@ impl Orientation {
             }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
-                for (axis, angle) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(angles) {
+                for (axis, angle) in
+                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(angles)
+                {
                     quat = mul_quat(quat, axis_angle(axis, radians(*angle)));
                 }
                 normalize_quat(quat)

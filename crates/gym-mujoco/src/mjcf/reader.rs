@@ -3,7 +3,9 @@
 use roxmltree::{Document, ParsingOptions};
 
 use super::defaults::Classes;
-use super::spec::{Body, Camera, Exclude, Geom, Inertial, Joint, Key, Material, Light, Motor, Site, Spec, Tendon};
+use super::spec::{
+    Body, Camera, Exclude, Geom, Inertial, Joint, Key, Light, Material, Motor, Site, Spec, Tendon,
+};
 use super::xml::Element;
 use crate::model::{Integrator, Solver};
 use crate::{Error, Result};
@@ -14,13 +16,25 @@ const MAX_LEN: usize = 8 << 20;
 const MAX_NODES: u32 = 200_000;
 
 const SECTIONS: [&str; 13] = [
-    "compiler", "option", "size", "visual", "statistic", "custom", "default", "asset", "worldbody", "contact", "tendon",
-    "actuator", "keyframe",
+    "compiler",
+    "option",
+    "size",
+    "visual",
+    "statistic",
+    "custom",
+    "default",
+    "asset",
+    "worldbody",
+    "contact",
+    "tendon",
+    "actuator",
+    "keyframe",
 ];
 
 /// Reads a model. Sections may come in any order and repeat.
 pub(super) fn read(text: &str) -> Result<Spec> {
-    let not_xml = |line: u32, reason: String| Error::Mjcf { line, element: "mujoco".into(), attribute: None, reason };
+    let not_xml =
+        |line: u32, reason: String| Error::Mjcf { line, element: "mujoco".into(), attribute: None, reason };
     if text.len() > MAX_LEN {
         return Err(not_xml(1, format!("the text has {} bytes, the limit is {MAX_LEN}", text.len())));
     }
@@ -101,7 +115,9 @@ impl Reader<'_> {
         if let Some(integrator) = element.keyword("integrator", &integrators)? {
             option.integrator = integrator;
         }
-        if let Some(solver) = element.keyword("solver", &[("Newton", Solver::Newton), ("PGS", Solver::PGS)])? {
+        if let Some(solver) =
+            element.keyword("solver", &[("Newton", Solver::Newton), ("PGS", Solver::PGS)])?
+        {
             option.solver = solver;
         }
         if let Some(iterations) = element.integer("iterations")? {
@@ -184,7 +200,8 @@ impl Reader<'_> {
     }
 
     fn read_body_parts(&mut self, element: Element<'_, '_>, id: usize, class: usize) -> Result<()> {
-        const IN_BODIES: [&str; 8] = ["body", "geom", "joint", "freejoint", "inertial", "site", "camera", "light"];
+        const IN_BODIES: [&str; 8] =
+            ["body", "geom", "joint", "freejoint", "inertial", "site", "camera", "light"];
         const IN_THE_WORLD: [&str; 5] = ["body", "geom", "site", "camera", "light"];
         let supported = if id == 0 { &IN_THE_WORLD[..] } else { &IN_BODIES };
         for mut child in element.children()? {
@@ -203,7 +220,8 @@ impl Reader<'_> {
                 }
                 "joint" => {
                     let class = self.classes.named(&mut child, "class", class)?;
-                    let mut joint = Joint { name: child.text("name"), ..self.classes.get(class).joint.clone() };
+                    let mut joint =
+                        Joint { name: child.text("name"), ..self.classes.get(class).joint.clone() };
                     joint.read(&mut child)?;
                     child.finish_without_children()?;
                     self.spec.bodies[id].joints.push(joint);

@@ -119,7 +119,9 @@ impl Inertial {
                 return Err(place.attribute("fullinertia", "only one of diaginertia, fullinertia"));
             }
             (_, Some(_)) if orientation != Orientation::default() => {
-                return Err(place.attribute("fullinertia", "does not go with an orientation, which it implies"));
+                return Err(
+                    place.attribute("fullinertia", "does not go with an orientation, which it implies")
+                );
             }
             (_, Some(full)) => Moments::Full(full),
             (diagonal, None) => Moments::Principal(diagonal.unwrap_or_default()),
@@ -204,8 +206,12 @@ impl Joint {
 
     /// A `freejoint`, which has no defaults.
     pub(super) fn read_free(mut element: Element<'_, '_>) -> Result<Self> {
-        let joint =
-            Self { place: element.place(), name: element.text("name"), kind: JointType::Free, ..Self::default() };
+        let joint = Self {
+            place: element.place(),
+            name: element.text("name"),
+            kind: JointType::Free,
+            ..Self::default()
+        };
         element.ignore(&["group"]);
         element.finish_without_children()?;
         Ok(joint)
@@ -407,8 +413,21 @@ impl Light {
         }
         light.dir = light.dir.map(|x| x / length);
         element.ignore(&[
-            "name", "class", "mode", "target", "castshadow", "active", "ambient", "diffuse", "specular", "attenuation",
-            "cutoff", "exponent", "bulbradius", "intensity", "range",
+            "name",
+            "class",
+            "mode",
+            "target",
+            "castshadow",
+            "active",
+            "ambient",
+            "diffuse",
+            "specular",
+            "attenuation",
+            "cutoff",
+            "exponent",
+            "bulbradius",
+            "intensity",
+            "range",
         ]);
         element.finish_without_children()?;
         Ok(light)
@@ -547,7 +566,9 @@ fn read_solref(element: &mut Element<'_, '_>, name: &'static str, solref: &mut [
 /// Reads an attribute that may be there, but only to say that there is none of what it is about.
 fn only_zero(element: &mut Element<'_, '_>, name: &'static str, what: &str) -> Result<()> {
     match element.number(name)? {
-        Some(x) if x != 0.0 => Err(element.place().attribute(name, format!("{what} is not supported: use 0"))),
+        Some(x) if x != 0.0 => {
+            Err(element.place().attribute(name, format!("{what} is not supported: use 0")))
+        }
         _ => Ok(()),
     }
 }

@@ -56,7 +56,10 @@ fn lengths(m: &CompiledModel) -> Result<()> {
 
 fn bodies(m: &CompiledModel) -> Result<()> {
     ensure!(m.nbody() > 0, "there is no body: body 0 must be the world");
-    ensure!(m.body_parentid[0] == 0 && m.body_jntnum[0] == 0 && m.body_dofnum[0] == 0, "body 0 must be the world");
+    ensure!(
+        m.body_parentid[0] == 0 && m.body_jntnum[0] == 0 && m.body_dofnum[0] == 0,
+        "body 0 must be the world"
+    );
     let (mut joint, mut dof, mut geom) = (0, 0, 0);
     for b in 0..m.nbody() {
         let parent = m.body_parentid[b];
@@ -78,7 +81,10 @@ fn bodies(m: &CompiledModel) -> Result<()> {
             *next += number;
         }
     }
-    ensure!(joint == m.njnt() && dof == m.nv() && geom == m.ngeom(), "joints, dofs or geoms belong to no body");
+    ensure!(
+        joint == m.njnt() && dof == m.nv() && geom == m.ngeom(),
+        "joints, dofs or geoms belong to no body"
+    );
     Ok(())
 }
 
@@ -86,23 +92,46 @@ fn joints(m: &CompiledModel) -> Result<()> {
     let (mut qpos, mut dof) = (0, 0);
     for j in 0..m.njnt() {
         let body = m.jnt_bodyid[j];
-        ensure!(owns(m.body_jntadr.get(body), m.body_jntnum.get(body), j), "jnt_bodyid[{j}] is {body}, which lacks the joint");
-        ensure!(m.jnt_qposadr[j] == qpos && m.jnt_dofadr[j] == dof, "joint {j} does not follow the joint before it");
+        ensure!(
+            owns(m.body_jntadr.get(body), m.body_jntnum.get(body), j),
+            "jnt_bodyid[{j}] is {body}, which lacks the joint"
+        );
+        ensure!(
+            m.jnt_qposadr[j] == qpos && m.jnt_dofadr[j] == dof,
+            "joint {j} does not follow the joint before it"
+        );
         let (nq, nv) = match m.jnt_type[j] {
             JointType::Free => (7, 6),
             JointType::Slide | JointType::Hinge => (1, 1),
         };
         let free = m.jnt_type[j] == JointType::Free;
-        ensure!(!free || (m.body_jntnum[body] == 1 && m.body_parentid[body] == 0), "joint {j} is free, but not the only one of a child of the world");
+        ensure!(
+            !free || (m.body_jntnum[body] == 1 && m.body_parentid[body] == 0),
+            "joint {j} is free, but not the only one of a child of the world"
+        );
         ensure!(!free || !m.jnt_limited[j], "joint {j} is free, and cannot be limited");
         qpos += nq;
         for i in dof..dof + nv {
             ensure!(m.dof_jntid.get(i) == Some(&j) && m.dof_bodyid[i] == body, "dof {i} is not of joint {j}");
-            let parent = if i > m.body_dofadr[body].max(0) as usize { i as i32 - 1 } else { last_dof(m, m.body_parentid[body]) };
-            ensure!(m.dof_parentid[i] == parent, "dof_parentid[{i}] is {}, expected {parent}", m.dof_parentid[i]);
+            let parent = if i > m.body_dofadr[body].max(0) as usize {
+                i as i32 - 1
+            } else {
+                last_dof(m, m.body_parentid[body])
+            };
+            ensure!(
+                m.dof_parentid[i] == parent,
+                "dof_parentid[{i}] is {}, expected {parent}",
+                m.dof_parentid[i]
+            );
             let tree = match usize::try_from(parent) {
                 Ok(parent) => m.dof_treeid[parent],
-                Err(_) => if i == 0 { 0 } else { m.dof_treeid[i - 1] + 1 },
+                Err(_) => {
+                    if i == 0 {
+                        0
+                    } else {
+                        m.dof_treeid[i - 1] + 1
+                    }
+                }
             };
             ensure!(m.dof_treeid[i] == tree, "dof_treeid[{i}] is {}, expected {tree}", m.dof_treeid[i]);
         }
@@ -115,7 +144,11 @@ fn joints(m: &CompiledModel) -> Result<()> {
         ensure!(m.body_treeid[b] == tree, "body_treeid[{b}] is {}, expected {tree}", m.body_treeid[b]);
     }
     for i in 0..m.nv() {
-        ensure!(m.dof_simplenum[i] <= m.nv() - i, "dof_simplenum[{i}] is {}, beyond the last", m.dof_simplenum[i]);
+        ensure!(
+            m.dof_simplenum[i] <= m.nv() - i,
+            "dof_simplenum[{i}] is {}, beyond the last",
+            m.dof_simplenum[i]
+        );
     }
     Ok(())
 }
@@ -138,8 +171,15 @@ fn owns(address: Option<&i32>, number: Option<&usize>, element: usize) -> bool {
 fn geoms(m: &CompiledModel) -> Result<()> {
     for g in 0..m.ngeom() {
         let body = m.geom_bodyid[g];
-        ensure!(owns(m.body_geomadr.get(body), m.body_geomnum.get(body), g), "geom_bodyid[{g}] is {body}, which lacks the geom");
-        ensure!(matches!(m.geom_condim[g], 1 | 3), "geom_condim[{g}] is {}: 1 and 3 are supported", m.geom_condim[g]);
+        ensure!(
+            owns(m.body_geomadr.get(body), m.body_geomnum.get(body), g),
+            "geom_bodyid[{g}] is {body}, which lacks the geom"
+        );
+        ensure!(
+            matches!(m.geom_condim[g], 1 | 3),
+            "geom_condim[{g}] is {}: 1 and 3 are supported",
+            m.geom_condim[g]
+        );
         let needed = match m.geom_type[g] {
             GeomType::Plane => 0,
             GeomType::Sphere => 1,
@@ -161,7 +201,11 @@ fn others(m: &CompiledModel) -> Result<()> {
     body("cam_bodyid", &m.cam_bodyid)?;
     let scalar = |j: usize| m.jnt_type.get(j).is_some_and(|&t| t != JointType::Free);
     for (i, id) in m.actuator_trnid.iter().enumerate() {
-        ensure!(usize::try_from(id[0]).is_ok_and(scalar), "actuator_trnid[{i}] is {}, which is no slide or hinge joint", id[0]);
+        ensure!(
+            usize::try_from(id[0]).is_ok_and(scalar),
+            "actuator_trnid[{i}] is {}, which is no slide or hinge joint",
+            id[0]
+        );
     }
     for t in 0..m.ntendon() {
         let end = m.tendon_adr[t].checked_add(m.tendon_num[t]);
@@ -182,8 +226,14 @@ fn others(m: &CompiledModel) -> Result<()> {
 fn numbers(m: &CompiledModel) -> Result<()> {
     let o = &m.opt;
     ensure!(o.timestep > 0.0 && o.timestep.is_finite(), "opt.timestep is {}, must be positive", o.timestep);
-    ensure!(o.tolerance >= 0.0 && o.ls_tolerance >= 0.0, "opt.tolerance and opt.ls_tolerance must not be negative");
-    let finite = |what: &str, numbers: &mut dyn Iterator<Item = f64>| match numbers.enumerate().find(|(_, x)| !x.is_finite()) {
+    ensure!(
+        o.tolerance >= 0.0 && o.ls_tolerance >= 0.0,
+        "opt.tolerance and opt.ls_tolerance must not be negative"
+    );
+    let finite = |what: &str, numbers: &mut dyn Iterator<Item = f64>| match numbers
+        .enumerate()
+        .find(|(_, x)| !x.is_finite())
+    {
         Some((i, _)) => Err(bad(format!("number {i} of {what} is not finite"))),
         None => Ok(()),
     };

@@ -132,9 +132,13 @@ impl Plan {
             });
         }
         let damped = m.dof_damping.iter().any(|&damping| damping > 0.0);
-        let mut plan = Self { m_rowadr, m_colind, last_dof, trees, pairs: Vec::new(), limits: Vec::new(), damped };
+        let mut plan =
+            Self { m_rowadr, m_colind, last_dof, trees, pairs: Vec::new(), limits: Vec::new(), damped };
         plan.pairs = plan.find_pairs(m)?;
-        plan.limits = (0..m.njnt()).filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free).map(|j| limit(m, j)).collect();
+        plan.limits = (0..m.njnt())
+            .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)
+            .map(|j| limit(m, j))
+            .collect();
         Ok(plan)
     }
 
@@ -161,7 +165,8 @@ impl Plan {
                 let first = pairs.len();
                 for g1 in geoms(m, b1) {
                     for g2 in geoms(m, b2) {
-                        let meet = m.geom_contype[g1] & m.geom_conaffinity[g2] | m.geom_contype[g2] & m.geom_conaffinity[g1];
+                        let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
+                            | m.geom_contype[g2] & m.geom_conaffinity[g1];
                         if meet != 0 {
                             pairs.extend(self.pair(m, g1, g2)?);
                         }

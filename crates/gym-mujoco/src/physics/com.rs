@@ -1,6 +1,6 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
-use super::spatial::{add, column, cross, inertia_at, join, scale, sub, MINVAL};
+use super::spatial::{MINVAL, add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
 use crate::{Data, Model};
 
@@ -57,5 +57,6 @@ pub fn tendon_velocity(m: &Model, d: &mut Data) {
 
 /// The joints of a tendon and their coefficients.
 fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-    (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon]).map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
+    (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon])
+        .map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
 }

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::spatial::{add, cross, dot, rotate, sub, Vec3};
+use super::spatial::{Vec3, add, cross, dot, rotate, sub};
 use crate::libm;
 use crate::model::{Pair, Softness};
 use crate::{Data, Model};
@@ -106,7 +106,13 @@ impl Constraints {
         self.columns.clear();
         self.jac.clear();
         for column in [
-            &mut self.pos, &mut self.margin, &mut self.diag_approx, &mut self.r, &mut self.d, &mut self.vel, &mut self.aref,
+            &mut self.pos,
+            &mut self.margin,
+            &mut self.diag_approx,
+            &mut self.r,
+            &mut self.d,
+            &mut self.vel,
+            &mut self.aref,
             &mut self.force,
         ] {
             column.clear();
@@ -227,7 +233,18 @@ fn limits(m: &Model, d: &mut Data) {
                 let source = Source::Limit(limit.joint);
                 let row = d.efc.nefc();
                 let tree = limit.tree;
-                d.efc.blocks.push(Block { source, row, direction, column, width: 1, jac, dim: 1, mu: 0.0, tree, island: 0 });
+                d.efc.blocks.push(Block {
+                    source,
+                    row,
+                    direction,
+                    column,
+                    width: 1,
+                    jac,
+                    dim: 1,
+                    mu: 0.0,
+                    tree,
+                    island: 0,
+                });
                 push_row(&mut d.efc, &limit.softness, dist, limit.margin, limit.diag);
             }
         }
@@ -255,7 +272,18 @@ fn contacts(m: &Model, d: &mut Data) {
         contact_jacobian(pair, &d.cdof, &d.subtree_com, contact.pos, &contact.frame, &mut efc.jac[jac..]);
 
         let (row, direction) = (efc.nefc(), efc.directions());
-        efc.blocks.push(Block { source: Source::Contact(index), row, direction, column, width, jac, dim, mu, tree, island: 0 });
+        efc.blocks.push(Block {
+            source: Source::Contact(index),
+            row,
+            direction,
+            column,
+            width,
+            jac,
+            dim,
+            mu,
+            tree,
+            island: 0,
+        });
         if dim == 1 {
             push_row(efc, &pair.softness, contact.dist, contact.includemargin, pair.diag);
         } else {
@@ -273,7 +301,14 @@ fn contacts(m: &Model, d: &mut Data) {
 
 /// How the contact point moves, on the second body against the first, along the contact's frame.
 #[inline]
-fn contact_jacobian(pair: &Pair, cdof: &[[f64; 6]], com: &[Vec3], pos: Vec3, frame: &[f64; 9], jac: &mut [f64]) {
+fn contact_jacobian(
+    pair: &Pair,
+    cdof: &[[f64; 6]],
+    com: &[Vec3],
+    pos: Vec3,
+    frame: &[f64; 9],
+    jac: &mut [f64],
+) {
     let width = pair.columns.len();
     for (k, column) in pair.columns.iter().enumerate() {
         let c = &cdof[column.dof];
@@ -323,7 +358,8 @@ impl Softness {
             return (dmin, 0.0);
         }
         // x^power / midpoint^(power - 1) below the midpoint, and the same turned around above
-        let (x, end, turned) = if x <= midpoint { (x, midpoint, false) } else { (1.0 - x, 1.0 - midpoint, true) };
+        let (x, end, turned) =
+            if x <= midpoint { (x, midpoint, false) } else { (1.0 - x, 1.0 - midpoint, true) };
         let (y, slope) = if power == 1.0 {
             (x, 1.0)
         } else if power == 2.0 {

@@ -1,7 +1,8 @@
 //! Where everything is: positions and orientations of bodies, joints, geoms and sites.
 
 use super::spatial::{
-    add, add_scaled, axis_angle, mul_quat, normalize_quat, quat_to_mat, rotate, rotate_quat, sub, Mat3, Quat, Vec3,
+    Mat3, Quat, Vec3, add, add_scaled, axis_angle, mul_quat, normalize_quat, quat_to_mat, rotate,
+    rotate_quat, sub,
 };
 use crate::model::JointType;
 use crate::{Data, Model};
@@ -54,11 +55,12 @@ pub fn kinematics(m: &Model, d: &mut Data) {
     }
     for g in 0..m.ngeom() {
         let b = m.geom_bodyid[g];
-        (d.geom_xpos[g], d.geom_xmat[g]) = if m.geom_pos[g] == m.body_ipos[b] && m.geom_quat[g] == m.body_iquat[b] {
-            (d.xipos[b], d.ximat[b])
-        } else {
-            local_to_global(d.xpos[b], d.xquat[b], &d.xmat[b], m.geom_pos[g], m.geom_quat[g])
-        };
+        (d.geom_xpos[g], d.geom_xmat[g]) =
+            if m.geom_pos[g] == m.body_ipos[b] && m.geom_quat[g] == m.body_iquat[b] {
+                (d.xipos[b], d.ximat[b])
+            } else {
+                local_to_global(d.xpos[b], d.xquat[b], &d.xmat[b], m.geom_pos[g], m.geom_quat[g])
+            };
     }
     for s in 0..m.nsite() {
         let b = m.site_bodyid[s];

@@ -32,7 +32,7 @@ mod work;
 pub use actuation::fwd_actuation;
 pub use collision::collision;
 pub use com::{com_pos, tendon, tendon_velocity};
-pub use constraint::{make_constraint, reference_constraint, Constraints};
+pub use constraint::{Constraints, make_constraint, reference_constraint};
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
 pub use kinematics::kinematics;

@@ -1,6 +1,6 @@
 //! Buffers of a forward call, which carry nothing from one to the next.
 
-use super::solver::{newton, pgs, Island};
+use super::solver::{Island, newton, pgs};
 use crate::Model;
 
 /// Buffers, allocated once.

@@ -93,11 +93,20 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 13] = [
-            "forward_reward_weight", "main_body", "include_cfrc_ext_in_observation",
+            "forward_reward_weight",
+            "main_body",
+            "include_cfrc_ext_in_observation",
             // all versions but the second
-            "ctrl_cost_weight", "contact_cost_weight", "healthy_reward", "terminate_when_unhealthy", "healthy_z_range",
-            "contact_force_range", "reset_noise_scale", "exclude_current_positions_from_observation",
-            "xml_file", "use_contact_forces",
+            "ctrl_cost_weight",
+            "contact_cost_weight",
+            "healthy_reward",
+            "terminate_when_unhealthy",
+            "healthy_z_range",
+            "contact_force_range",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "xml_file",
+            "use_contact_forces",
         ];
         match version {
             2 => &[],
@@ -161,7 +170,10 @@ impl env::Task for Task {
             Body::Name(name) => simulation.body(name)?,
             Body::Id(id) if *id < bodies => *id,
             Body::Id(id) => {
-                return Err(Error::argument("main_body", format!("{id}: the model has the bodies 0 to {}", bodies - 1)));
+                return Err(Error::argument(
+                    "main_body",
+                    format!("{id}: the model has the bodies 0 to {}", bodies - 1),
+                ));
             }
         };
         let (observed_forces, forces_cost) = match version {

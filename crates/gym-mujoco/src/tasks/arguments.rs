@@ -8,7 +8,9 @@ use serde_json::{Map, Value as Json};
 use crate::view::CameraConfig;
 
 /// The arguments of a task, in all its versions.
-pub trait TaskArguments: Clone + PartialEq + Serialize + DeserializeOwned + std::fmt::Debug + Send + Sync + 'static {
+pub trait TaskArguments:
+    Clone + PartialEq + Serialize + DeserializeOwned + std::fmt::Debug + Send + Sync + 'static
+{
     /// Their default values in a version.
     fn defaults(version: u8) -> Self;
 
@@ -61,7 +63,14 @@ impl Common {
     /// Those that a version takes. Before version 5 the model is an argument of some tasks alone, which name it themselves.
     fn names(version: u8) -> &'static [&'static str] {
         const ALL: [&str; 9] = [
-            "width", "height", "camera_id", "camera_name", "max_geom", "visual_options", "xml_file", "frame_skip",
+            "width",
+            "height",
+            "camera_id",
+            "camera_name",
+            "max_geom",
+            "visual_options",
+            "xml_file",
+            "frame_skip",
             "default_camera_config",
         ];
         match version {
@@ -85,7 +94,10 @@ impl Common {
             && let Some((flag, value)) =
                 options.iter().find(|(flag, value)| flag.parse::<u32>().is_err() || !value.is_boolean())
         {
-            return Err(Error::argument("visual_options", format!("{flag}: {value} is not a number and true or false")));
+            return Err(Error::argument(
+                "visual_options",
+                format!("{flag}: {value} is not a number and true or false"),
+            ));
         }
         Ok(())
     }
@@ -122,13 +134,18 @@ impl<'de, C: TaskArguments, const VERSION: u8> Deserialize<'de> for Arguments<C,
         let mut arguments = C::defaults(VERSION);
         for (name, value) in given {
             if !Self::takes(&name) {
-                let taken: Vec<&str> = all.as_object().into_iter().flatten().map(|(name, _)| &**name).collect();
+                let taken: Vec<&str> =
+                    all.as_object().into_iter().flatten().map(|(name, _)| &**name).collect();
                 let taken: Vec<&str> = taken.into_iter().filter(|name| Self::takes(name)).collect();
-                return Err(D::Error::custom(format!("unknown argument `{name}`: there are {}", taken.join(", "))));
+                return Err(D::Error::custom(format!(
+                    "unknown argument `{name}`: there are {}",
+                    taken.join(", ")
+                )));
             }
             all[&name] = value;
             // one at a time, so that the message can name the one that is wrong
-            arguments = C::deserialize(&all).map_err(|error| D::Error::custom(format!("argument `{name}`: {error}")))?;
+            arguments = C::deserialize(&all)
+                .map_err(|error| D::Error::custom(format!("argument `{name}`: {error}")))?;
         }
         Ok(Self(arguments))
     }

@@ -5,7 +5,9 @@ use std::fmt;
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
-use gym_core::{Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym_core::{
+    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::arguments::{Arguments, TaskArguments};
@@ -35,7 +37,13 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
 
     /// Shows the entries of `info`, after a step or, without one, after a reset.
-    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Self::Step>, visit: &mut dyn FnMut(&str, f64));
+    fn info(
+        &self,
+        simulation: &Simulation,
+        data: &Data,
+        step: Option<&Self::Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    );
 
     /// Whether `info` has lengths and velocities of the model's tendons.
     fn tells_tendons(&self) -> bool {

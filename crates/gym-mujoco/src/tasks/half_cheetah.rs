@@ -20,11 +20,11 @@
 use gym_core::{Generator, Result};
 use serde::{Deserialize, Serialize};
 
+use super::HalfCheetah;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
 use super::env;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
-use super::HalfCheetah;
 use crate::Data;
 use crate::view::CameraConfig;
 
@@ -57,8 +57,11 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 5] = [
-            "forward_reward_weight", "ctrl_cost_weight", "reset_noise_scale",
-            "exclude_current_positions_from_observation", "xml_file",
+            "forward_reward_weight",
+            "ctrl_cost_weight",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "xml_file",
         ];
         match version {
             2 => &[],

@@ -73,9 +73,16 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 10] = [
-            "forward_reward_weight", "ctrl_cost_weight", "healthy_reward", "terminate_when_unhealthy",
-            "healthy_state_range", "healthy_z_range", "healthy_angle_range", "reset_noise_scale",
-            "exclude_current_positions_from_observation", "xml_file",
+            "forward_reward_weight",
+            "ctrl_cost_weight",
+            "healthy_reward",
+            "terminate_when_unhealthy",
+            "healthy_state_range",
+            "healthy_z_range",
+            "healthy_angle_range",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "xml_file",
         ];
         match version {
             2 => &[],

@@ -125,13 +125,21 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 14] = [
-            "include_cinert_in_observation", "include_cvel_in_observation", "include_qfrc_actuator_in_observation",
+            "include_cinert_in_observation",
+            "include_cvel_in_observation",
+            "include_qfrc_actuator_in_observation",
             "include_cfrc_ext_in_observation",
             // versions 3 and 5
-            "contact_cost_weight", "contact_cost_range",
+            "contact_cost_weight",
+            "contact_cost_range",
             // all versions but the second
-            "forward_reward_weight", "ctrl_cost_weight", "healthy_reward", "terminate_when_unhealthy",
-            "healthy_z_range", "reset_noise_scale", "exclude_current_positions_from_observation",
+            "forward_reward_weight",
+            "ctrl_cost_weight",
+            "healthy_reward",
+            "terminate_when_unhealthy",
+            "healthy_z_range",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
             "xml_file",
         ];
         match version {

@@ -67,9 +67,16 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 10] = [
-            "uph_cost_weight", "ctrl_cost_weight", "impact_cost_weight", "impact_cost_range", "reset_noise_scale",
-            "exclude_current_positions_from_observation", "include_cinert_in_observation",
-            "include_cvel_in_observation", "include_qfrc_actuator_in_observation", "include_cfrc_ext_in_observation",
+            "uph_cost_weight",
+            "ctrl_cost_weight",
+            "impact_cost_weight",
+            "impact_cost_range",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "include_cinert_in_observation",
+            "include_cvel_in_observation",
+            "include_qfrc_actuator_in_observation",
+            "include_cfrc_ext_in_observation",
         ];
         if version >= 5 { &NAMES } else { &[] }
     }
@@ -123,7 +130,13 @@ impl env::Task for Task {
         self.config.observed.numbers(self.version, data)
     }
 
-    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        simulation: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);

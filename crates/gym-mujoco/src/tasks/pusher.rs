@@ -59,7 +59,11 @@ impl TaskArguments for Config {
     }
 
     fn names(version: u8) -> &'static [&'static str] {
-        if version >= 5 { &["reward_near_weight", "reward_dist_weight", "reward_control_weight"] } else { &[] }
+        if version >= 5 {
+            &["reward_near_weight", "reward_dist_weight", "reward_control_weight"]
+        } else {
+            &[]
+        }
     }
 
     fn common(&self) -> &Common {
@@ -126,7 +130,8 @@ impl env::Task for Task {
         let before = self.distances(data);
         simulation.step(data, action);
         let (near, distance) = if self.version >= 5 { self.distances(data) } else { before };
-        let (near, distance) = (near * self.config.reward_near_weight, distance * self.config.reward_dist_weight);
+        let (near, distance) =
+            (near * self.config.reward_near_weight, distance * self.config.reward_dist_weight);
         let ctrl = self.cost.of(action);
         let reward = -distance - ctrl - near;
         // before version 5 `info` has the cost without its weight

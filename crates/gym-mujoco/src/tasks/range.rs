@@ -42,7 +42,10 @@ impl<'de> Deserialize<'de> for Range {
         let [low, high]: [Option<f64>; 2] = Deserialize::deserialize(deserializer)?;
         let range = Self::new(low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY));
         if range.low > range.high {
-            return Err(serde::de::Error::custom(format!("the range {} to {} is empty", range.low, range.high)));
+            return Err(serde::de::Error::custom(format!(
+                "the range {} to {} is empty",
+                range.low, range.high
+            )));
         }
         Ok(range)
     }

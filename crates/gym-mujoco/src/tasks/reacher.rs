@@ -49,7 +49,11 @@ pub struct Config {
 impl TaskArguments for Config {
     fn defaults(_version: u8) -> Self {
         let camera = CameraConfig::at([0.0, 0.0, 0.0], 0.92, 90.0, -90.0);
-        Self { common: Common::new("reacher.xml", 2, camera), reward_dist_weight: 1.0, reward_control_weight: 1.0 }
+        Self {
+            common: Common::new("reacher.xml", 2, camera),
+            reward_dist_weight: 1.0,
+            reward_control_weight: 1.0,
+        }
     }
 
     fn names(version: u8) -> &'static [&'static str] {

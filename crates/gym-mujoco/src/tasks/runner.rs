@@ -101,7 +101,13 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         data.qpos.iter().skip(skip).copied().chain(velocities)
     }
 
-    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        simulation: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("z_distance_from_origin", data.qpos[1] - simulation.model.qpos0[1]);

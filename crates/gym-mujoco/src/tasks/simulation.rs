@@ -53,7 +53,8 @@ impl Simulation {
 
     /// The ranges of the controls.
     pub(super) fn action_space(&self) -> Result<Space> {
-        let bounds = |k: usize| self.model.actuator_ctrlrange.iter().map(|range| range[k] as f32).collect::<Vec<_>>();
+        let bounds =
+            |k: usize| self.model.actuator_ctrlrange.iter().map(|range| range[k] as f32).collect::<Vec<_>>();
         Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
     }
 
@@ -64,7 +65,9 @@ impl Simulation {
 
     /// A body that the task cannot do without.
     pub(super) fn body(&self, name: &str) -> Result<usize> {
-        self.model.body_id(name).ok_or_else(|| Error::argument("xml_file", format!("the model has no body {name:?}")))
+        self.model
+            .body_id(name)
+            .ok_or_else(|| Error::argument("xml_file", format!("the model has no body {name:?}")))
     }
 
     /// Refuses a model that has too few of what the task looks at.
@@ -72,7 +75,10 @@ impl Simulation {
         if there_are >= at_least {
             return Ok(());
         }
-        Err(Error::argument("xml_file", format!("the model has {there_are} {what}, the task needs {at_least}")))
+        Err(Error::argument(
+            "xml_file",
+            format!("the model has {there_are} {what}, the task needs {at_least}"),
+        ))
     }
 }
 

@@ -58,8 +58,11 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 5] = [
-            "forward_reward_weight", "ctrl_cost_weight", "reset_noise_scale",
-            "exclude_current_positions_from_observation", "xml_file",
+            "forward_reward_weight",
+            "ctrl_cost_weight",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "xml_file",
         ];
         match version {
             2 => &[],

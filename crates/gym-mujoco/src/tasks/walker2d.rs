@@ -70,9 +70,15 @@ impl TaskArguments for Config {
 
     fn names(version: u8) -> &'static [&'static str] {
         const NAMES: [&str; 9] = [
-            "forward_reward_weight", "ctrl_cost_weight", "healthy_reward", "terminate_when_unhealthy",
-            "healthy_z_range", "healthy_angle_range", "reset_noise_scale",
-            "exclude_current_positions_from_observation", "xml_file",
+            "forward_reward_weight",
+            "ctrl_cost_weight",
+            "healthy_reward",
+            "terminate_when_unhealthy",
+            "healthy_z_range",
+            "healthy_angle_range",
+            "reset_noise_scale",
+            "exclude_current_positions_from_observation",
+            "xml_file",
         ];
         match version {
             2 => &[],

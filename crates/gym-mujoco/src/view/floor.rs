@@ -98,7 +98,8 @@ fn outline(polygon: &[Point], path: &mut Vec<Segment>) {
 }
 
 fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
-    let inside = |k: usize, end: f64| polygon.iter().any(|p| p[k] >= 0.0) && polygon.iter().any(|p| p[k] <= end);
+    let inside =
+        |k: usize, end: f64| polygon.iter().any(|p| p[k] >= 0.0) && polygon.iter().any(|p| p[k] <= end);
     inside(0, width) && inside(1, height)
 }
 

@@ -40,7 +40,13 @@ pub struct CameraConfig {
 
 impl CameraConfig {
     /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and follows a body.
-    pub(crate) const fn following(body: i32, distance: f64, azimuth: f64, elevation: f64, height: f64) -> Self {
+    pub(crate) const fn following(
+        body: i32,
+        distance: f64,
+        azimuth: f64,
+        elevation: f64,
+        height: f64,
+    ) -> Self {
         Self { trackbodyid: Some(body), ..Self::at([0.0, 0.0, height], distance, azimuth, elevation) }
     }
 
@@ -66,7 +72,10 @@ pub(crate) struct View {
 /// What carries the camera.
 #[derive(Clone, Debug)]
 enum Mount {
-    Free { config: Free, follows: Option<usize> },
+    Free {
+        config: Free,
+        follows: Option<usize>,
+    },
     /// A camera of the model.
     Own(Own),
 }
@@ -106,14 +115,20 @@ impl View {
         let own = match (&arguments.camera_name, arguments.camera_id) {
             (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
                 let names: Vec<&str> = model.names.camera.iter().flatten().map(|name| &**name).collect();
-                Error::argument("camera_name", format!("there is no camera {name:?}: there are {}", names.join(", ")))
+                Error::argument(
+                    "camera_name",
+                    format!("there is no camera {name:?}: there are {}", names.join(", ")),
+                )
             })?),
             (None, None | Some(-1)) => None,
             (None, Some(id)) => {
                 let number = model.cam_mode.len();
                 let valid = usize::try_from(id).ok().filter(|id| *id < number);
                 Some(valid.ok_or_else(|| {
-                    Error::argument("camera_id", format!("{id}: the model has {number} cameras; -1 is the free one"))
+                    Error::argument(
+                        "camera_id",
+                        format!("{id}: the model has {number} cameras; -1 is the free one"),
+                    )
                 })?)
             }
         };
@@ -161,7 +176,13 @@ impl View {
             shapes::draw(&camera, model, data, g, color_of(model, g), canvas);
         }
         for s in 0..model.nsite() {
-            shapes::marker(&camera, data.site_xpos[s], model.site_size[s][0], rgba(model.site_rgba[s]), canvas);
+            shapes::marker(
+                &camera,
+                data.site_xpos[s],
+                model.site_size[s][0],
+                rgba(model.site_rgba[s]),
+                canvas,
+            );
         }
     }
 }

@@ -27,7 +27,14 @@ pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) ->
 }
 
 /// Draws a geom.
-pub(super) fn draw(camera: &Camera, model: &Model, data: &Data, g: usize, color: Color, canvas: &mut dyn Canvas) {
+pub(super) fn draw(
+    camera: &Camera,
+    model: &Model,
+    data: &Data,
+    g: usize,
+    color: Color,
+    canvas: &mut dyn Canvas,
+) {
     let [radius, half, _] = model.geom_size[g];
     let center = data.geom_xpos[g];
     let axis = column(&data.geom_xmat[g], 2);
@@ -65,7 +72,11 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
         let moved: [Point; 2] = std::array::from_fn(|i| {
             [centers[i][0] + light[0] * radii[i] * shift, centers[i][1] + light[1] * radii[i] * shift]
         });
-        let shade = if t < 0.6 { blend(dark, color, (t / 0.6).sqrt()) } else { blend(color, bright, (t - 0.6) / 0.4) };
+        let shade = if t < 0.6 {
+            blend(dark, color, (t / 0.6).sqrt())
+        } else {
+            blend(color, bright, (t - 0.6) / 0.4)
+        };
         outline(moved, radii.map(|r| r * shrink), shade, canvas);
     }
 }
@@ -97,7 +108,14 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
 }
 
 /// A cylinder: its side in strips, each as bright as it faces the light, then the end that is seen.
-fn cylinder(camera: &Camera, ends: [Vec3; 2], mat: &[f64; 9], radius: f64, color: Color, canvas: &mut dyn Canvas) {
+fn cylinder(
+    camera: &Camera,
+    ends: [Vec3; 2],
+    mat: &[f64; 9],
+    radius: f64,
+    color: Color,
+    canvas: &mut dyn Canvas,
+) {
     const SIDES: usize = 32;
     if ends.iter().any(|end| camera.depth(*end) < NEAR + radius) {
         return;
@@ -110,7 +128,11 @@ fn cylinder(camera: &Camera, ends: [Vec3; 2], mat: &[f64; 9], radius: f64, color
     let lit = |normal: Vec3| {
         let facing = dot(normal, LIGHT);
         let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
-        if facing < 0.4 { blend(dark, color, (facing + 0.4) / 0.8) } else { blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2) }
+        if facing < 0.4 {
+            blend(dark, color, (facing + 0.4) / 0.8)
+        } else {
+            blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2)
+        }
     };
     let ring = |end: Vec3| -> [Point; SIDES] {
         std::array::from_fn(|i| camera.project(add_scaled(end, spoke(i), radius)))

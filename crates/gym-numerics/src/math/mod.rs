@@ -1,57 +1,155 @@
-//! The functions that equations of motion take from a mathematics library, as a parameter.
-//!
-//! An environment writes its equations once, in plain `f64`, generic over [`Math`]:
-//!
-//! - with [`Libm`] they are exact: bit for bit what numpy computes, one environment at a time;
-//! - with [`Polynomial`] they are a straight line of multiplications, additions and selections,
-//!   which the compiler turns into vector instructions when it finds them in a loop over many
-//!   environments, as native vectors do.
+//! The C library's functions, with the bits of glibc on x86-64 with fused multiply-add, on every
+//! platform: what Python and numpy give there.
 //!
 //! ```
-//! use gym_numerics::math::{Libm, Math, Polynomial};
+//! use gym_numerics::math;
 //!
-//! /// The acceleration of a pendulum of 1 m at an angle from hanging down.
-//! fn acceleration<M: Math>(theta: f64) -> f64 {
-//!     -9.8 * M::sin(theta)
-//! }
-//!
-//! let [exact, fast] = [acceleration::<Libm>(0.3), acceleration::<Polynomial>(0.3)];
-//! assert!((exact - fast).abs() < 1e-15);
+//! assert_eq!(math::sin(0.5), 0.479425538604203);
+//! assert_eq!(math::pow(1.1, 2.0), 1.2100000000000002);
 //! ```
+//!
+//! Sine, cosine and squares are also there for several numbers at once, see [`Real`].
 
-mod libm;
-mod polynomial;
+mod arc;
+mod exp;
+mod fma;
+mod hyperbolic;
+mod lanes;
+mod log;
+mod numpy;
+mod pow;
+mod real;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod trig;
+mod trig_f32;
 
-pub use libm::Libm;
-pub use polynomial::Polynomial;
+use fearless_simd::{Level, Simd};
 
-/// Sine, cosine and the like. Implemented by [`Libm`] and [`Polynomial`].
-pub trait Math {
-    /// The sine and the cosine of an angle in rad.
-    fn sin_cos(x: f64) -> (f64, f64);
+pub use fma::{Emulated, Fma, Hardware};
+pub use lanes::Lanes;
+pub use numpy::sin_cos as numpy_sin_cos_f32;
+pub use real::{One, Real};
+pub use trig_f32::sin_cos as sin_cos_f32;
 
-    /// The sine of an angle in rad.
-    #[inline(always)]
-    fn sin(x: f64) -> f64 {
-        Self::sin_cos(x).0
+/// What is done with numbers of any kind.
+pub trait Kernel {
+    /// What comes of it.
+    type Output;
+
+    /// Does it. To be marked `#[inline(always)]`, with all that it calls.
+    fn run<R: Real>(self, token: R::Token) -> Self::Output;
+}
+
+/// Runs a kernel with as many numbers at once as a CPU of this level computes with; one by one if it has
+/// no fused multiply-add.
+#[inline]
+pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
+    if cfg!(feature = "emulate-fma") {
+        return kernel.run::<One<Emulated>>(());
     }
+    macro_rules! run {
+        ($simd:expr) => {{
+            let simd = $simd;
+            return simd.vectorize(
+                #[inline(always)]
+                || kernel.run::<Lanes<_>>(simd),
+            );
+        }};
+    }
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(simd) = level.as_avx512() {
+        run!(simd)
+    } else if let Some(simd) = level.as_avx2() {
+        run!(simd)
+    }
+    #[cfg(target_arch = "aarch64")]
+    if let Some(simd) = level.as_neon() {
+        run!(simd)
+    }
+    kernel.run::<One<Emulated>>(())
+}
+
+/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the
+/// second. Both are to be `#[inline(always)]` closures that differ in [`Hardware`] and [`Emulated`] alone.
+#[inline(always)]
+pub fn with<T>(hardware: impl FnOnce() -> T, emulated: impl FnOnce() -> T) -> T {
+    if cfg!(feature = "emulate-fma") {
+        return emulated();
+    }
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    return match Level::new().as_avx2() {
+        Some(avx2) => avx2.vectorize(hardware),
+        None => emulated(),
+    };
+    #[cfg(target_arch = "aarch64")]
+    return hardware();
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+    emulated()
+}
+
+macro_rules! functions {
+    ($($(#[$doc:meta])* fn $name:ident($($x:ident: $type:ty),+) -> $result:ty = |$F:ident| $body:expr;)+) => {
+        $(
+            $(#[$doc])*
+            #[inline]
+            #[must_use]
+            pub fn $name($($x: $type),+) -> $result {
+                with(
+                    #[inline(always)]
+                    || { type $F = Hardware; $body },
+                    #[inline(always)]
+                    || { type $F = Emulated; $body },
+                )
+            }
+        )+
+    };
+}
+
+functions! {
+    /// The sine of an angle in rad.
+    fn sin(x: f64) -> f64 = |F| trig::sin(One::<F>::new(x)).value();
 
     /// The cosine of an angle in rad.
-    #[inline(always)]
-    fn cos(x: f64) -> f64 {
-        Self::sin_cos(x).1
-    }
+    fn cos(x: f64) -> f64 = |F| trig::cos(One::<F>::new(x)).value();
 
-    /// Python's `x ** 2`.
-    fn square(x: f64) -> f64;
+    /// The sine and the cosine of an angle in rad.
+    fn sin_cos(x: f64) -> (f64, f64) = |F| {
+        let (sin, cos) = trig::sin_cos(One::<F>::new(x));
+        (sin.value(), cos.value())
+    };
 
-    /// `x ** 2` of a numpy `float32`.
-    fn square_f32(x: f32) -> f32;
+    /// The angle of a point from the positive x axis, in rad within ±π: computed with more digits than the
+    /// result holds, and rounded once. glibc's is the number next to it for 1 argument in 1100.
+    fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
-    /// Python's `a % b` for `b > 0`: in `[0, b)`, or `b` itself where a tiny negative `a` rounds up
-    /// to it.
-    fn modulo(a: f64, b: f64) -> f64;
+    /// e^x.
+    fn exp(x: f64) -> f64 = |F| exp::exp::<F>(x);
 
-    /// An angle brought between ±π by whole turns.
-    fn wrap(x: f64) -> f64;
+    /// e^x - 1.
+    fn exp_m1(x: f64) -> f64 = |F| hyperbolic::exp_m1::<F>(x);
+
+    /// The natural logarithm.
+    fn ln(x: f64) -> f64 = |F| log::ln::<F>(x);
+
+    /// The natural logarithm of 1 + x.
+    fn ln_1p(x: f64) -> f64 = |F| log::ln_1p::<F>(x);
+
+    /// The hyperbolic tangent.
+    fn tanh(x: f64) -> f64 = |F| hyperbolic::tanh::<F>(x);
+
+    /// x^y.
+    fn pow(x: f64, y: f64) -> f64 = |F| pow::pow::<F>(x, y);
+
+    /// `pow(x, 2.0)`, which is not `x * x` for about one argument in a thousand.
+    fn square(x: f64) -> f64 = |F| pow::square(One::<F>::new(x)).value();
+}
+
+functions! {
+    /// `powf(x, 2.0)`, which is not `x * x` for about one argument in 1400.
+    fn square_f32(x: f32) -> f32 = |F| pow::powf_2::<F>(x);
+
+    /// The natural logarithm of 1 + x, correctly rounded, as glibc 2.41 has it. (That of 2.36 is another one.)
+    fn ln_1p_f32(x: f32) -> f32 = |F| log::ln_1p::<F>(f64::from(x)) as f32;
 }

@@ -4,6 +4,7 @@
 use rand::Rng;
 
 use super::Generator;
+use crate::math::ln_1p;
 
 /// Lemire's method (<https://arxiv.org/abs/1805.10941>): a number below `n`, which is not 0, from
 /// words of `next`.
@@ -125,7 +126,7 @@ impl Generator {
             self.geometric_search(p)
         } else if p > 0.0 {
             // The cast keeps what is too large at `i64::MAX`, as numpy does.
-            (-self.standard_exponential() / (-p).ln_1p()).ceil() as i64
+            (-self.standard_exponential() / ln_1p(-p)).ceil() as i64
         } else {
             i64::MAX
         }

@@ -11,6 +11,7 @@ use super::Generator;
 use super::ziggurat_tables::{
     FE_DOUBLE, FI_DOUBLE, FI_FLOAT, KE_DOUBLE, KI_DOUBLE, KI_FLOAT, WE_DOUBLE, WI_DOUBLE, WI_FLOAT,
 };
+use crate::math::{exp, ln_1p, ln_1p_f32};
 
 /// Where the tail of the normal distribution starts: numpy's `ziggurat_nor_r`.
 const NORMAL_R: f64 = 3.654152885361009;
@@ -43,7 +44,7 @@ impl Generator {
                 return if position >> 8 & 1 == 1 { -tail } else { tail };
             }
             let (above, below) = (FI_DOUBLE[layer - 1], FI_DOUBLE[layer]);
-            if (above - below) * self.random() + below < (-0.5 * x * x).exp() {
+            if (above - below) * self.random() + below < exp(-0.5 * x * x) {
                 return x;
             }
         }
@@ -51,8 +52,8 @@ impl Generator {
 
     fn normal_tail(&mut self) -> f64 {
         loop {
-            let x = -NORMAL_INV_R * (-self.random()).ln_1p();
-            let y = -(-self.random()).ln_1p();
+            let x = -NORMAL_INV_R * ln_1p(-self.random());
+            let y = -ln_1p(-self.random());
             if y + y > x * x {
                 return NORMAL_R + x;
             }
@@ -78,7 +79,7 @@ impl Generator {
             }
             let (above, below) = (FI_FLOAT[layer - 1], FI_FLOAT[layer]);
             // In C the right side is double, by its constant.
-            let density = (-0.5 * f64::from(x) * f64::from(x)).exp();
+            let density = exp(-0.5 * f64::from(x) * f64::from(x));
             if f64::from((above - below) * self.random_f32() + below) < density {
                 return x;
             }
@@ -87,8 +88,8 @@ impl Generator {
 
     fn normal_tail_f32(&mut self) -> f32 {
         loop {
-            let x = -NORMAL_INV_R_F32 * (-self.random_f32()).ln_1p();
-            let y = -(-self.random_f32()).ln_1p();
+            let x = -NORMAL_INV_R_F32 * ln_1p_f32(-self.random_f32());
+            let y = -ln_1p_f32(-self.random_f32());
             if y + y > x * x {
                 return NORMAL_R_F32 + x;
             }
@@ -113,10 +114,10 @@ impl Generator {
                 return x;
             }
             if layer == 0 {
-                return EXPONENTIAL_R - (-self.random()).ln_1p();
+                return EXPONENTIAL_R - ln_1p(-self.random());
             }
             let (above, below) = (FE_DOUBLE[layer - 1], FE_DOUBLE[layer]);
-            if (above - below) * self.random() + below < (-x).exp() {
+            if (above - below) * self.random() + below < exp(-x) {
                 return x;
             }
         }

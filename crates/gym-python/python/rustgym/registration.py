@@ -30,7 +30,7 @@ def namespaced(env_id: str) -> str:
     return NAMESPACE + env_id.replace("/", "-")
 
 
-def _spec(name: str, env_id: str, vector: str | None) -> EnvSpec:
+def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
     row = _SPECS[env_id]
     return EnvSpec(
         name,
@@ -39,7 +39,7 @@ def _spec(name: str, env_id: str, vector: str | None) -> EnvSpec:
         nondeterministic=row["nondeterministic"],
         max_episode_steps=row["max_episode_steps"],
         kwargs=dict(row["kwargs"]),
-        vector_entry_point=vector and f"rustgym.envs:{class_name(env_id)}_Vector{vector.removeprefix('native')}",
+        vector_entry_point=f"rustgym.envs:{class_name(env_id)}_Vector" if has_vector else None,
     )
 
 
@@ -62,12 +62,12 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
             continue
         name = namespaced(env_id)
         if name not in gymnasium_registry:
-            gymnasium_registry[name] = _spec(name, env_id, "native")
+            gymnasium_registry[name] = _spec(name, env_id, has_vector=True)
         if replace:
             old = gymnasium_registry.get(env_id)
             # an id without a vector of its own keeps none: `make_vec` then makes Gymnasium's SyncVectorEnv of ours
-            vector = "Exact" if old is not None and old.vector_entry_point is not None else None
-            gymnasium_registry[env_id] = _spec(env_id, env_id, vector)
+            has_vector = old is not None and old.vector_entry_point is not None
+            gymnasium_registry[env_id] = _spec(env_id, env_id, has_vector)
 
 
 def _ours(env_id: Any) -> Any:
@@ -138,6 +138,6 @@ def _classes() -> dict[str, Any]:
         for name in names:
             classes[f"gymnasium.envs.{family}:{name}"] = getattr(envs, name)
             classes[f"gymnasium.envs.{family}.{files[name]}:{name}"] = getattr(envs, name)
-    classes["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = envs.__getattr__("CartPole_v1_VectorExact")
+    classes["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = envs.__getattr__("CartPole_v1_Vector")
     classes["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = envs.generate_random_map
     return classes

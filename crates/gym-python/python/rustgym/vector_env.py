@@ -40,7 +40,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         num_envs: How many environments there are.
         kind: ``"sync"`` steps one after the other, ``"async"`` on a pool of threads, ``"native"`` by one loop with vector
             instructions, where the id has it. ``None`` is native where there is one and no render mode is wanted, else sync.
-            All give the same results but for ``"native"`` classic control, whose sines may differ in their last bit.
+            All give the same results, to the last bit.
         autoreset_mode: When environments are reset whose episode has ended: ``AutoresetMode`` or its value.
         threads: How many threads an async vector has; one for each core unless given. It makes no difference to results.
         copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned

@@ -54,7 +54,7 @@ engine, [rapier2d](https://rapier.rs): alike, but not equal to Gymnasium's numbe
 
 What holds for all of them: NaN or infinite actions are an error; numbers beyond the bounds of a `Box` are not, and the
 environment clips them where Gymnasium's does; options of `reset` that an environment does not know are ignored, as in
-Gymnasium. The pictures of classic control and Box2D have Gymnasium's geometry, colours and sizes; those of toy text are our
+Gymnasium. The pictures of classic control and Box2D equal Gymnasium's byte for byte at its own size; those of toy text are our
 own.
 
 `cargo xtask list --long` prints ids, spaces, limits and thresholds; `cargo xtask play ID` lets you play.

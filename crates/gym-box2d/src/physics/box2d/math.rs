@@ -6,7 +6,7 @@
 use nalgebra::{Isometry2, Translation2, UnitComplex, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::trig::sin_cos;
+use gym_core::math::sin_cos_f32 as sin_cos;
 
 /// A point or a vector.
 pub(super) type Vec2 = Vector2<f32>;

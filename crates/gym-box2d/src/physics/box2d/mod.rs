@@ -40,7 +40,6 @@ mod sweeps;
 #[cfg(test)]
 mod tests;
 mod time_of_impact;
-pub(super) mod trig;
 mod validate;
 
 use serde::{Deserialize, Serialize};

@@ -6,6 +6,7 @@ use fearless_simd::{Level, dispatch};
 
 use super::step::{Block, NO_LIMIT, Step};
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
+use crate::math::{Kernel, Real, widest};
 use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
@@ -224,11 +225,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             let (at, lane) = (i / LANES, i % LANES);
             if !reset.selects(i) {
                 if let Some(state) = self.state(i) {
-                    let fresh = self.blocks[at].steps[lane] == 0;
-                    let dynamics = &self.dynamics;
-                    let observation =
-                        if fresh { dynamics.observe(&state) } else { dynamics.observe_state(&state) };
-                    D::Observation::write_rows(&mut rows, i, &[observation]);
+                    D::Observation::write_rows(&mut rows, i, &[self.dynamics.observe(&state)]);
                 }
                 *progress = Progress::Unchanged;
                 continue;
@@ -304,7 +301,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        let result = dispatch!(level, _simd => step.run(blocks, streams));
+        let result = widest(level, Run { step, blocks, streams });
         self.keep(cast);
         result
     }
@@ -355,6 +352,22 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         self.closed = true;
         self.blocks = Vec::new();
         self.streams = Vec::new();
+    }
+}
+
+/// One step, compiled for each set of vector instructions.
+struct Run<'a, D: Native> {
+    step: Step<'a, D>,
+    blocks: &'a mut [Block<D>],
+    streams: &'a mut [D::Stream],
+}
+
+impl<D: Native> Kernel for Run<'_, D> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run<R: Real>(self, token: R::Token) -> Result<()> {
+        self.step.run::<R>(token, self.blocks, self.streams)
     }
 }
 

@@ -1,11 +1,11 @@
 //! Native vectors: many environments of one kind stepped by one loop, with the vector instructions
 //! of the CPU that the program runs on.
 //!
-//! A task takes part by implementing [`Native`] beside [`Dynamics`], with the same equations: they
-//! are written once, generic over [`Math`](crate::math::Math). Its [`Dynamics`] take the C library
-//! and are exact; its [`Native::step`] takes polynomials, so that the compiler can turn the loop over
-//! environments into vector instructions. Where a task has no sines, as tables have none, a native
-//! vector gives the very numbers of a sync one.
+//! A task takes part by implementing [`Native`] beside [`Dynamics`]. Its equations are written once, as
+//! [`Equations`] over [`Real`] numbers: one for a scalar environment, as many as a vector register holds
+//! for a native vector. Each operation rounds alike in both, sines and squares included, so a native
+//! vector gives the very numbers of a sync one. A task that looks up tables steps
+//! [one by one](Many::each).
 //!
 //! ```text
 //! impl Native for CartPoleDynamics { .. }
@@ -21,22 +21,26 @@
 
 mod columns;
 mod envs;
+mod equations;
 mod packed;
 mod snapshot;
 mod step;
 
 use serde_json::Value as Json;
 
+use crate::math::Real;
 use crate::registry::{VectorKind, VectorSpec, find};
 use crate::rng::Stream;
 use crate::vector::{Autoreset, VectorEnv};
-use crate::{Dynamics, EnvSpec, Error, Result, Transition};
+use crate::{Dynamics, EnvSpec, Error, Result};
 
 #[doc(hidden)]
 pub use columns::indices;
 pub use columns::{ActionColumn, ObservationColumn};
 pub use envs::NativeVectorEnv;
+pub use equations::{Equations, Next, advance, see};
 pub use packed::{Packed, Whole};
+pub use step::Many;
 
 /// How many environments a block holds: those whose states lie together, number by number.
 pub const LANES: usize = 32;
@@ -50,9 +54,6 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
     /// What is kept of the generator: [`WordStream`](crate::rng::WordStream), unless 32-bit numbers
     /// are drawn.
     type Stream: Stream;
-
-    /// Whether steps draw from the generator, and not starts alone.
-    const DRAWS: bool;
 
     /// Whether [`info`](Dynamics::info) has entries.
     const INFO: bool = false;
@@ -70,24 +71,14 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
     fn pack(state: &Self::State) -> Self::Packed;
 
     /// The state that was packed; `fresh` tells whether it is the first of an episode. What
-    /// [`step`](Self::step), [`observe`](Self::observe_state) and [`info`](Dynamics::info) do not look
-    /// at may differ.
+    /// steps, [`observe`](Dynamics::observe) and [`info`](Dynamics::info) do not look at may differ.
     fn unpack(packed: Self::Packed, fresh: bool) -> Self::State;
 
-    /// [`Dynamics::transition`] for an action of the action space. To be marked `#[inline(always)]`,
-    /// with all that it calls, and free of branches where it can be.
-    fn step(
-        &self,
-        state: &Self::State,
-        action: Self::Action,
-        rng: &mut Self::Stream,
-    ) -> Transition<Self::State>;
-
-    /// [`Dynamics::observe`], for a state that came of [`step`](Self::step). To be marked
-    /// `#[inline(always)]`.
-    fn observe_state(&self, state: &Self::State) -> Self::Observation {
-        self.observe(state)
-    }
+    /// Steps the environments of a block: a task of [`Equations`] calls [`Many::advance`], others
+    /// [`Many::each`]. To be marked `#[inline(always)]`, with all that it calls.
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
+    where
+        Self: Sized;
 }
 
 /// Makes a native vector of a registered task, for

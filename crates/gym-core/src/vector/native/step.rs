@@ -1,9 +1,10 @@
 //! The loop over environments.
 
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
+use crate::math::Real;
 use crate::rng::Stream;
 use crate::vector::{Autoreset, Progress};
-use crate::{Element, Reset, Result};
+use crate::{Element, Reset, Result, Transition};
 
 /// The environments that lie together. Their flags are sets of bits, the lowest for the first.
 #[derive(Clone, Debug)]
@@ -63,7 +64,12 @@ struct Results<O> {
 impl<D: Native> Step<'_, D> {
     /// Steps block by block. Inlined into a function for each set of vector instructions.
     #[inline(always)]
-    pub(super) fn run(mut self, blocks: &mut [Block<D>], streams: &mut [D::Stream]) -> Result<()> {
+    pub(super) fn run<R: Real>(
+        mut self,
+        token: R::Token,
+        blocks: &mut [Block<D>],
+        streams: &mut [D::Stream],
+    ) -> Result<()> {
         let mut results = Results {
             observations: [D::Observation::empty(); LANES],
             rewards: [0.0; LANES],
@@ -79,7 +85,17 @@ impl<D: Native> Step<'_, D> {
                 last[..len].copy_from_slice(&self.actions[first..]);
                 &last
             });
-            step(self.dynamics, block, streams, actions, &mut results);
+            let mut many = Many {
+                states: &mut block.states,
+                steps: &block.steps,
+                due: block.due,
+                streams: &mut *streams,
+                actions,
+                observations: &mut results.observations,
+                rewards: &mut results.rewards,
+                terminated: &mut results.terminated,
+            };
+            self.dynamics.step_block::<R>(token, &mut many);
             let done = count(block, &mut results, self.limit) & (u32::MAX >> (LANES - len));
             self.reset(block, streams, done, first, &mut results)?;
 
@@ -146,28 +162,40 @@ impl<D: Native> Step<'_, D> {
     }
 }
 
-/// Steps each environment of a block. Those that are due only if their generators are not touched: what
-/// comes of it is overwritten.
-#[inline(always)]
-fn step<D: Native>(
-    dynamics: &D,
-    block: &mut Block<D>,
-    streams: &mut [D::Stream; LANES],
-    actions: &[<D::Action as ActionColumn>::Item; LANES],
-    results: &mut Results<D::Observation>,
-) {
-    let due = block.due;
-    for lane in 0..LANES {
-        if D::DRAWS && due >> lane & 1 == 1 {
-            continue;
+/// The environments of a block in a step, and where its results go.
+#[derive(Debug)]
+pub struct Many<'a, D: Native> {
+    pub(super) states: &'a mut <D::Packed as Packed>::Block,
+    pub(super) steps: &'a [u16; LANES],
+    /// Which are due: what comes of them is overwritten.
+    due: u32,
+    streams: &'a mut [D::Stream; LANES],
+    pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
+    pub(super) observations: &'a mut [D::Observation; LANES],
+    pub(super) rewards: &'a mut [f64; LANES],
+    pub(super) terminated: &'a mut [bool; LANES],
+}
+
+impl<D: Native> Many<'_, D> {
+    /// Steps one environment after the other, those apart that are due: their generators stay.
+    #[inline(always)]
+    pub fn each(
+        &mut self,
+        dynamics: &D,
+        step: impl Fn(&D::State, D::Action, &mut D::Stream) -> Transition<D::State>,
+    ) {
+        for lane in 0..LANES {
+            if self.due >> lane & 1 == 1 {
+                continue;
+            }
+            let state = D::unpack(D::Packed::get(self.states, lane), self.steps[lane] == 0);
+            let action = D::Action::from_item(self.actions[lane]);
+            let transition = step(&state, action, &mut self.streams[lane]);
+            D::pack(&transition.state).set(self.states, lane);
+            self.observations[lane] = dynamics.observe(&transition.state);
+            self.rewards[lane] = transition.reward;
+            self.terminated[lane] = transition.terminated;
         }
-        let state = D::unpack(D::Packed::get(&block.states, lane), block.steps[lane] == 0);
-        let action = D::Action::from_item(actions[lane]);
-        let transition = dynamics.step(&state, action, &mut streams[lane]);
-        D::pack(&transition.state).set(&mut block.states, lane);
-        results.observations[lane] = dynamics.observe_state(&transition.state);
-        results.rewards[lane] = transition.reward;
-        results.terminated[lane] = transition.terminated;
     }
 }
 

@@ -4,10 +4,11 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::spatial::{
-    add, add_scaled, axis_angle, column, cross, dot, norm, normalize, quat_to_mat, rotate, rotate_back, scale, sub, Mat3, Vec3, MINVAL,
+    MINVAL, Mat3, Vec3, add, add_scaled, axis_angle, column, cross, dot, norm, normalize, quat_to_mat,
+    rotate, rotate_back, scale, sub,
 };
 use super::gjk::{self, Distance};
-use super::{frame, Hit, Shape};
+use super::{Hit, Shape, frame};
 use crate::libm;
 
 /// By how much the shapes are turned to find further contacts, in radians.
@@ -18,7 +19,13 @@ const MOST: usize = 5;
 
 /// The contact of the two shapes, and up to four more, found with the shapes turned a little about it, as far as they are
 /// `apart` from those found before.
-pub(super) fn capsule_cylinder(a: Shape<'_>, b: Shape<'_>, margin: f64, apart: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn capsule_cylinder(
+    a: Shape<'_>,
+    b: Shape<'_>,
+    margin: f64,
+    apart: f64,
+    push: &mut impl FnMut(Hit),
+) {
     let Some(first) = one(a, b, margin) else { return };
     push(first);
     let mut kept = [first.pos; MOST];
@@ -28,8 +35,11 @@ pub(super) fn capsule_cylinder(a: Shape<'_>, b: Shape<'_>, margin: f64, apart: f
         for angle in [-TURN, TURN] {
             let (a_pos, a_mat) = turned(a, first.pos, tangent, angle);
             let (b_pos, b_mat) = turned(b, first.pos, tangent, -angle);
-            let turned = one(Shape { pos: a_pos, mat: &a_mat, ..a }, Shape { pos: b_pos, mat: &b_mat, ..b }, margin);
-            if let Some(hit) = turned.filter(|hit| kept[..number].iter().all(|&pos| norm(sub(hit.pos, pos)) > apart)) {
+            let turned =
+                one(Shape { pos: a_pos, mat: &a_mat, ..a }, Shape { pos: b_pos, mat: &b_mat, ..b }, margin);
+            if let Some(hit) =
+                turned.filter(|hit| kept[..number].iter().all(|&pos| norm(sub(hit.pos, pos)) > apart))
+            {
                 push(Hit { dist: first.dist, ..hit });
                 kept[number] = hit.pos;
                 number += 1;
@@ -55,7 +65,11 @@ fn one(capsule: Shape<'_>, cylinder: Shape<'_>, margin: f64) -> Option<Hit> {
     };
     let rim = |direction: Vec3| {
         let local = rotate_back(cylinder.mat, direction);
-        add_scaled(add(cylinder.pos, rotate(cylinder.mat, cylinder_support(cylinder, local))), direction, grown)
+        add_scaled(
+            add(cylinder.pos, rotate(cylinder.mat, cylinder_support(cylinder, local))),
+            direction,
+            grown,
+        )
     };
     let (w1, w2) = match gjk::distance(sub(capsule.pos, cylinder.pos), reach, segment_end, rim) {
         Distance::Beyond => return None,

@@ -1,7 +1,7 @@
 //! The distance of two convex sets by the algorithm of Gilbert, Johnson and Keerthi, with the distance sub-algorithm of signed
 //! volumes (Montanari, Petrinic, Barbieri: Improving the GJK algorithm, ACM Transactions on Graphics 36, 2017).
 
-use super::super::spatial::{add_scaled, cross, dot, norm, scale, sub, Vec3};
+use super::super::spatial::{Vec3, add_scaled, cross, dot, norm, scale, sub};
 
 /// MuJoCo's `ccd_tolerance`.
 pub(super) const TOLERANCE: f64 = 1e-6;
@@ -77,7 +77,10 @@ pub(super) fn distance(
     if length <= TOLERANCE {
         Distance::Within
     } else {
-        Distance::Apart(combine(&simplex, &weights, number, |v| v.w1), combine(&simplex, &weights, number, |v| v.w2))
+        Distance::Apart(
+            combine(&simplex, &weights, number, |v| v.w1),
+            combine(&simplex, &weights, number, |v| v.w2),
+        )
     }
 }
 
@@ -211,7 +214,9 @@ mod tests {
             let corners: [Vec3; 4] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
             for n in 1..=4 {
                 let weights = closest(&corners[..n]);
-                assert!(weights.iter().all(|&w| w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+                assert!(
+                    weights.iter().all(|&w| w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9
+                );
                 let p = corners.iter().zip(weights).fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
                 let many = nearest_of_many(&corners[..n]);
                 assert!(norm(p) <= many + 1e-12 && norm(p) > many - 0.15, "{} {many} {n}", norm(p));

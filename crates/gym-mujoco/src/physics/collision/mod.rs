@@ -7,7 +7,7 @@ mod capsule_cylinder;
 mod gjk;
 mod primitive;
 
-use super::spatial::{add_scaled, column, cross, dot, norm, normalize, sub, Mat3, Vec3};
+use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
 use crate::model::{GeomType, Pair};
 use crate::{Contact, Data, Model};
 
@@ -43,7 +43,8 @@ pub fn collision(m: &Model, d: &mut Data) {
         if out_of_reach(d, pair) {
             continue;
         }
-        let [a, b] = pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
+        let [a, b] =
+            pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
         let contacts = &mut d.contact;
         let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
@@ -52,7 +53,9 @@ pub fn collision(m: &Model, d: &mut Data) {
             (GeomType::Plane, GeomType::Cylinder) => primitive::plane_cylinder(a, b, pair.margin, &mut push),
             (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(a, b, pair.margin, &mut push),
             (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(a, b, pair.margin, &mut push),
-            (GeomType::Capsule, GeomType::Capsule) => primitive::capsule_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Capsule, GeomType::Capsule) => {
+                primitive::capsule_capsule(a, b, pair.margin, &mut push)
+            }
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
                 capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, &mut push);

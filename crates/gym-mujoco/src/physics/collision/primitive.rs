@@ -1,14 +1,19 @@
 //! Pairs of shapes whose contacts have a closed form.
 
-use super::super::spatial::{add, add_scaled, column, cross, dot, norm, normalize, scale, sub, Vec3, MINVAL};
-use super::{spheres, Hit, Shape};
+use super::super::spatial::{MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub};
+use super::{Hit, Shape, spheres};
 
 /// A plane and a sphere of some centre and radius.
 fn plane_point(plane: Shape<'_>, centre: Vec3, radius: f64, tangent: Vec3, margin: f64) -> Option<Hit> {
     let normal = plane.axis();
     let height = dot(sub(centre, plane.pos), normal);
     let dist = height - radius;
-    (dist <= margin).then(|| Hit { dist, pos: add_scaled(centre, normal, -(dist * 0.5 + radius)), normal, tangent })
+    (dist <= margin).then(|| Hit {
+        dist,
+        pos: add_scaled(centre, normal, -(dist * 0.5 + radius)),
+        normal,
+        tangent,
+    })
 }
 
 pub(super) fn plane_sphere(plane: Shape<'_>, sphere: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
@@ -42,7 +47,8 @@ pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64,
     // from the centre to the lowest point of the rim
     let down = sub(scale(axis, slope), normal);
     let length = norm(down);
-    let rim = if length < MINVAL { scale(column(cylinder.mat, 0), radius) } else { scale(down, radius / length) };
+    let rim =
+        if length < MINVAL { scale(column(cylinder.mat, 0), radius) } else { scale(down, radius / length) };
     let fall = dot(rim, normal);
     let (axis, slope) = (scale(axis, half), slope * half);
 

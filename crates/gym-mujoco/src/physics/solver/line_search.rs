@@ -88,7 +88,9 @@ pub(super) fn line_search(mut evaluate: impl FnMut(f64) -> Point, flat: f64, mos
 fn narrow(p: &mut Point, candidates: &[Point; 3]) -> bool {
     let mut moved = false;
     for c in candidates {
-        if (p.slope < 0.0 && c.slope < 0.0 && p.slope < c.slope) || (p.slope > 0.0 && c.slope > 0.0 && p.slope > c.slope) {
+        if (p.slope < 0.0 && c.slope < 0.0 && p.slope < c.slope)
+            || (p.slope > 0.0 && c.slope > 0.0 && p.slope > c.slope)
+        {
             (*p, moved) = (*c, true);
         }
     }

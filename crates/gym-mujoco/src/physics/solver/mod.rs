@@ -43,7 +43,8 @@ fn islands(m: &Model, d: &mut Data) {
                 work.island_blocks.push(index);
             }
         }
-        work.islands.push(Island { dofs: dofs..work.island_dofs.len(), blocks: blocks..work.island_blocks.len() });
+        work.islands
+            .push(Island { dofs: dofs..work.island_dofs.len(), blocks: blocks..work.island_blocks.len() });
     }
 }
 

@@ -1,9 +1,9 @@
 //! Newton's method on accelerations: the cost of constraints is quadratic between the places where rows start or cease to
 //! push, so that few steps with exact line search reach the minimum.
 
-use super::line_search::{line_search, Point};
+use super::line_search::{Point, line_search};
 use super::{cost_of_rows, gauss, mul_inertia_matrix, residuals};
-use crate::physics::constraint::{put_rows, Block, Constraints};
+use crate::physics::constraint::{Block, Constraints, put_rows};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
@@ -37,7 +37,14 @@ struct RowWork {
 impl Buffers {
     /// Makes room for so many degrees of freedom and rows.
     fn fit(&mut self, nv: usize, nefc: usize) {
-        for vector in [&mut self.ma, &mut self.grad, &mut self.mgrad, &mut self.search, &mut self.mv, &mut self.diag_inv] {
+        for vector in [
+            &mut self.ma,
+            &mut self.grad,
+            &mut self.mgrad,
+            &mut self.search,
+            &mut self.mv,
+            &mut self.diag_inv,
+        ] {
             vector.resize(nv, 0.0);
         }
         self.hessian.resize(nv * nv, 0.0);
@@ -59,7 +66,8 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     residuals(d, &d.qacc_warmstart, &mut b.jar);
     residuals(d, &d.qacc_smooth, &mut b.jar_smooth);
     mul_inertia_matrix(m, d, &d.qacc_warmstart, &mut b.ma);
-    let warm = cost_of_rows(&d.efc.d, &b.jar) + gauss(&b.ma, &d.qfrc_smooth, &d.qacc_warmstart, &d.qacc_smooth, &all);
+    let warm = cost_of_rows(&d.efc.d, &b.jar)
+        + gauss(&b.ma, &d.qfrc_smooth, &d.qacc_warmstart, &d.qacc_smooth, &all);
     let smooth = cost_of_rows(&d.efc.d, &b.jar_smooth);
     d.qacc.copy_from_slice(&d.qacc_smooth);
     if warm > smooth {
@@ -120,7 +128,10 @@ fn solve_island(m: &Model, d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks
         (cost, changed) = update(d, b, dofs, blocks);
         gradient = scale * norm(&b.grad, dofs);
         let improvement = scale * (before - cost);
-        if (improvement > 0.0 && improvement < tolerance) || gradient < tolerance || iteration == m.opt.iterations {
+        if (improvement > 0.0 && improvement < tolerance)
+            || gradient < tolerance
+            || iteration == m.opt.iterations
+        {
             return iteration;
         }
         if changed {
@@ -207,7 +218,8 @@ fn add_block(efc: &Constraints, block: &Block, jar: &[f64], h: &mut [f64], nv: u
     let (jn, rest) = jac.split_at(block.width);
     let (j1, j2) = rest.split_at(block.width);
     for (p, &i) in columns.iter().enumerate() {
-        let (a, b, c) = (nn * jn[p] + n1 * j1[p] + n2 * j2[p], n1 * jn[p] + t1 * j1[p], n2 * jn[p] + t2 * j2[p]);
+        let (a, b, c) =
+            (nn * jn[p] + n1 * j1[p] + n2 * j2[p], n1 * jn[p] + t1 * j1[p], n2 * jn[p] + t2 * j2[p]);
         for (q, &j) in columns[..=p].iter().enumerate() {
             h[i * nv + j] += a * jn[q] + b * j1[q] + c * j2[q];
         }

@@ -255,7 +255,8 @@ fn iterate(m: &Model, s: &mut Buffers, part: usize) -> usize {
                 add_scaled(&mut s.residual, row, delta);
             }
         }
-        let turned: f64 = force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
+        let turned: f64 =
+            force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
         k = if iteration > 0 && turned < 0.0 { 0.0 } else { k + 1.0 };
         if improvement * scale < m.opt.tolerance {
             return iteration + 1;

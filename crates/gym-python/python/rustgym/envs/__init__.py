@@ -94,9 +94,9 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     return type(name, (base,), body)
 
 
-def _vector_class(name: str, env_id: str, kind: str | None) -> type[VectorEnv]:
+def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
     def __init__(self: Any, num_envs: int = 1, **kwargs: Any) -> None:
-        VectorEnv.__init__(self, env_id, num_envs, **{"kind": kind, **kwargs})
+        VectorEnv.__init__(self, env_id, num_envs, **kwargs)
 
     doc = f"A vector of ``{env_id}``; see ``rustgym.VectorEnv`` for its arguments."
     return type(name, (VectorEnv,), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
@@ -107,12 +107,11 @@ def __getattr__(name: str) -> Any:
         from rustgym.registration import registry
 
         return registry()
-    bare, _, suffix = name.partition("_Vector")
     made: Any
     if name in _IDS:
         made = _env_class(name, _IDS[name])
-    elif name == f"{bare}_Vector{suffix}" and bare in _IDS and suffix in ("", "Exact"):
-        made = _vector_class(name, _IDS[bare], "sync" if suffix else None)
+    elif name.endswith("_Vector") and (env_id := _IDS.get(name.removesuffix("_Vector"))):
+        made = _vector_class(name, env_id)
     else:
         return getattr(gymnasium.envs, name)
     globals()[name] = made

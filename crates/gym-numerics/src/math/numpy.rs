@@ -1,8 +1,12 @@
 //! Functions that numpy does not take from the C library.
 
+use super::fma::fma_f32;
+use super::trig_f32;
+
 /// `np.sin` and `np.cos` of a `float32`: numpy's own polynomials (at most 1.5 ulp off), evaluated
 /// with fused multiply-add. Source: numpy 2, `loops_trigonometric.dispatch.cpp`.
-pub(crate) fn sin_cos_f32(x: f32) -> (f32, f32) {
+#[must_use]
+pub fn sin_cos(x: f32) -> (f32, f32) {
     /// Beyond this, numpy leaves the work to the C library.
     const MAX: f32 = 71_476.06;
     #[expect(clippy::approx_constant, reason = "the first part has fewer digits than the constant")]
@@ -14,16 +18,16 @@ pub(crate) fn sin_cos_f32(x: f32) -> (f32, f32) {
     const COS: [f32; 5] = [2.437_226_6e-5, -0.001_388_652, 0.041_666_62, -0.5, 1.0];
 
     if x.abs() > MAX {
-        return x.sin_cos();
+        return trig_f32::sin_cos(x);
     }
     // adding and subtracting 1.5 * 2^23 rounds to the nearest whole number
     const ROUND: f32 = 12_582_912.0;
-    let quadrant = x.mul_add(TWO_OVER_PI, ROUND) - ROUND;
-    let r = MINUS_PI_2.iter().fold(x, |r, part| quadrant.mul_add(*part, r));
+    let quadrant = fma_f32(x, TWO_OVER_PI, ROUND) - ROUND;
+    let r = MINUS_PI_2.iter().fold(x, |r, part| fma_f32(quadrant, *part, r));
     let r2 = r * r;
-    let sin = SIN.iter().fold(0.0, |sum: f32, c| sum.mul_add(r2, *c));
-    let sin = (sin * r2).mul_add(r, r);
-    let cos = COS.iter().fold(0.0, |sum: f32, c| sum.mul_add(r2, *c));
+    let sin = SIN.iter().fold(0.0, |sum: f32, c| fma_f32(sum, r2, *c));
+    let sin = fma_f32(sin * r2, r, r);
+    let cos = COS.iter().fold(0.0, |sum: f32, c| fma_f32(sum, r2, *c));
     match quadrant as i32 & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -49,7 +53,7 @@ mod tests {
             [0xc03df688, 0xbe30b1a2, 0xbf7c28fb],
         ];
         for [x, sin, cos] in CASES {
-            let (got_sin, got_cos) = sin_cos_f32(f32::from_bits(x));
+            let (got_sin, got_cos) = sin_cos(f32::from_bits(x));
             assert_eq!((got_sin.to_bits(), got_cos.to_bits()), (sin, cos));
         }
     }

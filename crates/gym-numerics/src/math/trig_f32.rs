@@ -1,8 +1,7 @@
 //! Sine and cosine of an `f32`, with the same bits on every platform.
 //!
-//! Box2D takes both from the C library, and what is not correctly rounded differs between
-//! libraries. This is the algorithm that glibc uses on x86-64 (ARM's optimized routines: reduction
-//! to a quarter turn and polynomials, in `f64`), so the results are those of Gymnasium's wheel.
+//! This is the algorithm that glibc uses on x86-64 (ARM's optimized routines: reduction to a quarter turn
+//! and polynomials, in `f64`), whose result is the same with fused multiply-add and without.
 
 /// Polynomial of the sine over ±π/4: x + S1 x³ + S2 x⁵ + S3 x⁷.
 const SIN: [f64; 3] = [
@@ -31,9 +30,10 @@ const TWO_OVER_PI: [u32; 24] = [
     0xddc0db62, 0xc0db6295, 0xdb629599, 0x6295993c, 0x95993c43, 0x993c4390, 0x3c439041,
 ];
 
-/// Sine and cosine; not a number for what is not finite.
+/// The sine and the cosine of an angle in rad: the C library's `sinf` and `cosf`.
 #[inline]
-pub(crate) fn sin_cos(angle: f32) -> (f32, f32) {
+#[must_use]
+pub fn sin_cos(angle: f32) -> (f32, f32) {
     let bits = angle.to_bits() & 0x7fff_ffff;
     let x = f64::from(angle);
     if bits < 0x3f40_0000 {

@@ -1,0 +1,107 @@
+//! Drawing with pygame's calls, for environments that look like Gymnasium's.
+//!
+//! Gymnasium draws with pygame, y up, and flips the surface. An environment here passes the same numbers
+//! to [`Canvas::pygame`], in the coordinates of [`flipped`]. A canvas at Gymnasium's own size repeats
+//! pygame's pixels; for any other, [`smooth`] tells what shapes the calls stand for.
+//!
+//! pygame's coordinates name the centres of pixels, so here the origin lies in the middle of the bottom
+//! left pixel. A surface that is wider than its picture is drawn in coordinates moved to the left by a
+//! whole number of pixels: calls are cut at its own edges, not at the picture's.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::canvas::{Canvas, Color, Point, Primitive, Shape, Transform};
+
+/// The coordinates of a surface of that height, in pixels, that is turned upside down at the end.
+pub const fn flipped(height: f64) -> Transform {
+    Transform { origin: [0.5, height - 0.5], ..Transform::y_up(0.0) }
+}
+
+/// The coordinates of a surface that is not turned, in pixels.
+pub const UPRIGHT: Transform = Transform::translate(0.5, 0.5);
+
+/// `Vector2.rotate_rad`: a vector turned from x towards y. Quarter turns are exact.
+pub fn rotate_rad([x, y]: Point, angle: f64) -> Point {
+    /// pygame's tolerance for a quarter turn.
+    const EPSILON: f64 = 1e-6;
+    let angle = angle % TAU;
+    let angle = if angle < 0.0 { angle + TAU } else { angle };
+    if (angle + EPSILON) % FRAC_PI_2 < 2.0 * EPSILON {
+        return match ((angle + EPSILON) / FRAC_PI_2) as i32 {
+            1 => [-y, x],
+            2 => [-x, -y],
+            3 => [y, -x],
+            _ => [x, y],
+        };
+    }
+    let (sin, cos) = crate::math::sin_cos(angle);
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// `gfxdraw.aapolygon` and `gfxdraw.filled_polygon`, which Gymnasium calls together.
+pub fn gfx_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
+    canvas.pygame(Primitive::AaPolygon(points), color);
+    canvas.pygame(Primitive::FilledPolygon(points), color);
+}
+
+/// `gfxdraw.aacircle` and `gfxdraw.filled_circle`, which Gymnasium calls together, with whole numbers.
+pub fn gfx_circle(canvas: &mut dyn Canvas, center: Point, radius: f64, color: Color) {
+    canvas.pygame(Primitive::AaCircle { center, radius }, color);
+    canvas.pygame(Primitive::FilledCircle { center, radius }, color);
+}
+
+/// A rectangle between two opposite corners, in Gymnasium's order: left bottom, left top, right top, right
+/// bottom.
+pub const fn corners([l, b]: Point, [r, t]: Point) -> [Point; 4] {
+    [[l, b], [l, t], [r, t], [r, b]]
+}
+
+/// Draws the shapes that a call stands for.
+pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, color: Color) {
+    const THIN: f64 = 1.0;
+    match primitive {
+        Primitive::HLine { x1, x2, y } => {
+            canvas.stroke(Shape::Polyline(&[[x1 - 0.5, y], [x2 + 0.5, y]]), THIN, color);
+        }
+        Primitive::VLine { x, y1, y2 } => {
+            let [y1, y2] = [y1.min(y2) - 0.5, y1.max(y2) + 0.5];
+            canvas.stroke(Shape::Polyline(&[[x, y1], [x, y2]]), THIN, color);
+        }
+        Primitive::FilledPolygon(points) | Primitive::Polygon(points) => {
+            canvas.fill(Shape::Polygon(points), color);
+        }
+        Primitive::AaPolygon(points) | Primitive::AaLines { points, closed: true } => {
+            canvas.stroke(Shape::Polygon(points), THIN, color);
+        }
+        Primitive::AaLines { points, closed: false } => canvas.stroke(Shape::Polyline(points), THIN, color),
+        Primitive::Lines { points, closed, width } => {
+            let shape = if closed { Shape::Polygon(points) } else { Shape::Polyline(points) };
+            canvas.stroke(shape, f64::from(width), color);
+        }
+        // the outline that always comes with a filled circle; it is drawn with that one
+        Primitive::AaCircle { .. } => {}
+        Primitive::FilledCircle { center, radius } => {
+            canvas.fill(Shape::Circle { center, radius: radius + 0.5 }, color);
+        }
+        Primitive::Circle { center: [x, y], radius } => {
+            canvas.fill(Shape::Circle { center: [x - 0.5, y - 0.5], radius }, color);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        for (quarters, expected) in
+            [(0, [3.0, 1.0]), (1, [-1.0, 3.0]), (2, [-3.0, -1.0]), (3, [1.0, -3.0]), (4, [3.0, 1.0])]
+        {
+            for turn in [-2.0, 0.0, 5.0] {
+                let angle = f64::from(quarters) * FRAC_PI_2 + turn * TAU;
+                assert_eq!(rotate_rad([3.0, 1.0], angle), expected, "{quarters} {turn}");
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! `a * b + c`, rounded once: by the CPU's instruction, or put together from sums and products.
+
+use std::fmt;
+
+/// Where a fused multiply-add comes from. Both give the same bits.
+pub trait Fma: Copy + fmt::Debug + 'static {
+    /// `a * b + c`, rounded once.
+    fn fma(a: f64, b: f64, c: f64) -> f64;
+}
+
+/// The CPU's instruction, in functions that are compiled for a CPU that has it; elsewhere a call,
+/// which is slow.
+#[derive(Clone, Copy, Debug)]
+pub struct Hardware;
+
+impl Fma for Hardware {
+    #[expect(clippy::disallowed_methods, reason = "this is where it is used as it is meant")]
+    #[inline(always)]
+    fn fma(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+}
+
+/// Sums and products alone. Source: Boldo and Melquiond (2008), "Emulation of a FMA and correctly
+/// rounded sums: proved algorithms using rounding to odd".
+///
+/// Exact unless a product is beyond 2^996, its rest is below the smallest normal number, or the
+/// result is: the functions here do not get there.
+#[derive(Clone, Copy, Debug)]
+pub struct Emulated;
+
+impl Fma for Emulated {
+    /// A call, for it is long and asked for often.
+    #[inline(never)]
+    fn fma(a: f64, b: f64, c: f64) -> f64 {
+        let (high, low) = exact_product(a, b);
+        let (middle, lowest) = exact_sum(c, low);
+        let (sum, rest) = exact_sum(high, middle);
+        let result = sum + sum_to_odd(lowest, rest);
+        // where a part overflows or is no number the parts say nothing, and a sum of 0 is exact as it is
+        if result.is_finite() && result != 0.0 { result } else { a * b + c }
+    }
+}
+
+/// A product and what its rounding leaves. Source: Dekker (1971).
+#[inline(always)]
+pub(super) fn exact_product(a: f64, b: f64) -> (f64, f64) {
+    let ((a1, a2), (b1, b2)) = (split(a), split(b));
+    let product = a * b;
+    (product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2)
+}
+
+/// Two halves of 26 bits. Source: Veltkamp (1968).
+#[inline(always)]
+fn split(x: f64) -> (f64, f64) {
+    const SPLIT: f64 = 134_217_729.0; // 2^27 + 1
+    let scaled = SPLIT * x;
+    let high = scaled - (scaled - x);
+    (high, x - high)
+}
+
+/// A sum and what its rounding leaves. Source: Knuth, "The art of computer programming", volume 2,
+/// 4.2.2.
+#[inline(always)]
+fn exact_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
+}
+
+/// A sum rounded to the neighbour whose last bit is 1, if it is not exact.
+#[inline(always)]
+fn sum_to_odd(a: f64, b: f64) -> f64 {
+    let (sum, rest) = exact_sum(a, b);
+    let bits = sum.to_bits();
+    if rest == 0.0 || bits & 1 == 1 {
+        return sum;
+    }
+    // away from zero where the rest has the sum's sign, else towards it
+    let away = (rest > 0.0) == (sum > 0.0);
+    f64::from_bits(if away { bits + 1 } else { bits - 1 })
+}
+
+/// `a * b + c` of single precision, rounded once: the product is exact in `f64`, and a sum to odd there
+/// is rounded rightly to `f32`.
+#[inline]
+pub(super) fn fma_f32(a: f32, b: f32, c: f32) -> f32 {
+    sum_to_odd(f64::from(a) * f64::from(b), f64::from(c)) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Generator;
+
+    #[test]
+    fn both_give_the_same_bits() {
+        let mut rng = Generator::from(0);
+        let mut random = |exponents: i64| {
+            let bits = (rng.integers(0, 1 << 52) | rng.integers(0, 2) << 63).cast_unsigned();
+            f64::from_bits(bits | (1023 + rng.integers(-exponents, exponents + 1)).cast_unsigned() << 52)
+        };
+        for i in 0..400_000 {
+            let (a, b) = (random(30), random(30));
+            let c = match i % 4 {
+                0 => random(60),
+                1 => -a * b * random(0).signum(),
+                // within some bits of a tie
+                2 => (a * b) * 2f64.powi(53) * random(1),
+                _ => -(a * b) * (1.0 + f64::EPSILON * random(3)),
+            };
+            assert_eq!(
+                Emulated::fma(a, b, c).to_bits(),
+                Hardware::fma(a, b, c).to_bits(),
+                "{a:e} {b:e} {c:e}"
+            );
+        }
+        for (a, b, c) in [(0.0, 1.0, 0.0), (1e308, 10.0, 0.0), (f64::INFINITY, 1.0, 1.0), (2.0, 3.0, -6.0)] {
+            assert_eq!(Emulated::fma(a, b, c), Hardware::fma(a, b, c));
+        }
+        assert!(Emulated::fma(f64::NAN, 1.0, 1.0).is_nan());
+    }
+}

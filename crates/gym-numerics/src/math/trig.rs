@@ -1,0 +1,318 @@
+//! Sine and cosine, as glibc computes them on x86-64 with fused multiply-add: a reduction to an angle
+//! within ±π/4 and what that rounds away, a table of steps of 1/128, and short polynomials between them.
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+
+use super::fma::{Emulated, exact_product};
+use super::tables::{SIN_COS, TWO_OVER_PI};
+use super::{One, Real};
+
+/// Adding it leaves the multiple of 1/128 that is nearest in the lowest bits: 1.5 * 2^45.
+const BIG: f64 = 52_776_558_133_248.0;
+/// Adding and subtracting it rounds to the nearest whole number, which is then in the lowest bits of the
+/// sum: 1.5 * 2^52.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+/// Angles below are not reduced.
+const UNREDUCED: f64 = 0.855_468_75;
+/// Angles below are at most one quarter turn from what is not reduced.
+const ONE_TURN: f64 = f64::from_bits(0x4003_68fd_0000_0000);
+/// Angles from here on are reduced with all digits of π that there are.
+const HUGE: f64 = 105_414_350.0;
+/// Sines of reduced angles below need no table.
+const SMALL: f64 = 0.126;
+
+/// π/2 in two parts.
+const QUARTER: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
+/// π/2 in four parts, the first two short.
+const PARTS: [f64; 4] = [
+    1.570_796_340_703_964_2,
+    -1.390_906_756_437_715_3e-8,
+    -4.978_996_231_479_91e-17,
+    -1.903_488_962_019_326_6e-25,
+];
+
+/// The one angle, with its negative, for which glibc's `sin` chooses another row of its table than this
+/// reduction and glibc's `sincos`, and its sine there. It lies half-way between two rows.
+const HALF_WAY: f64 = f64::from_bits(0x3ffa_d1fb_5444_2d18);
+const SIN_HALF_WAY: f64 = f64::from_bits(0x3fef_d27a_cee5_50dc);
+
+/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, within 1/256.
+const S3: f64 = -0.166_666_666_666_664_88;
+const S5: f64 = 0.008_333_332_142_857_223;
+const C2: f64 = 0.5;
+const C4: f64 = -0.041_666_666_666_666_44;
+const C6: f64 = 0.001_388_888_740_079_376;
+
+/// Coefficients of x^11, x^9, ... x^3 of the sine within ±0.126.
+const SINE: [f64; 5] = [
+    -2.502_201_484_831_839_8e-8,
+    2.755_729_806_860_771e-6,
+    -0.000_198_412_698_344_146_42,
+    0.008_333_333_333_332_329,
+    -0.166_666_666_666_666_66,
+];
+
+/// An angle without its whole quarter turns: its value in two parts, and the quarter turns in the lowest
+/// bits of a number.
+struct Reduced<R> {
+    a: R,
+    da: R,
+    turns: R,
+}
+
+impl<R: Real> Reduced<R> {
+    /// One formula for all: no turn, one with the parts of QUARTER, or those that are nearest.
+    #[inline(always)]
+    fn new(x: R) -> Self {
+        let magnitude = x.abs();
+        let zero = x.same(0.0);
+        let unreduced = magnitude.lt(x.same(UNREDUCED));
+        let near = magnitude.lt(x.same(ONE_TURN));
+        let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
+        let one = x.same(1.0).copysign(x);
+        let n = R::select(unreduced, zero, R::select(near, one, shifted - ROUND));
+        let part = |of_near: f64, k: usize| R::select(near, x.same(of_near), x.same(PARTS[k]));
+        let minus_n = -n;
+        let y = minus_n.fma(part(0.0, 1), minus_n.fma(part(QUARTER[0], 0), x));
+        let p3 = part(QUARTER[1], 2);
+        let t2 = minus_n.fma(p3, y);
+        let da = minus_n.fma(p3, y - t2);
+        let p4 = part(0.0, 3);
+        let a = minus_n.fma(p4, t2);
+        let da = da + minus_n.fma(p4, t2 - a);
+        Self { a, da, turns: n + ROUND }
+    }
+}
+
+/// The angle from the nearest multiple of 1/128, and the row of that multiple in the table, for the
+/// magnitude of a reduced angle.
+#[inline(always)]
+fn nearest<R: Real>(magnitude: R) -> (R, [R; 4]) {
+    let u = magnitude + BIG;
+    (magnitude - (u - BIG), u.rows(&SIN_COS))
+}
+
+/// The polynomials of the sine and of 1 minus the cosine, for the square of a small angle.
+#[inline(always)]
+fn polynomials<R: Real>(square: R) -> (R, R) {
+    let sin = square.fma(square.same(S5), square.same(S3));
+    let cos = square.fma(square.same(C6), square.same(C4)).fma(square, square.same(C2));
+    (sin, cos)
+}
+
+/// `a cos(s) + b sin(s)`, where `c` is 1 - cos(s) and `a` and `b` have rests.
+#[inline(always)]
+fn turn<R: Real>([a, a_rest, b, b_rest]: [R; 4], s: R, c: R) -> R {
+    a + s.fma(b, (-c).fma(a, b_rest.fma(s, a_rest)))
+}
+
+/// The sine of an angle below SMALL.
+#[inline(always)]
+fn sin_of_small<R: Real>(a: R, da: R) -> R {
+    let square = a * a;
+    let [first, rest @ ..] = SINE;
+    let p = rest.iter().fold(a.same(first), |p, c| p.fma(square, a.same(*c)));
+    a + square.fma(p.fma(a, da * -0.5), da)
+}
+
+/// Sine and cosine of a reduced angle.
+#[inline(always)]
+fn both<R: Real>(a: R, da: R) -> (R, R) {
+    let (r, row @ [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
+    let dx = da.negate_if(a.lt(a.same(0.0)));
+
+    let whole = r + dx;
+    let square = whole * whole;
+    let (p, q) = polynomials(square);
+    let s = (whole * square).fma(p, whole);
+    let cos = turn([cos, cos_rest, -sin, -sin_rest], s, square * q);
+
+    let sin = or_small(
+        a,
+        da,
+        #[inline(always)]
+        || {
+            let square = r * r;
+            let (p, q) = polynomials(square);
+            let s = r + (r * square).fma(p, dx);
+            turn(row, s, r.fma(dx, square * q))
+        },
+    );
+    (sin, cos)
+}
+
+/// The same without a second part.
+#[inline(always)]
+fn both_exact<R: Real>(a: R) -> (R, R) {
+    let (r, row @ [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
+    let square = r * r;
+    let (p, q) = polynomials(square);
+    let (cube, c) = (r * square, square * q);
+    let cos = turn([cos, cos_rest, -sin, -sin_rest], cube.fma(p, r), c);
+    let sin = or_small(
+        a,
+        a.same(0.0),
+        #[inline(always)]
+        || turn(row, r + cube * p, c),
+    );
+    (sin, cos)
+}
+
+/// The sine of a reduced angle; `large` gives that of its magnitude if it is not small.
+#[inline(always)]
+fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
+    let small = a.abs().lt(a.same(SMALL));
+    let sin = if R::all(small) {
+        sin_of_small(a, da)
+    } else {
+        let large = large();
+        if R::any(small) { R::select(small, sin_of_small(a, da), large) } else { large }
+    };
+    sin.copysign(a)
+}
+
+/// The sine, or where turns are odd the cosine.
+#[inline(always)]
+fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
+    let odd = turns.bit(0);
+    let small = R::but_not(a.abs().lt(a.same(SMALL)), odd);
+    let value = if R::all(small) {
+        sin_of_small(a, da).copysign(a)
+    } else {
+        let (r, [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
+        let dx = da.negate_if(a.lt(a.same(0.0)));
+        let r = R::select(odd, r + dx, r);
+        let square = r * r;
+        let (p, q) = polynomials(square);
+        let (cube, c) = (r * square, square * q);
+        let s = R::select(odd, cube.fma(p, r), r + cube.fma(p, dx));
+        let c = R::select(odd, c, r.fma(dx, c));
+        let pick = |odd_one: R, even_one: R| R::select(odd, odd_one, even_one);
+        let row = [pick(cos, sin), pick(cos_rest, sin_rest), pick(-sin, cos), pick(-sin_rest, cos_rest)];
+        let value = turn(row, s, c);
+        let value = if R::any(small) { R::select(small, sin_of_small(a, da), value) } else { value };
+        R::select(odd, value, value.copysign(a))
+    };
+    value.negate_if(turns.bit(1))
+}
+
+/// Both, in the quadrant of the turns.
+#[inline(always)]
+fn both_in_quadrant<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> (R, R) {
+    let (sin, cos) = both(a, da);
+    let odd = turns.bit(0);
+    let (sin, cos) = (R::select(odd, cos, sin), R::select(odd, sin, cos));
+    (sin.negate_if(turns.bit(1)), cos.negate_if((turns + 1.0).bit(1)))
+}
+
+/// The sine of an angle that is not that of the formula.
+#[inline(always)]
+fn but_half_way<R: Real>(x: R, sin: R) -> R {
+    let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
+    let here = magnitude.le(half_way) & half_way.le(magnitude);
+    R::select(here, x.same(SIN_HALF_WAY).copysign(x), sin)
+}
+
+/// Sines and cosines of angles in rad.
+#[inline(always)]
+pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
+    let magnitude = x.abs();
+    if R::all(magnitude.lt(x.same(UNREDUCED))) {
+        return both_exact(x);
+    }
+    let (sin, cos) = both_in_quadrant(Reduced::new(x));
+    let sin = but_half_way(x, sin);
+    let reducible = magnitude.lt(x.same(HUGE));
+    if R::all(reducible) {
+        return (sin, cos);
+    }
+    let sin = sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0);
+    (sin, cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1))
+}
+
+/// The sines of angles in rad.
+#[inline(always)]
+pub(super) fn sin<R: Real>(x: R) -> R {
+    let sin = but_half_way(x, one_of_both(Reduced::new(x)));
+    let reducible = x.abs().lt(x.same(HUGE));
+    if R::all(reducible) { sin } else { sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0) }
+}
+
+/// The cosines of angles in rad.
+#[inline(always)]
+pub(super) fn cos<R: Real>(x: R) -> R {
+    // the sine one quarter turn on
+    let Reduced { a, da, turns } = Reduced::new(x);
+    let cos = one_of_both(Reduced { a, da, turns: turns + 1.0 });
+    let reducible = x.abs().lt(x.same(HUGE));
+    if R::all(reducible) { cos } else { cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1) }
+}
+
+/// Beyond HUGE, where no environment comes.
+#[cold]
+#[inline(never)]
+fn sin_cos_of_huge(x: f64) -> (f64, f64) {
+    if !x.is_finite() {
+        return (f64::NAN, f64::NAN);
+    }
+    let (sin, cos) = both_in_quadrant(reduce_huge(x));
+    (sin.value(), cos.value())
+}
+
+/// The reduction of an angle from HUGE on, after Payne and Hanek (1983): of 2/π only those digits count
+/// that do not give whole turns.
+fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
+    // x = mantissa * 2^exponent
+    let exponent = (x.to_bits() >> 52 & 0x7ff).cast_signed() - 1075;
+    let mantissa = x.to_bits() & ((1 << 52) - 1) | 1 << 52;
+
+    // 256 digits of 2/π, from the first one that gives no multiple of 4 quarter turns on
+    let start = (exponent - 2).max(0) as usize;
+    let word = |i: usize| TWO_OVER_PI.get(i).copied().unwrap_or(0);
+    let digits = |i: usize| {
+        let (i, shift) = (start / 64 + i, start % 64);
+        if shift == 0 { word(i) } else { word(i) << shift | word(i + 1) >> (64 - shift) }
+    };
+    // their product with the mantissa, the lowest word first
+    let mut product = [0u64; 5];
+    let mut carry = 0u128;
+    for (i, word) in product.iter_mut().take(4).enumerate() {
+        carry += u128::from(mantissa) * u128::from(digits(3 - i));
+        *word = carry as u64;
+        carry >>= 64;
+    }
+    product[4] = carry as u64;
+    let shift = (2 - exponent).max(0) as u32; // below 64
+    let shifted = |i: usize| (u128::from(product[i + 1]) << 64 | u128::from(product[i])) >> shift;
+    let [low, high] = [0, 2].map(|i| shifted(i) as u64 as u128 | (shifted(i + 1) as u64 as u128) << 64);
+
+    // the top two digits are quarter turns; the rest is brought between -1/2 and 1/2 of one
+    let mut turns = (high >> 126) as i32;
+    let fraction = [low, high << 2 >> 2].map(|word| word);
+    let above = fraction[1] >> 125 & 1 == 1;
+    let (low, high) = if above {
+        turns += 1;
+        let (low, borrow) = 0u128.overflowing_sub(fraction[0]);
+        (low, (1u128 << 126) - fraction[1] - u128::from(borrow))
+    } else {
+        (fraction[0], fraction[1])
+    };
+    let sign = if above == (x < 0.0) { 1.0 } else { -1.0 };
+
+    // in two parts: 126 digits of the first, those of the second
+    let leading = high.leading_zeros().min(127);
+    let joined = if leading == 0 { high } else { high << leading | low >> (128 - leading) };
+    let top = (joined >> 75) as f64;
+    let rest = (joined & ((1 << 75) - 1)) as f64;
+    let unit = 2f64.powi(-126 - leading as i32);
+    let (top, rest) = (top * 2f64.powi(75) * unit, rest * unit);
+    let (a, low) = exact_product(top, QUARTER[0]);
+    let low = low + (top * QUARTER[1] + rest * QUARTER[0]);
+    let sum = a + low;
+    let turns = if x < 0.0 { -turns } else { turns };
+    Reduced {
+        a: One::new(sign * sum),
+        da: One::new(sign * (a - sum + low)),
+        turns: One::new(f64::from(turns) + ROUND),
+    }
+}

@@ -1,0 +1,235 @@
+//! `pygame.gfxdraw`: edges smoothed over two pixels, and plain insides.
+
+use gym_core::canvas::{Color, Point};
+
+use super::{Edge, Edges, Pixels, whole};
+
+/// The smoothed outline of a polygon.
+pub(super) fn aapolygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    for (i, &p) in points.iter().enumerate() {
+        let q = points.get(i + 1).unwrap_or(&points[0]);
+        aaline(pixels, whole(p), whole(*q), color);
+    }
+}
+
+const LEFT: u8 = 1;
+const RIGHT: u8 = 2;
+const BOTTOM: u8 = 4;
+const TOP: u8 = 8;
+
+/// Cuts a line at the edges of the surface. The ends may come back swapped.
+fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[[i16; 2]; 2]> {
+    let outside = |[x, y]: [i16; 2]| {
+        u8::from(x < 0) * LEFT
+            | u8::from(x > right) * RIGHT
+            | u8::from(y > bottom) * BOTTOM
+            | u8::from(y < 0) * TOP
+    };
+    // each turn brings an end to an edge; rounding can take it back a few times, but never for long
+    for _ in 0..64 {
+        if outside(p) | outside(q) == 0 {
+            return Some([p, q]);
+        }
+        if outside(p) & outside(q) != 0 {
+            return None;
+        }
+        if outside(p) == 0 {
+            (p, q) = (q, p);
+        }
+        let d = [0, 1].map(|i| f32::from(q[i]) - f32::from(p[i]));
+        let m = if d[0] == 0.0 { 1.0 } else { d[1] / d[0] };
+        let code = outside(p);
+        if code & (LEFT | RIGHT) != 0 {
+            let edge = if code & LEFT != 0 { 0 } else { right };
+            p[1] = p[1].wrapping_add(((f32::from(edge) - f32::from(p[0])) * m) as i16);
+            p[0] = edge;
+        } else {
+            let edge = if code & BOTTOM != 0 { bottom } else { 0 };
+            if q[0] != p[0] {
+                p[0] = p[0].wrapping_add(((f32::from(edge) - f32::from(p[1])) / m) as i16);
+            }
+            p[1] = edge;
+        }
+    }
+    None
+}
+
+/// A line whose pixels share their colour with their neighbours across it. The end is left to the next
+/// line.
+fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
+    let corner = [(pixels.width() - 1) as i16, (pixels.height() - 1) as i16];
+    let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else { return };
+    let [p, q] = [p, q].map(|point| point.map(i32::from));
+    let (top, end) = if q[1] < p[1] { (q, p) } else { (p, q) };
+    let [tx, ty] = top;
+    let (dx, dy) = ((end[0] - tx).unsigned_abs(), (end[1] - ty).unsigned_abs());
+    if dx == 0 {
+        return pixels.vline(tx, ty, end[1], color);
+    }
+    if dy == 0 {
+        return pixels.hline(tx, end[0], ty, color);
+    }
+    pixels.hline(p[0], p[0], p[1], color);
+    let sx = (end[0] - tx).signum();
+    let (major, minor) = (dx.max(dy), dx.min(dy));
+    // pygame's error term in 32 bits; at 45 degrees it runs over to 0, and moves at every step
+    let step = u64::from(((minor << 16) / major) << 16);
+    let minor_at = |k: u32| if step == 0 { k as i32 } else { ((u64::from(k) * step) >> 32) as i32 };
+    // the first k at which the line has come so many pixels along the minor axis
+    let first_at = |minor: i32| match u64::try_from(minor) {
+        Err(_) => 0,
+        Ok(minor) if step == 0 => minor,
+        Ok(minor) => (minor << 32).div_ceil(step),
+    };
+    let rows = pixels.rows();
+    let (from, to) = (rows.start - ty, rows.end - ty);
+    let steps = |from: u64, to: u64| (from.max(1) as u32).min(major)..(to.min(u64::from(major)) as u32);
+    if dy > dx {
+        for k in steps(from.max(0) as u64, to.max(0) as u64) {
+            let w = ((u64::from(k) * step) >> 24 & 0xff) as i32;
+            let (x, y) = (tx + sx * minor_at(k), ty + k as i32);
+            pixels.blend(x, y, color, (255 * (255 - w)) >> 8);
+            // clipping keeps the line on the surface, not its shade
+            if x + sx >= 0 && x + sx < pixels.width() {
+                pixels.blend(x + sx, y, color, (255 * w) >> 8);
+            }
+        }
+    } else {
+        for k in steps(first_at(from - 1), first_at(to)) {
+            let w = ((u64::from(k) * step) >> 24 & 0xff) as i32;
+            let (x, y) = (tx + sx * k as i32, ty + minor_at(k));
+            if y >= rows.start {
+                pixels.blend(x, y, color, (255 * (255 - w)) >> 8);
+            }
+            if y + 1 < rows.end {
+                pixels.blend(x, y + 1, color, (255 * w) >> 8);
+            }
+        }
+    }
+}
+
+/// The inside of a polygon. The outline belongs to it in part.
+pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    let edges = Edges::new(points);
+    let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, _: usize| {
+        let cuts = (y1 <= y && y < y2) || (y == edges.max && y == y2);
+        cuts.then(|| {
+            let along = 65536_i32.wrapping_mul(y - y1) / (y2 - y1);
+            along.wrapping_mul(x2 - x1).wrapping_add(x1.wrapping_mul(65536))
+        })
+    };
+    let round = |v: i32| (v >> 16) + (v >> 15 & 1);
+    edges.scan(pixels.rows(), cut, |a, b, y| {
+        pixels.hline(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y, color);
+    });
+}
+
+/// A circle filled with its outline.
+pub(super) fn filled_circle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, color: Color) {
+    if radius == 0 {
+        return pixels.hline(x, x, y, color);
+    }
+    let (mut u, mut v, mut f) = (0, radius, 1 - radius);
+    let mut before = None;
+    while u <= v {
+        if before != Some(v) {
+            pixels.hline(x - u, x + u, y + v, color);
+            pixels.hline(x - u, x + u, y - v, color);
+            before = Some(v);
+        }
+        if u != v {
+            pixels.hline(x - v, x + v, y + u, color);
+            pixels.hline(x - v, x + v, y - u, color);
+        }
+        if f < 0 {
+            f += 2 * u + 3;
+        } else {
+            f += 2 * (u - v) + 5;
+            v -= 1;
+        }
+        u += 1;
+    }
+}
+
+/// The smoothed outline of a circle.
+pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, color: Color) {
+    if radius == 0 {
+        return pixels.hline(x, x, y, color);
+    }
+    // the differences of the ellipse's equation along both axes
+    let area = i64::from(radius) * i64::from(radius);
+    let quarter = (area as f64 / ((2 * area) as f64).sqrt()).round_ties_even() as i32;
+    let (mut t, mut s, mut d) = (0, -2 * area * i64::from(radius), 0);
+    let (mut px, mut py) = (x, y - radius);
+    let mirrored =
+        |px: i32, py: i32| [[px, py], [2 * x - px, py], [px, 2 * y - py], [2 * x - px, 2 * y - py]];
+    for [px, py] in mirrored(px, py) {
+        pixels.hline(px, px, py, color);
+    }
+    let mut four = |px: i32, py: i32, w: i32| {
+        for [px, py] in mirrored(px, py) {
+            if pixels.keeps(px, py) {
+                pixels.blend(px, py, color, (255 * w) >> 8);
+            }
+        }
+    };
+    let weight = |d: i64, k: i64| {
+        if k == 0 { 255 } else { ((d as f32).abs() / (k as f32).abs() * 255.0).min(255.0) as i32 }
+    };
+    for _ in 0..quarter {
+        px -= 1;
+        d += t - area;
+        let mut down = false;
+        let q = if d >= 0 {
+            py - 1
+        } else if d - s - area > 0 {
+            if 2 * d - s - area >= 0 {
+                py + 1
+            } else {
+                down = true;
+                py += 1;
+                py - 1
+            }
+        } else {
+            down = true;
+            py += 1;
+            py + 1
+        };
+        if down {
+            d -= s + area;
+            s += 2 * area;
+        }
+        t -= 2 * area;
+        let w = weight(d, s);
+        four(px, py, 255 - w);
+        four(px, q, w);
+    }
+    for _ in 0..quarter {
+        py += 1;
+        d -= s + area;
+        let mut left = false;
+        let q = if d <= 0 {
+            px + 1
+        } else if d + t - area < 0 {
+            if 2 * d + t - area <= 0 {
+                px - 1
+            } else {
+                left = true;
+                px -= 1;
+                px + 1
+            }
+        } else {
+            left = true;
+            px -= 1;
+            px - 1
+        };
+        if left {
+            d += t - area;
+            t -= 2 * area;
+        }
+        s += 2 * area;
+        let w = weight(d, t);
+        four(px, py, 255 - w);
+        four(q, py, w);
+    }
+}

@@ -1,0 +1,62 @@
+//! A frame as a surface of pygame.
+
+use std::ops::Range;
+
+use gym_core::canvas::Color;
+use gym_core::render::Frame;
+
+use super::Pixels;
+use crate::pixels::{self, RGB};
+
+/// The rows of a frame, drawn from the top or, as Gymnasium does, from the bottom.
+///
+/// The surface can be wider than the frame: the frame then shows its right end.
+pub(crate) struct RgbPixels<'a> {
+    pub(crate) frame: &'a mut Frame,
+    /// Columns of the surface left of the frame.
+    pub(crate) left: i32,
+    /// Whether row 0 is the lowest.
+    pub(crate) flipped: bool,
+}
+
+impl RgbPixels<'_> {
+    fn row(&mut self, y: i32) -> &mut [u8] {
+        let y = if self.flipped { self.height() - 1 - y } else { y };
+        pixels::row(self.frame, y as usize)
+    }
+}
+
+impl Pixels for RgbPixels<'_> {
+    fn width(&self) -> i32 {
+        self.left + self.frame.width() as i32
+    }
+
+    fn height(&self) -> i32 {
+        self.frame.height() as i32
+    }
+
+    fn rows(&self) -> Range<i32> {
+        0..self.height()
+    }
+
+    fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
+        let (x1, x2) = (x1 - self.left, x2 - self.left);
+        if x2 >= 0 {
+            pixels::fill_run(self.row(y), x1.max(0) as usize..(x2 + 1) as usize, color);
+        }
+    }
+
+    fn dot(&mut self, x: i32, y: i32, color: Color) {
+        if let Ok(x) = usize::try_from(x - self.left) {
+            self.row(y)[x * RGB..][..RGB].copy_from_slice(&[color.r, color.g, color.b]);
+        }
+    }
+
+    fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
+        let Ok(x) = usize::try_from(x - self.left) else { return };
+        let pixel = &mut self.row(y)[x * RGB..][..RGB];
+        for (d, s) in pixel.iter_mut().zip([color.r, color.g, color.b]) {
+            *d = f(*d, s);
+        }
+    }
+}

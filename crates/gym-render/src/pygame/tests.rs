@@ -1,0 +1,190 @@
+//! What pygame-ce 2.5.8 drew, with the same arguments: `tests/pygame`.
+
+use gym_core::canvas::{Color, Point, Primitive};
+use gym_core::render::Frame;
+use serde::Deserialize;
+use serde_json::Value as Json;
+
+use super::smoothscale::phases;
+use super::{RgbPixels, paint};
+
+/// A file of cases.
+macro_rules! cases {
+    ($name:literal) => {
+        cases(include_str!(concat!("../../tests/pygame/", $name, ".json")))
+    };
+}
+
+fn cases<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
+    #[derive(Deserialize)]
+    struct File<T> {
+        cases: Vec<T>,
+    }
+    serde_json::from_str::<File<T>>(text).unwrap().cases
+}
+
+/// Bytes that look random.
+fn noise(seed: u32) -> impl Iterator<Item = u8> {
+    let next = |x: &u32| Some(x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    std::iter::successors(next(&seed), next).map(|x| (x >> 16) as u8)
+}
+
+/// The arguments of a call, under pygame's names.
+#[derive(Deserialize)]
+struct Case {
+    size: (u32, u32),
+    background: Json,
+    color: [u8; 3],
+    #[serde(default)]
+    points: Vec<Point>,
+    #[serde(default)]
+    center: Point,
+    #[serde(default)]
+    radius: f64,
+    #[serde(default)]
+    x: f64,
+    #[serde(default)]
+    x1: f64,
+    #[serde(default)]
+    x2: f64,
+    #[serde(default)]
+    y: f64,
+    #[serde(default)]
+    y1: f64,
+    #[serde(default)]
+    y2: f64,
+    crc32: u32,
+}
+
+impl Case {
+    fn picture(&self) -> Frame {
+        let mut frame = Frame::new(self.size.0, self.size.1);
+        match &self.background {
+            Json::String(name) => {
+                let seed = name.strip_prefix("noise:").unwrap().parse().unwrap();
+                frame.pixels_mut().iter_mut().zip(noise(seed)).for_each(|(pixel, byte)| *pixel = byte);
+            }
+            color => {
+                let color: [u8; 3] = serde_json::from_value(color.clone()).unwrap();
+                frame.pixels_mut().chunks_exact_mut(3).for_each(|pixel| pixel.copy_from_slice(&color));
+            }
+        }
+        frame
+    }
+
+    fn color(&self) -> Color {
+        let [r, g, b] = self.color;
+        Color::rgb(r, g, b)
+    }
+}
+
+/// Draws every case and counts those that differ.
+fn check(name: &str, cases: &[Case], primitive: impl Fn(&Case) -> Primitive<'_>) {
+    assert!(!cases.is_empty());
+    let differ = cases.iter().enumerate().filter(|(_, case)| {
+        let mut frame = case.picture();
+        let mut pixels = RgbPixels { frame: &mut frame, left: 0, flipped: false };
+        paint(&mut pixels, &primitive(case), case.color());
+        crc32fast::hash(frame.pixels()) != case.crc32
+    });
+    let differ: Vec<usize> = differ.map(|(i, _)| i).collect();
+    assert!(differ.is_empty(), "{name}: {} of {} cases differ: {differ:?}", differ.len(), cases.len());
+}
+
+#[test]
+fn gfxdraw_draws_what_pygame_drew() {
+    let polygons: Vec<Case> = cases!("gfxdraw.aapolygon");
+    check("aapolygon", &polygons, |case| Primitive::AaPolygon(&case.points));
+    let polygons: Vec<Case> = cases!("gfxdraw.filled_polygon");
+    check("filled_polygon", &polygons, |case| Primitive::FilledPolygon(&case.points));
+    let circles: Vec<Case> = cases!("gfxdraw.aacircle");
+    check("aacircle", &circles, |&Case { center, radius, .. }| Primitive::AaCircle { center, radius });
+    let circles: Vec<Case> = cases!("gfxdraw.filled_circle");
+    check("filled_circle", &circles, |&Case { center, radius, .. }| Primitive::FilledCircle {
+        center,
+        radius,
+    });
+    let lines: Vec<Case> = cases!("gfxdraw.hline");
+    check("hline", &lines, |&Case { x1, x2, y, .. }| Primitive::HLine { x1, x2, y });
+    let lines: Vec<Case> = cases!("gfxdraw.vline");
+    check("vline", &lines, |&Case { x, y1, y2, .. }| Primitive::VLine { x, y1, y2 });
+}
+
+#[test]
+fn draw_draws_what_pygame_drew() {
+    let polygons: Vec<Case> = cases!("draw.polygon");
+    check("polygon", &polygons, |case| Primitive::Polygon(&case.points));
+    for (name, width, closed, cases) in [
+        ("polygon of width 1", 1, true, cases!("draw.polygon_width1")),
+        ("line", 1, false, cases!("draw.line_width1")),
+        ("lines of width 2", 2, false, cases!("draw.lines_width2")),
+    ] {
+        check(name, &cases, |case| Primitive::Lines { points: &case.points, closed, width });
+    }
+    let circles: Vec<Case> = cases!("draw.circle");
+    check("circle", &circles, |&Case { center, radius, .. }| Primitive::Circle { center, radius });
+    for (name, closed, cases) in [
+        ("aaline", false, cases!("draw.aaline")),
+        ("aalines, open", false, cases!("draw.aalines_open")),
+        ("aalines, closed", true, cases!("draw.aalines_closed")),
+    ] {
+        check(name, &cases, |case| Primitive::AaLines { points: &case.points, closed });
+    }
+}
+
+#[test]
+fn rotate_rad_turns_as_pygame_did() {
+    #[derive(Deserialize)]
+    struct Turn {
+        from: Point,
+        angle: f64,
+        to: Point,
+    }
+    for Turn { from, angle, to } in cases!("vector2.rotate_rad") {
+        let turned = gym_core::pygame::rotate_rad(from, angle);
+        assert_eq!(turned, to, "{from:?} {angle}");
+    }
+}
+
+/// One row or column made smaller.
+fn shrink(samples: impl Fn(usize) -> u8, from: usize, to: usize) -> Vec<u8> {
+    if from == to {
+        return (0..to).map(samples).collect();
+    }
+    let at = |i: usize| u16::from(samples(i));
+    let mean = |phase: super::Phase| {
+        let whole = (phase.begin..phase.last).fold(0, |sum: u16, i| sum.wrapping_add(at(i)));
+        phase.mean(at(phase.first), whole, at(phase.last))
+    };
+    phases(from, to).into_iter().map(mean).collect()
+}
+
+#[test]
+fn smoothscale_shrinks_as_pygame_did() {
+    #[derive(Deserialize)]
+    struct Case {
+        from: [usize; 2],
+        to: [usize; 2],
+        seed: u32,
+        blocks: bool,
+        #[serde(rename = "crc32_SSE2")]
+        crc32: u32,
+    }
+    for Case { from: [w, h], to: [w2, h2], seed, blocks, crc32 } in cases!("transform.smoothscale") {
+        let bytes: Vec<u8> = noise(seed).take(w * h * 4).collect();
+        let source = |x: usize, y: usize, channel: usize| {
+            let (x, y, w) = if blocks { (x / 8, y / 8, w.div_ceil(8)) } else { (x, y, w) };
+            bytes[(y * w + x) * 4 + channel]
+        };
+        let mut scaled = vec![0; w2 * h2 * 4];
+        for channel in 0..4 {
+            let narrow: Vec<Vec<u8>> = (0..h).map(|y| shrink(|x| source(x, y, channel), w, w2)).collect();
+            for x in 0..w2 {
+                for (y, value) in shrink(|y| narrow[y][x], h, h2).into_iter().enumerate() {
+                    scaled[(y * w2 + x) * 4 + channel] = value;
+                }
+            }
+        }
+        assert_eq!(crc32fast::hash(&scaled), crc32, "{w}x{h} to {w2}x{h2}, seed {seed}, blocks {blocks}");
+    }
+}

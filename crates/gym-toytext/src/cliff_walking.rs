@@ -18,7 +18,7 @@
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::math::Real;
-use gym_core::render::Metadata;
+use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
 use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
@@ -174,7 +174,8 @@ impl Dynamics for CliffWalkingDynamics {
     }
 
     fn metadata(&self) -> Metadata {
-        Metadata::drawn_and_text(4, (768, 256))
+        const MODES: [RenderMode; 3] = [RenderMode::Human, RenderMode::RgbArray, RenderMode::Ansi];
+        Metadata { render_modes: &MODES, ..Metadata::drawn_and_text(4, (768, 256)) }
     }
 
     /// The grid: `x` is the agent, `T` the goal, `C` the cliff.

@@ -9,7 +9,7 @@ use crate::{Array, DType, Info, Value};
 /// See [`VectorEnv::infos`].
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
     let n = envs.num_envs();
-    let space = envs.single_observation_space();
+    let space = columns.has_final.contains(&true).then(|| envs.single_observation_space());
     let (mut columns_there, mut entries) = (BTreeSet::new(), Info::new());
     envs.column_infos(&mut |key, column| {
         columns_there.insert(key.to_owned());
@@ -17,7 +17,9 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
     });
     let mut group = Group::new(n);
     for index in 0..n {
-        if columns.has_final.get(index) == Some(&true) {
+        if let Some(space) = &space
+            && columns.has_final.get(index) == Some(&true)
+        {
             let mut observation = Value::Null;
             if space.read_row(&columns.final_observations, index, &mut observation).is_ok() {
                 group.add_to("final_obs", index, observation, |n, _| Values::Objects(vec![Value::Null; n]));
@@ -66,10 +68,13 @@ impl Group {
     }
 
     fn add_to(&mut self, key: &str, index: usize, value: Value, new: fn(usize, &Value) -> Values) {
-        let n = self.n;
-        let column = self.columns.entry(key.to_owned());
-        let (values, is_there) = column.or_insert_with(|| (new(n, &value), vec![false; n]));
+        if let Some((values, is_there)) = self.columns.get_mut(key) {
+            is_there[index] = values.set(index, value);
+            return;
+        }
+        let (mut values, mut is_there) = (new(self.n, &value), vec![false; self.n]);
         is_there[index] = values.set(index, value);
+        self.columns.insert(key.to_owned(), (values, is_there));
     }
 
     /// Each key with its values, and with an underscore before it the mask.

@@ -1,0 +1,109 @@
+"""Gymnasium's environments in Rust, behind Gymnasium's own interface: the same seed gives the same episode, faster.
+
+Three ways to use it:
+
+1. By name. ``import rustgym`` adds the namespace ``rustgym/`` to Gymnasium's registry::
+
+       import gymnasium, rustgym
+       env = gymnasium.make("rustgym/CartPole-v1")
+       envs = gymnasium.make_vec("rustgym/CartPole-v1", num_envs=1024)
+
+   Libraries that take an id understand ``"rustgym:rustgym/CartPole-v1"``, which imports by itself.
+
+2. In Gymnasium's place. ``import rustgym as gym`` has everything that ``import gymnasium as gym`` has, with ``gym.make`` giving
+   our environments where we have the id.
+
+3. Under everything. ``rustgym.register(replace=True)`` puts them under Gymnasium's own ids, so that any library on top of
+   ``gymnasium.make`` uses them.
+
+``rustgym.Env`` and ``rustgym.VectorEnv`` are the classes, ``rustgym.ids()`` lists what there is, ``rustgym.sb3.VecEnv`` gives
+vectors to Stable-Baselines3.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+import gymnasium
+from gymnasium import (  # what we do not define is Gymnasium's
+    ActionWrapper,
+    ObservationWrapper,
+    RewardWrapper,
+    Space,
+    VectorizeMode,
+    Wrapper,
+    error,
+    logger,
+    pprint_registry,
+    register_envs,
+    spaces,
+    utils,
+    vector,
+    wrappers,
+)
+
+from rustgym import _native
+from rustgym import envs as envs
+from rustgym._native import PanicError
+from rustgym.env import Env
+from rustgym.registration import ids, make, make_vec, register, spec
+from rustgym.registration import _classes as _make_classes
+from rustgym.vector_env import VectorEnv
+
+__version__ = _native.__version__
+
+__all__ = [
+    "CLASSES",
+    "ActionWrapper",
+    "Env",
+    "ObservationWrapper",
+    "PanicError",
+    "RewardWrapper",
+    "Space",
+    "VectorEnv",
+    "VectorizeMode",
+    "Wrapper",
+    "envs",
+    "error",
+    "ids",
+    "logger",
+    "make",
+    "make_vec",
+    "pprint_registry",
+    "register",
+    "register_envs",
+    "spaces",
+    "spec",
+    "utils",
+    "vector",
+    "wrappers",
+]
+
+# a child process has no threads but the one that forked: what needs others says so instead of waiting for them
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_native.after_fork_in_child)
+
+register()
+
+# `from rustgym.wrappers import ...`: the modules of Gymnasium that we have nothing in the place of
+for _name in ("error", "logger", "spaces", "utils", "vector", "wrappers"):
+    sys.modules[f"rustgym.{_name}"] = getattr(gymnasium, _name)
+
+#: What stands in for the classes and functions that programs import from ``gymnasium.envs``.
+CLASSES: dict[str, Any] = _make_classes()
+
+
+def __getattr__(name: str) -> Any:
+    if name == "registry":
+        return envs.registry
+    if name == "sb3":
+        import importlib
+
+        return importlib.import_module("rustgym.sb3")
+    return getattr(gymnasium, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *dir(gymnasium), "sb3"})

@@ -1,0 +1,44 @@
+"""Arguments and options as JSON: the form in which they reach the Rust side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+__all__ = ["to_json"]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        # a map of characters, as Gymnasium's FrozenLake has it, is a list of its rows
+        characters = value.dtype.kind in "SU" and value.ndim == 2
+        return ["".join(map(np.str_, row.astype("U"))) for row in value] if characters else value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, Mapping):
+        return dict(value)
+    try:
+        return list(value)
+    except TypeError:
+        # an environment that knows the name says what it wants instead; others ignore it
+        return repr(value)
+
+
+def to_json(values: Mapping[str, Any]) -> str:
+    """A JSON object of named values, numpy's among them.
+
+    Raises:
+        ValueError: for a number that is not finite, and for values that contain themselves.
+    """
+    entries = []
+    for name, value in values.items():
+        try:
+            entries.append(f"{json.dumps(str(name))}: {json.dumps(value, default=_plain, allow_nan=False)}")
+        except ValueError as error:
+            raise ValueError(f"{name} is {value!r}: every number must be finite ({error})") from None
+    return f"{{{', '.join(entries)}}}"

@@ -1,0 +1,52 @@
+"""A window through pygame, for systems where the wheel's own cannot be opened."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Window"]
+
+
+class Window:
+    """Shows pictures, no faster than ``fps`` a second.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: where there is no pygame; ``reason`` says why it is needed.
+    """
+
+    def __init__(self, title: str, fps: int, reason: str) -> None:
+        try:
+            import pygame
+        except ImportError as error:
+            raise gymnasium.error.DependencyNotInstalled(
+                f"{reason}; pygame, which could open one too, is not installed: `pip install pygame`, "
+                'or use render_mode="rgb_array", which needs no window'
+            ) from error
+        self._pygame = pygame
+        self._title = title
+        self._fps = fps
+        self._surface: Any = None
+        self._clock: Any = None
+
+    def show(self, frame: npt.NDArray[np.uint8]) -> None:
+        """Shows a picture of shape ``(height, width, 3)``."""
+        pygame = self._pygame
+        if self._surface is None:
+            pygame.display.init()
+            self._surface = pygame.display.set_mode((frame.shape[1], frame.shape[0]))
+            pygame.display.set_caption(self._title)
+            self._clock = pygame.time.Clock()
+        self._surface.blit(pygame.surfarray.make_surface(frame.swapaxes(0, 1)), (0, 0))
+        pygame.event.pump()
+        self._clock.tick(self._fps)
+        pygame.display.flip()
+
+    def close(self) -> None:
+        """Closes the window."""
+        if self._surface is not None:
+            self._pygame.display.quit()
+            self._surface = None

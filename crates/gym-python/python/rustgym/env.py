@@ -1,0 +1,336 @@
+"""The environment: ``rustgym.Env``, a ``gymnasium.Env``."""
+
+from __future__ import annotations
+
+import json
+import operator
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import logger
+
+from rustgym import _native as native
+from rustgym._json import to_json
+from rustgym._spaces import space_from
+from rustgym._window import Window
+
+__all__ = ["Env"]
+
+_SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
+
+
+def spec_of(env_id: str) -> dict[str, Any]:
+    """What the registry of the Rust side says about an id."""
+    try:
+        return _SPECS[env_id]
+    except KeyError:
+        native.describe(env_id)  # raises, and says what is near the name
+        raise
+
+
+class Env(gymnasium.Env[Any, Any]):
+    """An environment whose dynamics run in Rust, with Gymnasium's interface and Gymnasium's numbers.
+
+    Usually made by ``gymnasium.make("rustgym/CartPole-v1")``, which adds Gymnasium's own wrappers. The class itself has none,
+    not even a time limit:
+
+        >>> import rustgym
+        >>> env = rustgym.Env("FrozenLake-v1", map_name="8x8", render_mode="ansi")
+        >>> observation, info = env.reset(seed=42)
+        >>> observation, info
+        (0, {'prob': 1})
+
+    Args:
+        env_id: An id of the Rust registry, without the namespace ``rustgym/``; ``rustgym.ids()`` lists them.
+        render_mode: ``None``, or one of ``metadata["render_modes"]``. In the mode ``"human"`` each reset and step shows a picture
+            in a window of its own; where none can be opened, in one of pygame, if that is installed.
+        kwargs: The arguments of that environment, as Gymnasium names them.
+
+    Raises:
+        TypeError: for an argument that the environment does not have.
+        ValueError: for an argument with a bad value.
+
+    A class of your own may have this one as its base, as it would have ``gymnasium.Env``: without an id it has Gymnasium's methods.
+
+    Every call gives new arrays and dicts: nothing returned changes later. Copies (``copy.copy``, ``copy.deepcopy``, ``pickle``)
+    can be made at any step and continue as the original does. One environment may be used from several threads; their calls
+    come one after the other.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    #: What an instance was made with, defaults included.
+    arguments: dict[str, Any]
+
+    #: The id of the Rust registry.
+    env_id: str
+
+    # names whose values are what the dynamics were made with: setting them changes nothing
+    _constants: frozenset[str] = frozenset()
+
+    # whether a step has more to do than the native one: follow the generator that somebody holds, or show a picture
+    _is_watched = True
+    _generator: np.random.Generator | None = None
+    _window: Window | None = None
+
+    # None in a class of somebody's own, which brings its own `reset` and `step`
+    _native: native.Env = None  # type: ignore[assignment]
+
+    def __init__(self, env_id: str | None = None, *, render_mode: str | None = None, **kwargs: Any) -> None:
+        if env_id is None:
+            if type(self) is Env or kwargs:
+                raise TypeError("rustgym.Env needs an id, such as \"CartPole-v1\": rustgym.ids() lists them")
+            return
+        spec = spec_of(env_id)
+        defaults = spec["defaults"]
+        for name in kwargs:
+            if name not in defaults:
+                takes = f"its arguments are {', '.join(defaults)}" if defaults else "it takes no arguments"
+                raise TypeError(f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and render_mode")
+        self.env_id = env_id
+        self.render_mode = render_mode
+        self._given = kwargs
+        self._is_watched = False
+        self._native = self._make_native(to_json(kwargs))
+        description = json.loads(self._native.describe())
+        if not self.metadata["render_modes"]:
+            self.metadata = metadata_from(description)
+        self.observation_space = space_from(description["observation_space"])
+        self.action_space = space_from(description["action_space"])
+        self.arguments = {**defaults, **spec["kwargs"], **kwargs}
+        for name, value in self.arguments.items():
+            if not hasattr(type(self), name):
+                self.__dict__[name] = value
+
+    @staticmethod
+    def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
+        """The environment around a native one, which may have wrappers of the Rust side."""
+        import rustgym.envs as envs
+
+        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **kwargs)
+        env._native = inner
+        env._np_random_seed = -1
+        return env
+
+    def _make_native(self, kwargs: str) -> native.Env:
+        mode = self.render_mode if self.render_mode in ("human", "rgb_array", "ansi") else None
+        try:
+            return native.Env(self.env_id, kwargs, mode)
+        except gymnasium.error.UnsupportedMode:
+            # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
+            return native.Env(self.env_id, kwargs, None)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Starts an episode.
+
+        Args:
+            seed: A whole number, zero or greater, of any size, which settles the episode. Without one the generator goes on
+                from the last episode; the first time the operating system seeds it.
+            options: What the environment's documentation names, such as ``low`` and ``high``. Other names are ignored.
+
+        Returns:
+            The first observation, an element of ``observation_space``, and the info.
+
+        Raises:
+            gymnasium.error.Error: for a seed that is negative or no whole number.
+            ValueError: for an option with a bad value.
+        """
+        if self._native is None:
+            return super().reset(seed=seed, options=options)
+        if seed is not None:
+            try:
+                seed = operator.index(seed)
+            except TypeError:
+                raise gymnasium.error.Error(
+                    f"Seed must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
+                ) from None
+        elif self._generator is not None:
+            self._push_generator()
+        elif self._np_random_seed is None:
+            seed = entropy()
+        arguments = None if seed is None else str(seed), to_json(options) if options else None
+        try:
+            result = self._native.reset(*arguments)
+        except gymnasium.error.UnsupportedMode as error:
+            self._open_window(str(error))
+            result = self._native.reset(*arguments)
+        if seed is not None:
+            self._np_random_seed = seed
+        if self._is_watched:
+            self._follow()
+        return result
+
+    def _open_window(self, reason: str) -> None:
+        """Goes on with a window of pygame, where no other can be opened."""
+        self._window = Window(self.env_id, self.metadata["render_fps"], reason)
+        snapshot = self._native.snapshot()
+        self._native = native.Env(self.env_id, to_json(self._given), "rgb_array")
+        self._native.restore(snapshot, False)
+        self._is_watched = True
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Takes a step.
+
+        Args:
+            action: An element of ``action_space``, as Python's or numpy's number, array or list. Numbers beyond the bounds of
+                a ``Box`` are clipped or not, as Gymnasium's environment does.
+
+        Returns:
+            The next observation, the reward as ``float``, ``terminated`` and ``truncated`` as ``bool``, and the info.
+
+        Raises:
+            gymnasium.error.InvalidAction: for what is not an action; nothing has changed then.
+            gymnasium.error.ResetNeeded: before the first ``reset``.
+        """
+        if self._is_watched:
+            return self._watched_step(action)
+        return self._native.step(action)
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        result: tuple[Any, float, bool, bool, dict[str, Any]]
+        if self._native is None:
+            result = super().step(action)  # raises NotImplementedError
+            return result
+        self._push_generator()
+        result = self._native.step(action)
+        self._follow()
+        return result
+
+    def _follow(self) -> None:
+        """Brings what is seen from outside to where the environment is."""
+        self._pull_generator()
+        if self._window is not None:
+            self._window.show(self._native.render())
+
+    def render(self) -> Any:
+        """The picture or text that the render mode asks for.
+
+        Returns:
+            For ``"rgb_array"`` a new ``uint8`` array of shape ``(height, width, 3)``, for ``"ansi"`` a ``str``, for
+            ``"human"``, which shows each reset and step in a window by itself, ``None``.
+        """
+        if self._native is None:
+            return super().render()
+        if self.render_mode is None:
+            hint = f"{self.spec.id}" if self.spec is not None else self.env_id
+            logger.warn(
+                "You are calling render method without specifying any render mode. You can specify the render_mode at "
+                f'initialization, e.g. gym.make("{hint}", render_mode="rgb_array")'
+            )
+            return None
+        if self.render_mode not in self.metadata["render_modes"]:
+            modes = ", ".join(self.metadata["render_modes"])
+            raise gymnasium.error.UnsupportedMode(f"{self.env_id} cannot render as {self.render_mode}: its modes are {modes}")
+        return None if self.render_mode == "human" else self._native.render()
+
+    def close(self) -> None:
+        """Ends the use of the environment; more than once is fine."""
+        if self._native is not None:
+            self._native.close()
+        if self._window is not None:
+            self._window.close()
+
+    def get_state(self) -> str:
+        """The whole state, generator included, as JSON text: for planners, and to store."""
+        self._push_generator()
+        return self._native.snapshot()
+
+    def set_state(self, state: str) -> None:
+        """Goes on from what ``get_state`` gave, of this environment or another with the same arguments.
+
+        Raises:
+            ValueError: for the state of something else; the environment is then as it was.
+        """
+        self._native.restore(state, True)
+        self._follow()
+
+    def _take_apart(self) -> tuple[list[Any], Any]:
+        """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
+        whole = json.loads(self.get_state())
+        inner = whole
+        while isinstance(inner[0], list):  # wrappers of the Rust side: `[what is within, their own]`
+            inner = inner[0]
+        return whole, inner[1]
+
+    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
+
+    @property
+    def _np_random(self) -> np.random.Generator | None:
+        has_one = self._native is not None and self._np_random_seed is not None and self._native.generator() is not None
+        if self._generator is None and has_one:
+            self._generator, self._is_watched = np.random.Generator(np.random.PCG64(0)), True
+            self._pull_generator()
+        return self._generator
+
+    @_np_random.setter
+    def _np_random(self, generator: np.random.Generator | None) -> None:
+        if generator is None:
+            self._generator, self._is_watched = None, self._window is not None
+            return
+        if self._native is not None and not isinstance(generator.bit_generator, np.random.PCG64):
+            kind = type(generator.bit_generator).__name__
+            raise ValueError(
+                f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
+            )
+        self._generator, self._is_watched = generator, True
+        self._push_generator()
+
+    def _pull_generator(self) -> None:
+        """Brings the generator that somebody holds to where the environment's is."""
+        if self._generator is None or (state := self._native.generator()) is None:
+            return
+        words = json.loads(state)
+        half = words["half"]
+        self._generator.bit_generator.state = {
+            "bit_generator": "PCG64",
+            "state": {"state": int(words["state"], 16), "inc": int(words["increment"], 16)},
+            "has_uint32": int(half is not None),
+            "uinteger": half or 0,
+        }
+
+    def _push_generator(self) -> None:
+        """Brings the environment's generator to where the one is that somebody holds."""
+        if self._generator is None or self._native is None:
+            return
+        state = self._generator.bit_generator.state
+        words = {
+            "state": hex(state["state"]["state"]),
+            "increment": hex(state["state"]["inc"]),
+            "half": int(state["uinteger"]) if state["has_uint32"] else None,
+        }
+        self._native.set_generator(json.dumps(words))
+
+    # -- copies
+
+    def __copy__(self) -> Env:
+        if self._native is None:
+            raise TypeError(f"{type(self).__name__} has no state of ours to copy: use copy.deepcopy")
+        twin = object.__new__(type(self))
+        self._push_generator()
+        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}
+        twin.__dict__.update(self.__dict__, **apart)
+        return twin
+
+    def __getstate__(self) -> dict[str, Any]:
+        self._push_generator()
+        return {**self.__dict__, "_window": None, "_is_watched": self._generator is not None}
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._constants or name in self.__dict__.get("arguments", ()):
+            logger.warn(
+                f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
+            )
+        super().__setattr__(name, value)
+
+
+def metadata_from(description: dict[str, Any]) -> dict[str, Any]:
+    """Gymnasium's metadata."""
+    return {"render_modes": list(description["render_modes"]), "render_fps": description["render_fps"]}
+
+
+def entropy() -> int:
+    """A seed from the operating system, as numpy takes it."""
+    seed = np.random.SeedSequence().entropy
+    assert isinstance(seed, int)
+    return seed

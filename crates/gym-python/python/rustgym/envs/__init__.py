@@ -1,0 +1,122 @@
+"""A class for each id, such as ``CartPole_v1`` and ``CartPole_v1_Vector``, and the registry of Gymnasium with ours.
+
+The classes are made when they are asked for. Ids that Gymnasium's users know by a class have it as their base:
+``CartPole_v1`` is a ``CartPoleEnv``.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import gymnasium.envs
+
+from rustgym import _native
+from rustgym.env import _SPECS, Env, metadata_from
+from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
+from rustgym.envs.classic_control import (
+    AcrobotEnv,
+    CartPoleEnv,
+    Continuous_MountainCarEnv,
+    MountainCarEnv,
+    PendulumEnv,
+)
+from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
+from rustgym.vector_env import VectorEnv
+
+__all__ = [
+    "AcrobotEnv",
+    "BipedalWalker",
+    "BlackjackEnv",
+    "CarRacing",
+    "CartPoleEnv",
+    "CliffWalkingEnv",
+    "Continuous_MountainCarEnv",
+    "FrozenLakeEnv",
+    "LunarLander",
+    "MountainCarEnv",
+    "PendulumEnv",
+    "TaxiEnv",
+    "class_name",
+    "generate_random_map",
+]
+
+_BASES: dict[str, type[Env]] = {
+    "Acrobot": AcrobotEnv,
+    "BipedalWalker": BipedalWalker,
+    "BipedalWalkerHardcore": BipedalWalker,
+    "Blackjack": BlackjackEnv,
+    "CarRacing": CarRacing,
+    "CartPole": CartPoleEnv,
+    "CliffWalking": CliffWalkingEnv,
+    "CliffWalkingSlippery": CliffWalkingEnv,
+    "FrozenLake": FrozenLakeEnv,
+    "FrozenLake8x8": FrozenLakeEnv,
+    "LunarLander": LunarLander,
+    "LunarLanderContinuous": LunarLander,
+    "MountainCar": MountainCarEnv,
+    "MountainCarContinuous": Continuous_MountainCarEnv,
+    "Pendulum": PendulumEnv,
+    "Taxi": TaxiEnv,
+}
+
+# modes that Gymnasium has beside those of the Rust side
+_MORE_MODES = {"CarRacing": ["state_pixels"]}
+
+
+def class_name(env_id: str) -> str:
+    """The name of an id's class: ``CartPole_v1`` for ``CartPole-v1``."""
+    return re.sub(r"\W", "_", env_id)
+
+
+_IDS = {class_name(env_id): env_id for env_id in _SPECS}
+
+
+def _task(env_id: str) -> str:
+    """``CartPole`` for ``rapier/CartPole-v1``."""
+    return re.sub(r"-v\d+$", "", env_id.rpartition("/")[2])
+
+
+def _env_class(name: str, env_id: str) -> type[Env]:
+    description = json.loads(_native.describe(env_id))
+    spec = _SPECS[env_id]
+    metadata = metadata_from(description)
+    metadata["render_modes"] += _MORE_MODES.get(_task(env_id), [])
+    base = _BASES.get(_task(env_id), Env)
+    arguments = "".join(f"\n        {key}: {value!r} unless given." for key, value in spec["defaults"].items())
+    doc = f"{spec['about'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
+
+    def __init__(self: Any, render_mode: str | None = None, **kwargs: Any) -> None:
+        Env.__init__(self, env_id, render_mode=render_mode, **kwargs)
+
+    body = {"__doc__": doc, "__module__": __name__, "__init__": __init__, "_id": env_id, "metadata": metadata}
+    return type(name, (base,), body)
+
+
+def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
+    def __init__(self: Any, num_envs: int = 1, **kwargs: Any) -> None:
+        VectorEnv.__init__(self, env_id, num_envs, **kwargs)
+
+    doc = f"A vector of ``{env_id}``; see ``rustgym.VectorEnv`` for its arguments."
+    return type(name, (VectorEnv,), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
+
+
+def __getattr__(name: str) -> Any:
+    if name == "registry":
+        from rustgym.registration import registry
+
+        return registry()
+    made: Any
+    if name in _IDS:
+        made = _env_class(name, _IDS[name])
+    elif name.endswith("_Vector") and (env_id := _IDS.get(name.removesuffix("_Vector"))):
+        made = _vector_class(name, env_id)
+    else:
+        return getattr(gymnasium.envs, name)
+    globals()[name] = made
+    return made
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_IDS, *(f"{name}_Vector" for name in _IDS)})

@@ -1,0 +1,106 @@
+"""LunarLander, BipedalWalker and CarRacing: the classes that Gymnasium's users know, with what can be read of them."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rustgym.env import Env, entropy
+
+__all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
+
+
+class Box2DEnv(Env):
+    """An environment of bodies in a physics engine."""
+
+    _id: ClassVar[str]
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(self._id, render_mode=render_mode, **kwargs)
+
+    def _episode(self) -> dict[str, Any]:
+        episode: dict[str, Any] | None = self._take_apart()[1]
+        if episode is None:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        return episode
+
+
+class LunarLander(Box2DEnv):
+    """Land a craft on a pad."""
+
+    _id = "LunarLander-v3"
+
+    @property
+    def wind_idx(self) -> int:
+        """Where in the pattern of gusts the wind is."""
+        return int(self._episode()["wind_idx"])
+
+    @property
+    def torque_idx(self) -> int:
+        """Where in the pattern of gusts the turbulence is."""
+        return int(self._episode()["torque_idx"])
+
+    @property
+    def game_over(self) -> bool:
+        """Whether the hull has touched the ground."""
+        return bool(self._episode()["game_over"])
+
+
+class Terrain(NamedTuple):
+    """The colours of a piece of ground."""
+
+    color1: tuple[int, int, int]
+    color2: tuple[int, int, int]
+
+
+class BipedalWalker(Box2DEnv):
+    """Walk on two legs, over stumps, stairs and pits if ``hardcore``."""
+
+    _id = "BipedalWalker-v3"
+
+    @property
+    def terrain(self) -> list[Terrain]:
+        """The pieces of the ground, the farthest first: its edges, and the obstacles in white and grey."""
+        episode = self._episode()
+        obstacles = [Terrain((255, 255, 255), (153, 153, 153))] * len(episode["obstacles"])
+        greens = [(76, 255 if i % 2 == 0 else 204, 76) for i in range(len(episode["terrain_y"]) - 1)]
+        return [*(Terrain(green, green) for green in reversed(greens)), *obstacles]
+
+    @property
+    def game_over(self) -> bool:
+        """Whether the hull has touched the ground."""
+        return bool(self._episode()["game_over"])
+
+
+class CarRacing(Box2DEnv):
+    """Drive a car around a track, seen from above."""
+
+    _id = "CarRacing-v3"
+
+    def render(self) -> Any:
+        """As ``Env.render``; for ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
+        return self._native.observation() if self.render_mode == "state_pixels" else super().render()
+
+    @property
+    def road_color(self) -> npt.NDArray[np.float64]:
+        """Red, green and blue of the road, 0 to 255."""
+        return self._color("road")
+
+    @property
+    def bg_color(self) -> npt.NDArray[np.float64]:
+        """Red, green and blue of the field, 0 to 255."""
+        return self._color("background")
+
+    @property
+    def grass_color(self) -> npt.NDArray[np.float64]:
+        """Red, green and blue of the patches on the field, 0 to 255."""
+        return self._color("grass")
+
+    def _color(self, name: str) -> npt.NDArray[np.float64]:
+        if self._take_apart()[1] is None:
+            # Gymnasium draws the first colours in its constructor; a reset with `randomize=False` keeps them
+            self._native.reset(str(entropy()), None)
+            self._native.restore(self._native.snapshot(), False)
+        return np.array(self._episode()["colors"][name])

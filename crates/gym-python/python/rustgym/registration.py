@@ -1,0 +1,143 @@
+"""The ids: under ``rustgym/`` in Gymnasium's registry, and under Gymnasium's own names for those who ask."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.envs.registration import registry as gymnasium_registry
+
+from rustgym.env import _SPECS
+from rustgym.envs import class_name
+
+__all__ = ["ids", "make", "make_vec", "namespaced", "register", "registry", "spec"]
+
+NAMESPACE = "rustgym/"
+
+# what `import shimmy` registers anew: a name that stays theirs
+_NOT_OURS = ("GymV21Environment", "GymV26Environment")
+
+
+def ids() -> list[str]:
+    """The ids of the Rust registry, in order: those that ``rustgym.make`` knows."""
+    return list(_SPECS)
+
+
+def namespaced(env_id: str) -> str:
+    """The name of an id in Gymnasium's registry: ``rustgym/CartPole-v1``, and for ``ALE/Pong-v5`` ``rustgym/ALE-Pong-v5``."""
+    return NAMESPACE + env_id.replace("/", "-")
+
+
+def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
+    row = _SPECS[env_id]
+    return EnvSpec(
+        name,
+        entry_point=f"rustgym.envs:{class_name(env_id)}",
+        reward_threshold=row["reward_threshold"],
+        nondeterministic=row["nondeterministic"],
+        max_episode_steps=row["max_episode_steps"],
+        kwargs=dict(row["kwargs"]),
+        vector_entry_point=f"rustgym.envs:{class_name(env_id)}_Vector" if has_vector else None,
+    )
+
+
+def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs: Any) -> None:
+    """Puts our environments into Gymnasium's registry; ``import rustgym`` does so under ``rustgym/``.
+
+    Args:
+        id: The id of an environment of yours: with it this is ``gymnasium.register``, with the arguments of that.
+        replace: With ``True`` also under Gymnasium's own ids, such as ``CartPole-v1``, for all that ``gymnasium.make`` and
+            libraries on top of it do from then on; and under those that this version of Gymnasium lacks. ``make_vec`` then
+            gives the numbers of ``SyncVectorEnv``: sub-environment ``i`` is seeded with ``seed + i``.
+    """
+    if id is not None:
+        gymnasium.register(id, *args, **kwargs)
+        return
+    if args or kwargs:
+        raise TypeError("register() takes an id and the arguments of gymnasium.register, or `replace` alone")
+    for env_id in ids():
+        if env_id.rpartition("/")[2].startswith(_NOT_OURS):
+            continue
+        name = namespaced(env_id)
+        if name not in gymnasium_registry:
+            gymnasium_registry[name] = _spec(name, env_id, has_vector=True)
+        if replace:
+            old = gymnasium_registry.get(env_id)
+            # an id without a vector of its own keeps none: `make_vec` then makes Gymnasium's SyncVectorEnv of ours
+            has_vector = old is not None and old.vector_entry_point is not None
+            gymnasium_registry[env_id] = _spec(env_id, env_id, has_vector)
+
+
+def _ours(env_id: Any) -> Any:
+    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; else what was given."""
+    if not isinstance(env_id, str) or env_id.startswith(NAMESPACE):
+        return env_id
+    known = env_id in _SPECS or any(key.rpartition("-v")[0] == env_id for key in _SPECS)
+    return namespaced(env_id) if known else env_id
+
+
+def _like(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Appends Gymnasium's own description of a function."""
+
+    def add(ours: Callable[..., Any]) -> Callable[..., Any]:
+        ours.__doc__ = f"{ours.__doc__}\n\n    As ``gymnasium.{function.__name__}``:\n\n{function.__doc__}"
+        return ours
+
+    return add
+
+
+@_like(gymnasium.make)
+def make(id: str | EnvSpec, *args: Any, **kwargs: Any) -> gymnasium.Env[Any, Any]:
+    """Makes an environment in Gymnasium's wrappers: one of ours where we have the id, else Gymnasium's."""
+    return gymnasium.make(_ours(id), *args, **kwargs)
+
+
+@_like(gymnasium.make_vec)
+def make_vec(id: str | EnvSpec, *args: Any, **kwargs: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    """Makes a vector of environments: one of ours where we have the id, else Gymnasium's."""
+    return gymnasium.make_vec(_ours(id), *args, **kwargs)
+
+
+@_like(gymnasium.spec)
+def spec(env_id: str) -> EnvSpec:
+    """The spec of an id: of ours where we have it, else Gymnasium's."""
+    return gymnasium.spec(_ours(env_id))
+
+
+def registry() -> dict[str, EnvSpec]:
+    """Gymnasium's registry as ``rustgym.make`` sees it: with our environments under their own ids."""
+    return {**gymnasium_registry, **{env_id: spec(env_id) for env_id in ids() if namespaced(env_id) in gymnasium_registry}}
+
+
+def _classes() -> dict[str, Any]:
+    import rustgym.envs as envs
+
+    where = {
+        "classic_control": ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"],
+        "box2d": ["BipedalWalker", "CarRacing", "LunarLander"],
+        "toy_text": ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv"],
+    }
+    files = {
+        "AcrobotEnv": "acrobot",
+        "CartPoleEnv": "cartpole",
+        "Continuous_MountainCarEnv": "continuous_mountain_car",
+        "MountainCarEnv": "mountain_car",
+        "PendulumEnv": "pendulum",
+        "BipedalWalker": "bipedal_walker",
+        "CarRacing": "car_racing",
+        "LunarLander": "lunar_lander",
+        "BlackjackEnv": "blackjack",
+        "CliffWalkingEnv": "cliffwalking",
+        "FrozenLakeEnv": "frozen_lake",
+        "TaxiEnv": "taxi",
+    }
+    classes: dict[str, Any] = {}
+    for family, names in where.items():
+        for name in names:
+            classes[f"gymnasium.envs.{family}:{name}"] = getattr(envs, name)
+            classes[f"gymnasium.envs.{family}.{files[name]}:{name}"] = getattr(envs, name)
+    classes["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = envs.__getattr__("CartPole_v1_Vector")
+    classes["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = envs.generate_random_map
+    return classes

@@ -1,0 +1,109 @@
+"""Vectors of ours for Stable-Baselines3, whose vectors have an interface of their own.
+
+    import rustgym.sb3
+    from stable_baselines3 import PPO
+
+    model = PPO("MlpPolicy", rustgym.sb3.VecEnv("LunarLander-v3", num_envs=16), seed=0).learn(1_000_000)
+
+Needs stable-baselines3, which nothing else in rustgym does. Put ``VecMonitor`` around it to see returns in the log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from stable_baselines3.common.vec_env import VecEnv as BaseVecEnv
+
+from rustgym.vector_env import VectorEnv
+
+__all__ = ["VecEnv"]
+
+
+class VecEnv(BaseVecEnv):
+    """A ``rustgym.VectorEnv`` as a vector of Stable-Baselines3.
+
+    Args:
+        env_id: An id of the Rust registry, as for ``rustgym.VectorEnv``.
+        num_envs: How many environments there are.
+        kwargs: The other arguments of ``rustgym.VectorEnv``.
+
+    ``seed`` before ``reset`` seeds environment ``i`` with ``seed + i``, as SB3's ``DummyVecEnv`` does: the same training then
+    takes the same course.
+    """
+
+    def __init__(self, env_id: str, num_envs: int = 1, **kwargs: Any) -> None:
+        self.envs = VectorEnv(env_id, num_envs, autoreset_mode=AutoresetMode.SAME_STEP, **kwargs)
+        self.metadata = self.envs.metadata
+        self._actions: Any = None
+        super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
+
+    def reset(self) -> Any:
+        """Starts episodes in all environments and returns their first observations."""
+        seeds = self._seeds if any(seed is not None for seed in self._seeds) else None
+        options = next((options for options in self._options if options), None)
+        observations, infos = self.envs.reset(seed=seeds, options=options)
+        self.reset_infos = self._rows(infos)
+        self._reset_seeds()
+        self._reset_options()
+        return observations
+
+    def step_async(self, actions: Any) -> None:
+        """Takes the actions that ``step_wait`` carries out."""
+        self._actions = actions
+
+    def step_wait(self) -> Any:
+        """Takes a step: observations, rewards (``float32``), dones (``bool``), and a list with an info for each environment."""
+        observations, rewards, terminated, truncated, infos = self.envs.step(self._actions)
+        dones = terminated | truncated
+        rows = self._rows(infos)
+        for i in np.flatnonzero(dones):
+            rows[i]["terminal_observation"] = infos["final_obs"][i]
+            rows[i]["TimeLimit.truncated"] = bool(truncated[i] and not terminated[i])
+        return observations, rewards.astype(np.float32), dones, rows
+
+    def _rows(self, infos: dict[str, Any]) -> list[dict[str, Any]]:
+        """An info for each environment, of the episode that its observation belongs to."""
+        rows: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for key, column in infos.items():
+            mask = infos.get(f"_{key}")
+            if mask is not None and key not in ("final_obs", "final_info"):
+                for i in np.flatnonzero(mask):
+                    rows[i][key] = column[i]
+        return rows
+
+    def close(self) -> None:
+        """Ends the use of all environments."""
+        self.envs.close()
+
+    def get_images(self) -> Sequence[Any]:
+        """The picture of each environment."""
+        return list(self.envs.render() or [])
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute of some environments."""
+        if hasattr(self.envs, attr_name):
+            return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
+        values = self.envs.get_attr(attr_name)
+        return [values[i] for i in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Sets an attribute of some environments, such as ``state``."""
+        wanted = set(self._get_indices(indices))
+        self.envs._with_each(lambda i, env: setattr(env, attr_name, value) if i in wanted else None)
+
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        """Calls a method of some environments."""
+        wanted = list(self._get_indices(indices))
+
+        def ask(i: int, env: Any) -> Any:
+            return getattr(env, method_name)(*method_args, **method_kwargs) if i in wanted else None
+
+        results = self.envs._with_each(ask)
+        return [results[i] for i in wanted]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Whether some environments are in a wrapper of Gymnasium's: never."""
+        return [False for _ in self._get_indices(indices)]

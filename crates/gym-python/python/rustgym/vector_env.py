@@ -1,0 +1,241 @@
+"""Many environments stepped as one: ``rustgym.VectorEnv``, a ``gymnasium.vector.VectorEnv``."""
+
+from __future__ import annotations
+
+import json
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from rustgym import _native
+from rustgym._json import to_json
+from rustgym._spaces import space_from
+from rustgym.env import Env, metadata_from, spec_of
+
+__all__ = ["VectorEnv"]
+
+
+class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+    """``num_envs`` environments of one id, stepped together in Rust without Python's lock.
+
+    Usually made by ``gymnasium.make_vec("rustgym/CartPole-v1", num_envs=64)``, whose further keywords come here:
+
+        >>> import rustgym
+        >>> envs = rustgym.VectorEnv("CartPole-v1", 3, autoreset_mode="SameStep")
+        >>> observations, infos = envs.reset(seed=42)
+        >>> observations.shape
+        (3, 4)
+        >>> observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+        >>> rewards.dtype, terminated.dtype
+        (dtype('float64'), dtype('bool'))
+
+    Args:
+        env_id: An id of the Rust registry, without the namespace ``rustgym/``.
+        num_envs: How many environments there are.
+        kind: ``"sync"`` steps one after the other, ``"async"`` on a pool of threads, ``"native"`` by one loop with vector
+            instructions, where the id has it. ``None`` is native where there is one and no render mode is wanted, else sync.
+            All give the same results, to the last bit.
+        autoreset_mode: When environments are reset whose episode has ended: ``AutoresetMode`` or its value.
+        threads: How many threads an async vector has; one for each core unless given. It makes no difference to results.
+        copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned
+            is valid until the call after next, which is enough for ``obs, next_obs`` and saves some allocations.
+        max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
+        render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
+        kwargs: The arguments of the environment.
+
+    ``reset(seed=s)`` seeds environment ``i`` with ``s + i``, as Gymnasium's ``SyncVectorEnv`` does.
+    """
+
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    def __init__(
+        self,
+        env_id: str,
+        num_envs: int = 1,
+        *,
+        kind: str | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int | None = None,
+        copy: bool = True,
+        max_episode_steps: int | None = None,
+        render_mode: str | None = None,
+        **kwargs: Any,
+    ) -> None:
+        defaults = spec_of(env_id)["defaults"]
+        for name in kwargs:
+            if name not in defaults:
+                takes = f"its arguments are {', '.join(defaults)}" if defaults else "it takes no arguments"
+                raise TypeError(
+                    f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and those of rustgym.VectorEnv"
+                )
+        self.env_id = env_id
+        self._given = kwargs
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        if num_envs < 1:
+            raise ValueError(f"num_envs is {num_envs}: it must be at least 1")
+        self._native = _native.Vector(
+            env_id,
+            num_envs,
+            kind,
+            to_json(kwargs),
+            render_mode and render_mode.removesuffix("_list"),
+            max_episode_steps,
+            self.autoreset_mode.value,
+            threads,
+            copy,
+        )
+        self.kind = self._native.kind
+        self._take_spaces()
+
+    def _take_spaces(self) -> None:
+        description = json.loads(self._native.describe())
+        self.metadata = {**metadata_from(description), "autoreset_mode": self.autoreset_mode}
+        self.single_observation_space = space_from(description["observation_space"])
+        self.single_action_space = space_from(description["action_space"])
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Any, dict[str, Any]]:
+        """Starts episodes.
+
+        Args:
+            seed: Of the first environment, the next ones having one more each; or a list with one for each.
+            options: Those of the environment, and ``"reset_mask"``: a ``bool`` array of shape ``(num_envs,)`` that says which
+                environments start an episode. The others stay where they are, and ``infos`` says nothing of them.
+
+        Returns:
+            Observations, with a row for each environment, and infos, with a column for each key.
+        """
+        one = each = mask = None
+        if seed is not None:
+            if isinstance(seed, Iterable):
+                each = [None if s is None else str(operator.index(s)) for s in seed]
+            else:
+                one = str(operator.index(seed))
+        if options and "reset_mask" in options:
+            options = dict(options)
+            mask = self._checked_mask(options.pop("reset_mask"))
+        return self._native.reset(one, each, to_json(options) if options else None, mask)
+
+    def _checked_mask(self, mask: Any) -> list[bool]:
+        array = np.asarray(mask)
+        if array.dtype != np.bool_ or array.shape != (self.num_envs,):
+            raise ValueError(
+                f"options['reset_mask'] must be a bool array of shape ({self.num_envs},), "
+                f"not of type {array.dtype} and shape {array.shape}"
+            )
+        flags: list[bool] = array.tolist()
+        return flags
+
+    def step(
+        self, actions: Any
+    ) -> tuple[Any, npt.NDArray[np.float64], npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]:
+        """Takes a step in each environment; one whose reset is due starts an episode instead (see ``autoreset_mode``).
+
+        Args:
+            actions: An element of ``action_space``: an action for each environment. Other integer or float types and lists
+                are converted.
+
+        Returns:
+            Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
+            infos: for each key a column, and under ``_key`` which rows of it count.
+        """
+        return self._native.step(actions)
+
+    def send(self, actions: Any, env_ids: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None) -> None:
+        """Lets some environments of an async vector take a step, and returns at once.
+
+        Args:
+            actions: A row for each of ``env_ids``.
+            env_ids: Which; all unless given. None of them may be pending.
+        """
+        ids = range(self.num_envs) if env_ids is None else env_ids
+        self._native.send(actions, [operator.index(i) for i in ids])
+
+    def recv(self, m: int | None = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Waits until ``m`` of the environments that were sent have taken their step, and returns the results of these.
+
+        Args:
+            m: How many; ``num_envs`` unless given.
+
+        Returns:
+            As ``step``, with ``m`` rows in the order in which they were ready; ``infos["env_id"]`` says whose they are. The other
+            columns of ``infos`` have a row for each environment.
+        """
+        *results, infos, ids = self._native.recv(self.num_envs if m is None else m)
+        columns: dict[str, Any] = {}
+        for index, info in zip(ids, infos, strict=True):
+            columns = self._add_info(columns, info, index)
+        columns["env_id"] = np.array(ids)
+        return (*results, columns)
+
+    def render(self) -> tuple[Any, ...] | None:
+        """The picture or text of each environment."""
+        if self.render_mode is None:
+            gymnasium.logger.warn(
+                "You are calling render method without specifying any render mode. "
+                'You can specify the render_mode at initialization, e.g. make_vec(id, n, render_mode="rgb_array")'
+            )
+            return None
+        return self._native.render()
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Ends the use of all environments."""
+        self._native.close()
+
+    # -- the environments within
+
+    @property
+    def envs(self) -> tuple[Env, ...]:
+        """Copies of the environments, to look at; not of a native vector, which is not made of any."""
+        return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """The attribute ``name`` of each environment, or what it returns where it is a method."""
+
+        def ask(_: int, env: Env) -> Any:
+            value = getattr(env, name)
+            return value(*args, **kwargs) if callable(value) else value
+
+        return self._with_each(ask)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """The attribute ``name`` of each environment."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to those of a list."""
+        if not isinstance(values, list | tuple):
+            values = [values] * self.num_envs
+        if len(values) != self.num_envs:
+            raise ValueError(f"there are {len(values)} values for {self.num_envs} environments")
+        self._with_each(lambda index, env: setattr(env, name, values[index]))
+
+    def _with_each(self, ask: Callable[[int, Env], Any]) -> tuple[Any, ...]:
+        envs = self.envs
+        results = tuple(ask(index, env) for index, env in enumerate(envs))
+        self._native.set_envs([env._native for env in envs])
+        return results
+
+    @property
+    def state(self) -> npt.NDArray[np.float64]:
+        """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
+        return np.stack(self.get_attr("state"), axis=-1)
+
+    @property
+    def prev_done(self) -> npt.NDArray[np.bool_]:
+        """Whose episode has ended in the last step."""
+        return self._native.done()

@@ -1,0 +1,218 @@
+//! Values of ours as Python objects, and Python objects as values.
+
+use gym::render::{Frame, Rendered};
+use gym::{Array, DType, Data, GraphInstance, Space, Value};
+use numpy::{Element, IxDyn, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{IntoPyDict, PyDict, PyString, PyTuple};
+
+/// Evaluates `$body` with `$T` standing for the Rust type of a [`DType`].
+macro_rules! with_dtype {
+    ($dtype:expr, $T:ident => $body:expr) => {
+        with_dtype!(@ $dtype, $T, $body, I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
+    };
+    (@ $dtype:expr, $T:ident, $body:expr, $($variant:ident $type:ty),*) => {
+        match $dtype {
+            $(DType::$variant => {
+                type $T = $type;
+                $body
+            })*
+        }
+    };
+}
+
+/// A new numpy array with these numbers.
+pub(crate) fn new_array<'py, T: Element + Copy>(
+    py: Python<'py>,
+    shape: &[usize],
+    numbers: &[T],
+) -> Bound<'py, PyAny> {
+    if let [_] = shape {
+        return PyArray1::from_slice(py, numbers).into_any();
+    }
+    // SAFETY: the array was just allocated for that many numbers, and nobody else knows it.
+    unsafe {
+        let array = PyArray::<T, IxDyn>::new(py, shape, false);
+        array.as_slice_mut().expect("a new array is contiguous").copy_from_slice(numbers);
+        array.into_any()
+    }
+}
+
+/// A new numpy array.
+pub(crate) fn array<'py>(py: Python<'py>, array: &Array) -> Bound<'py, PyAny> {
+    with_dtype!(array.dtype(), T => new_array(py, array.shape(), array.as_slice::<T>().unwrap_or_default()))
+}
+
+/// A value as Gymnasium's spaces and infos have it.
+pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(flag) => flag.into_bound_py_any(py)?,
+        Value::Int(i) => i.into_bound_py_any(py)?,
+        Value::Float(x) => x.into_bound_py_any(py)?,
+        Value::Text(text) => PyString::new(py, text).into_any(),
+        Value::Array(numbers) => array(py, numbers),
+        Value::Tuple(items) => {
+            let items = items.iter().map(|item| to_python(py, item)).collect::<PyResult<Vec<_>>>()?;
+            PyTuple::new(py, items)?.into_any()
+        }
+        Value::Dict(entries) => {
+            let dict = PyDict::new(py);
+            for (key, value) in entries {
+                dict.set_item(key, to_python(py, value)?)?;
+            }
+            dict.into_any()
+        }
+        Value::Graph(graph) => {
+            let part = |part: &Option<Array>| part.as_ref().map(|numbers| array(py, numbers));
+            let fields = (array(py, &graph.nodes), part(&graph.edges), part(&graph.edge_links));
+            py.import("gymnasium.spaces")?.getattr("GraphInstance")?.call1(fields)?
+        }
+        Value::OneOf(index, value) => {
+            (numpy(py)?.getattr("int64")?.call1((*index,))?, to_python(py, value)?).into_bound_py_any(py)?
+        }
+    })
+}
+
+/// The same in the arrays of an earlier value, where they have the type and shape for it.
+pub(crate) fn refill<'py>(
+    py: Python<'py>,
+    value: &Value,
+    old: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if let (Value::Array(numbers), Some(old)) = (value, old) {
+        let reused = with_dtype!(numbers.dtype(), T => {
+            let target = old.cast::<PyArrayDyn<T>>().ok().filter(|array| array.shape() == numbers.shape());
+            match target.map(|array| array.try_readwrite()) {
+                Some(Ok(mut array)) => {
+                    array.as_slice_mut()?.copy_from_slice(numbers.as_slice::<T>().unwrap_or_default());
+                    true
+                }
+                _ => false,
+            }
+        });
+        if reused {
+            return Ok(old);
+        }
+    }
+    to_python(py, value)
+}
+
+/// What `render` returns.
+pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bound<'py, PyAny>> {
+    let frame =
+        |frame: &Frame| new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels());
+    match rendered {
+        Rendered::Shown => Ok(py.None().into_bound(py)),
+        Rendered::Frame(picture) => Ok(frame(picture)),
+        Rendered::Frames(pictures) => pictures.iter().map(frame).collect::<Vec<_>>().into_bound_py_any(py),
+        Rendered::Text(text) => text.into_bound_py_any(py),
+        Rendered::Texts(texts) => texts.into_bound_py_any(py),
+    }
+}
+
+/// A Python object as an element of a space, by kind, type and shape; the bounds are not looked at.
+///
+/// Numbers may be of Python, numpy or lists, of any type that the space's type holds as numpy's `same_kind` casts have it.
+pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let numbers = |dtype, shape: &[usize]| read_array(object, dtype, Some(shape)).map(Value::Array);
+    match space {
+        Space::Discrete(_) => object.extract().map(Value::Int),
+        Space::Box(space) => numbers(space.dtype(), space.shape()),
+        Space::MultiDiscrete(space) => numbers(space.dtype(), space.shape()),
+        Space::MultiBinary(space) => numbers(DType::I8, space.shape()),
+        Space::Text(_) => object.extract().map(Value::Text),
+        Space::Tuple(space) => {
+            let items = members(object, space.spaces().len())?;
+            let items = space.spaces().iter().zip(&items).map(|(space, item)| from_python(space, item));
+            items.collect::<PyResult<_>>().map(Value::Tuple)
+        }
+        Space::Dict(space) => {
+            let entries = space
+                .spaces()
+                .iter()
+                .map(|(key, space)| Ok((key.clone(), from_python(space, &object.get_item(key)?)?)));
+            entries.collect::<PyResult<_>>().map(Value::Dict)
+        }
+        Space::Sequence(space) => {
+            let items = object.try_iter()?.map(|item| from_python(space.feature_space(), &item?));
+            items.collect::<PyResult<_>>().map(Value::Tuple)
+        }
+        Space::Graph(space) => {
+            let part = |name: &str, dtype: Option<DType>| -> PyResult<Option<Array>> {
+                let numbers = object.getattr(name)?;
+                match dtype {
+                    Some(dtype) if !numbers.is_none() => read_array(&numbers, dtype, None).map(Some),
+                    _ => Ok(None),
+                }
+            };
+            let nodes = part("nodes", space.node_space().dtype())?;
+            Ok(Value::Graph(Box::new(GraphInstance {
+                nodes: nodes.ok_or_else(|| PyTypeError::new_err("a graph needs nodes"))?,
+                edges: part("edges", space.edge_space().and_then(Space::dtype))?,
+                edge_links: part("edge_links", Some(DType::I64))?,
+            })))
+        }
+        Space::OneOf(space) => {
+            let items = members(object, 2)?;
+            let index: usize = items[0].extract()?;
+            let chosen = space.spaces().get(index).ok_or_else(|| {
+                PyValueError::new_err(format!(
+                    "{index} is not the index of one of {} spaces",
+                    space.spaces().len()
+                ))
+            })?;
+            Ok(Value::OneOf(index, Box::new(from_python(chosen, &items[1])?)))
+        }
+    }
+}
+
+/// Some objects in order, of a known number.
+fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let items: Vec<_> = object.try_iter()?.collect::<PyResult<_>>()?;
+    if items.len() == n {
+        return Ok(items);
+    }
+    Err(PyValueError::new_err(format!("{} members were given and {n} are needed", items.len())))
+}
+
+/// The numbers of an array, list or number.
+fn read_array(object: &Bound<'_, PyAny>, dtype: DType, shape: Option<&[usize]>) -> PyResult<Array> {
+    with_dtype!(dtype, T => {
+        let fits = |array: &Bound<'_, PyArrayDyn<T>>| shape.is_none_or(|shape| array.shape() == shape);
+        let converted;
+        let array = match object.cast::<PyArrayDyn<T>>() {
+            Ok(array) if array.is_c_contiguous() => array,
+            _ => {
+                converted = convert(object, dtype)?;
+                converted.cast::<PyArrayDyn<T>>()?
+            }
+        };
+        if !fits(array) {
+            let (found, needed) = (array.shape(), shape.unwrap_or_default());
+            return Err(PyValueError::new_err(format!("its shape is {found:?} and should be {needed:?}")));
+        }
+        let numbers = array.try_readonly()?.as_slice()?.to_vec();
+        Array::new(array.shape(), wrap(numbers)).map_err(|error| PyValueError::new_err(error.to_string()))
+    })
+}
+
+fn wrap<T: gym::array::Scalar>(numbers: Vec<T>) -> Data {
+    T::into_data(numbers)
+}
+
+/// `numpy.asarray(object).astype(dtype, order="C", casting="same_kind")`.
+fn convert<'py>(object: &Bound<'py, PyAny>, dtype: DType) -> PyResult<Bound<'py, PyAny>> {
+    let py = object.py();
+    let options = [("order", "C"), ("casting", "same_kind")].into_py_dict(py)?;
+    numpy(py)?.call_method1("asarray", (object,))?.call_method("astype", (dtype.name(),), Some(&options))
+}
+
+/// The module numpy.
+pub(crate) fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
+    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    Ok(NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?.bind(py))
+}

@@ -1,0 +1,344 @@
+//! One environment.
+
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+
+use gym::registry::find;
+use gym::render::{RenderMode, Rendered};
+use gym::{BoxEnv, Env as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::{PyDict, PyTuple};
+use serde_json::Value as Json;
+
+use crate::convert::{from_python, rendered, to_python};
+use crate::error::{OrRaise, guard, gymnasium};
+use crate::fork::Origin;
+use crate::{peek, registry};
+
+/// An environment without wrappers. Several threads may use it: their calls come one after the other.
+///
+/// The lock of Python is released while an environment works, unless its steps are so short that this would take longer.
+#[pyclass(frozen, module = "rustgym._native")]
+#[derive(Debug)]
+pub(crate) struct Env {
+    core: Mutex<Core>,
+    /// What it was made of: id, arguments as JSON, render mode.
+    id: String,
+    kwargs: String,
+    render_mode: Option<String>,
+    action_space: Space,
+    /// Whether a step is worth releasing the lock of Python.
+    is_slow: bool,
+    origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+struct Core {
+    env: BoxEnv,
+    observation: Value,
+    frame: Rendered,
+    /// Whether an episode was started, and none has panicked since.
+    is_running: bool,
+}
+
+impl Core {
+    fn reset(&mut self, reset: &Reset) -> PyResult<()> {
+        self.is_running = false;
+        guard(|| self.env.reset_into(reset, &mut self.observation).or_raise())?;
+        self.is_running = true;
+        Ok(())
+    }
+
+    fn step(&mut self, action: &Value) -> PyResult<Outcome> {
+        if !self.is_running {
+            return Err(Error::ResetNeeded("step")).or_raise();
+        }
+        self.is_running = false;
+        // a refused action changes nothing; only after a panic the episode cannot go on
+        let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
+        self.is_running = true;
+        outcome.or_raise()
+    }
+
+    /// The whole state, as JSON.
+    fn snapshot(&self) -> PyResult<String> {
+        guard(|| {
+            let snapshot: Json = self.env.snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+            Ok(snapshot.to_string())
+        })
+    }
+
+    fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let info = PyDict::new(py);
+        let mut result = Ok(());
+        guard(|| {
+            self.env.info(&mut |key, value| {
+                let set = to_python(py, &value).and_then(|value| info.set_item(key, value));
+                result = std::mem::replace(&mut result, Ok(())).and(set);
+            });
+            Ok(())
+        })?;
+        result.map(|()| info)
+    }
+}
+
+impl Env {
+    fn make(id: &str, kwargs: &str, render_mode: Option<&str>) -> PyResult<Self> {
+        let map: Kwargs = serde_json::from_str(kwargs)
+            .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
+            .or_raise()?;
+        let env = guard(|| registry::bare(id, map, render_mode).or_raise())?;
+        Ok(Self::holding(env, id, kwargs, render_mode, false, Value::Null))
+    }
+
+    fn holding(
+        env: BoxEnv,
+        id: &str,
+        kwargs: &str,
+        render_mode: Option<&str>,
+        is_running: bool,
+        observation: Value,
+    ) -> Self {
+        let light = ["gym-classic", "gym-toytext"];
+        let is_slow = find(id).is_ok_and(|registration| !light.contains(&registration.crate_name()));
+        Self {
+            id: id.to_owned(),
+            kwargs: kwargs.to_owned(),
+            render_mode: render_mode.map(str::to_owned),
+            action_space: env.action_space(),
+            is_slow: is_slow || render_mode == Some("human"),
+            core: Mutex::new(Core { env, observation, frame: Rendered::Shown, is_running }),
+            origin: Origin::here(),
+        }
+    }
+
+    /// A copy of an environment of a vector, with the wrappers it has there.
+    pub(crate) fn of_vector(env: BoxEnv, spec: &EnvSpec) -> Self {
+        let kwargs = Json::Object(spec.kwargs.clone()).to_string();
+        let render_mode = spec.render_mode.map(RenderMode::name);
+        Self::holding(env, &spec.id, &kwargs, render_mode, true, Value::Null)
+    }
+
+    /// A copy of the environment.
+    pub(crate) fn inner(&self, py: Python<'_>) -> PyResult<BoxEnv> {
+        Ok(self.lock(py)?.env.clone())
+    }
+
+    /// Waits until no other thread uses the environment.
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Core>> {
+        match self.core.try_lock() {
+            Ok(core) => Ok(core),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                self.origin.check("environment")?;
+                Ok(self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
+            }
+        }
+    }
+
+    /// Runs what takes long without the lock of Python.
+    fn run<T: Send>(&self, py: Python<'_>, core: &mut Core, f: impl FnOnce(&mut Core) -> T + Send) -> T {
+        if self.is_slow { py.detach(|| f(core)) } else { f(core) }
+    }
+
+    fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
+        from_python(&self.action_space, action).map_err(|error| {
+            let py = action.py();
+            let shown = action.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+            let text = format!(
+                "invalid action {shown}: the action space is {} ({})",
+                self.action_space,
+                error.value(py)
+            );
+            gymnasium(py, "InvalidAction", text)
+        })
+    }
+}
+
+#[pymethods]
+impl Env {
+    /// The environment `id` with these arguments, a JSON object.
+    #[new]
+    #[pyo3(signature = (id, kwargs, render_mode))]
+    fn new(id: &str, kwargs: &str, render_mode: Option<&str>) -> PyResult<Self> {
+        Self::make(id, kwargs, render_mode)
+    }
+
+    /// Starts an episode; `seed` in decimal digits, `options` as a JSON object.
+    #[pyo3(signature = (seed, options))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        seed: Option<&str>,
+        options: Option<&str>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
+        let reset = reset_of(seed, options).or_raise()?;
+        let mut core = self.lock(py)?;
+        self.run(py, &mut core, |core| core.reset(&reset))?;
+        Ok((to_python(py, &core.observation)?, core.info(py)?))
+    }
+
+    /// Takes a step: observation, reward, terminated, truncated, info.
+    fn step<'py>(&self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyTuple>> {
+        let action = self.action(action)?;
+        let mut core = self.lock(py)?;
+        let Outcome { reward, terminated, truncated } = self.run(py, &mut core, |core| core.step(&action))?;
+        (to_python(py, &core.observation)?, reward, terminated, truncated, core.info(py)?).into_pyobject(py)
+    }
+
+    /// The picture or text of the render mode.
+    fn render<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut core = self.lock(py)?;
+        let Core { env, frame, .. } = &mut *core;
+        py.detach(|| guard(|| env.render_into(frame).or_raise()))?;
+        rendered(py, &core.frame)
+    }
+
+    /// The last observation.
+    fn observation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.lock(py)?.observation)
+    }
+
+    /// Spaces and metadata, as JSON.
+    fn describe(&self, py: Python<'_>) -> PyResult<String> {
+        let core = self.lock(py)?;
+        guard(|| Ok(registry::description(&core.env).to_string()))
+    }
+
+    /// The whole state, as JSON.
+    fn snapshot(&self, py: Python<'_>) -> PyResult<String> {
+        self.lock(py)?.snapshot()
+    }
+
+    /// Goes on from a snapshot; `is_running` says whether it is of an episode.
+    fn restore(&self, py: Python<'_>, snapshot: &str, is_running: bool) -> PyResult<()> {
+        let snapshot = serde_json::from_str(snapshot)
+            .and_then(serde_json::from_value::<Snapshot>)
+            .map_err(|error| Error::Snapshot(error.to_string()))
+            .or_raise()?;
+        let mut core = self.lock(py)?;
+        guard(|| core.env.restore(&snapshot).or_raise())?;
+        core.is_running = is_running;
+        Ok(())
+    }
+
+    /// Whether an episode was started.
+    fn is_running(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.lock(py)?.is_running)
+    }
+
+    /// The state of the generator as JSON; `None` before the first reset, or where there is none.
+    fn generator(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let mut core = self.lock(py)?;
+        Ok(core.env.generator().and_then(|generator| serde_json::to_string(generator).ok()))
+    }
+
+    /// Sets the state of the generator.
+    fn set_generator(&self, py: Python<'_>, state: &str) -> PyResult<()> {
+        let state =
+            serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
+        let mut core = self.lock(py)?;
+        if core.env.generator().is_none() {
+            // an environment has a generator once it was reset; the next reset carries that one on
+            let is_running = core.is_running;
+            core.reset(&Reset::seed(0))?;
+            core.is_running = is_running;
+        }
+        match core.env.generator() {
+            Some(generator) => *generator = state,
+            None => return Err(Error::custom("this environment draws from no generator")).or_raise(),
+        }
+        Ok(())
+    }
+
+    /// The state as JSON, for environments whose dynamics are pure functions of one.
+    fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let core = self.lock(py)?;
+        Ok(peek::state(&core.env).map(|state| state.to_string()))
+    }
+
+    /// `P` and `initial_state_distrib`, for environments that have them.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+        let core = self.lock(py)?;
+        peek::table(py, &core.env)
+    }
+
+    /// The rows of the map, for FrozenLake.
+    fn map(&self, py: Python<'_>) -> PyResult<Option<Vec<String>>> {
+        let core = self.lock(py)?;
+        Ok(peek::map(&core.env))
+    }
+
+    /// Ends the use of the environment.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let mut core = self.lock(py)?;
+        core.is_running = false;
+        guard(|| {
+            core.env.close();
+            Ok(())
+        })
+    }
+
+    /// A copy that goes on by itself.
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
+        let core = guard(|| Ok(self.lock(py)?.clone()))?;
+        let Self { id, kwargs, render_mode, .. } = self;
+        Ok(Self::holding(core.env, id, kwargs, render_mode.as_deref(), core.is_running, core.observation))
+    }
+
+    /// A copy that goes on by itself.
+    fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.__copy__(py)
+    }
+
+    /// What it is made of, and a snapshot to go on from.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, env) = (slf.py(), slf.get());
+        let (snapshot, is_running, observation) = {
+            let core = env.lock(py)?;
+            let space = core.env.observation_space();
+            let observation = space.to_json(&core.observation).map(|json| json.to_string()).ok();
+            (core.snapshot()?, core.is_running, observation)
+        };
+        let made_of = (&env.id, &env.kwargs, &env.render_mode, snapshot, is_running, observation);
+        Ok((slf.get_type().getattr("rebuild")?, made_of.into_pyobject(py)?))
+    }
+
+    /// The environment that `__reduce__` took apart.
+    #[staticmethod]
+    #[pyo3(signature = (id, kwargs, render_mode, snapshot, is_running, observation))]
+    fn rebuild(
+        py: Python<'_>,
+        id: &str,
+        kwargs: &str,
+        render_mode: Option<&str>,
+        snapshot: &str,
+        is_running: bool,
+        observation: Option<&str>,
+    ) -> PyResult<Self> {
+        let env = Self::make(id, kwargs, render_mode)?;
+        env.restore(py, snapshot, is_running)?;
+        if let Some(json) = observation.and_then(|text| serde_json::from_str::<Json>(text).ok()) {
+            let mut core = env.lock(py)?;
+            core.observation = core.env.observation_space().from_json(&json).or_raise()?;
+        }
+        Ok(env)
+    }
+
+    /// The stack of the environment.
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(self.lock(py)?.env.describe())
+    }
+}
+
+/// A reset from its Python form.
+pub(crate) fn reset_of(seed: Option<&str>, options: Option<&str>) -> Result<Reset> {
+    let seed = seed.map(str::parse::<Seed>).transpose()?;
+    let options = match options {
+        Some(json) => {
+            serde_json::from_str(json).map_err(|error| Error::argument("options", error.to_string()))?
+        }
+        None => Kwargs::new(),
+    };
+    Ok(Reset { seed, options })
+}

@@ -1,0 +1,78 @@
+//! Errors and panics as Python exceptions.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use gym::{Error, Result};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+create_exception!(
+    rustgym,
+    PanicError,
+    PyRuntimeError,
+    "A bug: the Rust code of an environment panicked. The environment can be used again after `reset`."
+);
+
+/// Lets Rust code run; a panic in it becomes a [`PanicError`] instead of the `BaseException` that pyo3 makes of it.
+pub(crate) fn guard<T>(f: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(f))
+        .unwrap_or_else(|panic| Err(PanicError::new_err(message(&*panic).to_owned())))
+}
+
+/// What a panic was raised with.
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
+}
+
+/// A `Result` of ours as one of Python's.
+pub(crate) trait OrRaise<T> {
+    /// The exception that Gymnasium has for the error, with our text.
+    fn or_raise(self) -> PyResult<T>;
+}
+
+impl<T> OrRaise<T> for Result<T> {
+    fn or_raise(self) -> PyResult<T> {
+        self.map_err(|error| Python::attach(|py| exception(py, &error)))
+    }
+}
+
+fn exception(py: Python<'_>, error: &Error) -> PyErr {
+    let text = error.to_string();
+    match class(error) {
+        Class::Value => PyValueError::new_err(text),
+        Class::Gymnasium(name) => gymnasium(py, name, text),
+    }
+}
+
+/// The exception `gymnasium.error.NAME`.
+pub(crate) fn gymnasium(py: Python<'_>, name: &str, text: String) -> PyErr {
+    let raised = py.import("gymnasium.error").and_then(|module| module.getattr(name)?.call1((text,)));
+    raised.map_or_else(|error| error, PyErr::from_value)
+}
+
+enum Class {
+    Value,
+    Gymnasium(&'static str),
+}
+
+fn class(error: &Error) -> Class {
+    Class::Gymnasium(match error {
+        Error::InvalidArgument { .. } | Error::InvalidSpace(_) | Error::Snapshot(_) => {
+            return Class::Value;
+        }
+        Error::SubEnvironment { source, .. } => return class(source),
+        Error::NamespaceNotFound { .. } => "NamespaceNotFound",
+        Error::NameNotFound { .. } => "NameNotFound",
+        Error::VersionNotFound { .. } => "VersionNotFound",
+        Error::DeprecatedVersion { .. } => "DeprecatedEnv",
+        Error::Registration { .. } | Error::Duplicate { .. } => "RegistrationError",
+        Error::InvalidAction { .. } | Error::NotInSpace { .. } => "InvalidAction",
+        Error::ResetNeeded(_) => "ResetNeeded",
+        Error::Closed(_) => "ClosedEnvironmentError",
+        Error::UnsupportedMode { .. } => "UnsupportedMode",
+        _ => "Error",
+    })
+}

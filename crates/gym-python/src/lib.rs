@@ -1,0 +1,36 @@
+//! `rustgym._native`: environments, vectors and the registry, as the Python part of the package sees them.
+//!
+//! Nothing here decides anything that Gymnasium decides: what a reset returns, which exceptions there are, how specs are
+//! registered is Python, in `python/rustgym`. What crosses the border are numpy arrays, numbers, and descriptions as JSON.
+
+mod convert;
+mod env;
+mod error;
+#[cfg(feature = "faults")]
+mod faults;
+mod fork;
+mod peek;
+mod registry;
+mod vector;
+
+/// The extension module.
+#[pyo3::pymodule]
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
+    #[pymodule_export]
+    use crate::env::Env;
+    #[pymodule_export]
+    use crate::error::PanicError;
+    #[pymodule_export]
+    use crate::fork::after_fork_in_child;
+    #[pymodule_export]
+    use crate::registry::{describe, generate_random_map, specs};
+    #[pymodule_export]
+    use crate::vector::Vector;
+}

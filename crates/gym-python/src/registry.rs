@@ -1,0 +1,68 @@
+//! What there is: ids, how they are made, what they look like.
+
+use gym::registry::{all, find};
+use gym::toytext::frozen_lake;
+use gym::{BoxEnv, Env, EnvSpec, Kwargs, Result, builder};
+use pyo3::prelude::*;
+use serde_json::{Value as Json, json};
+
+use crate::error::{OrRaise, guard};
+
+/// Every id with all that its spec says, as a JSON list.
+#[pyfunction]
+pub(crate) fn specs() -> PyResult<String> {
+    let row = |registration: gym::Registration| -> Result<Json> {
+        let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } =
+            registration.spec()?;
+        Ok(json!({
+            "id": id,
+            "crate": registration.crate_name(),
+            "about": registration.about(),
+            "kwargs": kwargs,
+            "defaults": registration.default_kwargs(),
+            "reward_threshold": reward_threshold,
+            "max_episode_steps": max_episode_steps,
+            "nondeterministic": nondeterministic,
+            "native_vector": registration.native_vector().is_some(),
+        }))
+    };
+    guard(|| Ok(Json::Array(all().into_iter().map(row).collect::<Result<_>>().or_raise()?).to_string()))
+}
+
+/// Spaces and metadata of an id with its default arguments, as JSON.
+#[pyfunction]
+pub(crate) fn describe(id: &str) -> PyResult<String> {
+    guard(|| Ok(description(&bare(id, Kwargs::new(), None).or_raise()?).to_string()))
+}
+
+/// A random map for FrozenLake; see [`frozen_lake::generate_random_map`].
+#[pyfunction]
+#[pyo3(signature = (size, p, seed))]
+pub(crate) fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> PyResult<Vec<String>> {
+    guard(|| frozen_lake::generate_random_map(size, p, seed).or_raise())
+}
+
+/// An environment without wrappers: Gymnasium puts its own around it.
+pub(crate) fn bare(id: &str, kwargs: Kwargs, render_mode: Option<&str>) -> Result<BoxEnv> {
+    let mut builder = builder(&find(id)?.spec()?.id)
+        .args(kwargs)
+        .disable_env_checker(true)
+        .order_enforce(false)
+        .max_episode_steps(None);
+    if let Some(mode) = render_mode {
+        builder = builder.render_mode(mode.parse()?);
+    }
+    builder.build()
+}
+
+/// Spaces and metadata, as JSON.
+pub(crate) fn description(env: &BoxEnv) -> Json {
+    let metadata = env.metadata();
+    json!({
+        "observation_space": env.observation_space(),
+        "action_space": env.action_space(),
+        "render_modes": metadata.render_modes,
+        "render_fps": metadata.render_fps,
+        "render_size": metadata.render_size,
+    })
+}

@@ -1,0 +1,421 @@
+//! Many environments stepped as one.
+
+use std::mem::ManuallyDrop;
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+
+use gym::vector::{
+    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec,
+};
+use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, builder};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::{PyDict, PyList, PyTuple};
+use serde_json::{Value as Json, json};
+
+use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python};
+use crate::env::Env;
+use crate::error::{OrRaise, guard, gymnasium};
+use crate::fork::Origin;
+
+/// A vector of environments. The lock of Python is released while it works.
+#[pyclass(frozen, module = "rustgym._native")]
+#[derive(Debug)]
+pub(crate) struct Vector {
+    /// Not dropped in the child of a fork, where the threads are missing that dropping waits for.
+    core: ManuallyDrop<Mutex<Core>>,
+    spec: VectorSpec,
+    actions: Space,
+    origin: Origin,
+}
+
+#[derive(Debug)]
+struct Core {
+    envs: Envs,
+    columns: Columns,
+    /// The arrays of the step before last and of the last, where they are used again.
+    spares: Option<[Option<Py<PyTuple>>; 2]>,
+}
+
+#[derive(Debug)]
+enum Envs {
+    /// Sync or native.
+    Here(Box<dyn VectorEnv>),
+    /// By its own type, for `send` and `recv`.
+    Async(Box<AsyncVectorEnv>),
+}
+
+impl Envs {
+    fn as_dyn(&mut self) -> &mut (dyn VectorEnv + 'static) {
+        match self {
+            Self::Here(envs) => envs.as_mut(),
+            Self::Async(envs) => envs.as_mut(),
+        }
+    }
+
+    fn of_threads(&mut self) -> PyResult<&mut AsyncVectorEnv> {
+        match self {
+            Self::Async(envs) => Ok(envs),
+            Self::Here(_) => Err(Error::custom(
+                "only a vector of kind async steps some of its environments: make one for this",
+            ))
+            .or_raise(),
+        }
+    }
+}
+
+impl Drop for Vector {
+    fn drop(&mut self) {
+        if self.origin.is_here() {
+            // SAFETY: nobody uses the field after this.
+            unsafe { ManuallyDrop::drop(&mut self.core) };
+        }
+    }
+}
+
+impl Vector {
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Core>> {
+        let has_threads = self.spec.vectorization_mode == VectorKind::Async;
+        if has_threads {
+            self.origin.check("vector")?;
+        }
+        match self.core.try_lock() {
+            Ok(core) => Ok(core),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                self.origin.check("vector")?;
+                Ok(self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
+            }
+        }
+    }
+
+    fn actions(&self, space: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
+        from_python(space, actions).map_err(|error| {
+            let py = actions.py();
+            let text = format!("invalid actions: the action space is {space} ({})", error.value(py));
+            gymnasium(py, "InvalidAction", text)
+        })
+    }
+}
+
+impl Core {
+    /// Observations, rewards and flags as arrays: new ones, or those of the step before last.
+    fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
+        let Self { columns, spares, .. } = self;
+        let old = spares.as_mut().and_then(|spares| {
+            spares.swap(0, 1);
+            spares[0].take().map(|old| old.into_bound(py))
+        });
+        let old = |i: usize| old.as_ref().and_then(|old| old.get_item(i).ok());
+        let n = [columns.len()];
+        let arrays = [
+            refill(py, &columns.observations, old(0))?,
+            old(1).map_or_else(
+                || Ok(new_array(py, &n, &columns.rewards)),
+                |to| copy_into(to, &columns.rewards),
+            )?,
+            old(2).map_or_else(
+                || Ok(new_array(py, &n, &columns.terminated)),
+                |to| copy_into(to, &columns.terminated),
+            )?,
+            old(3).map_or_else(
+                || Ok(new_array(py, &n, &columns.truncated)),
+                |to| copy_into(to, &columns.truncated),
+            )?,
+        ];
+        if let Some(spares) = spares {
+            spares[0] = Some(PyTuple::new(py, &arrays)?.unbind());
+        }
+        Ok(arrays)
+    }
+
+    /// Gymnasium's dict of columns.
+    fn infos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let Self { envs, columns, .. } = self;
+        let infos: Info = guard(|| Ok(envs.as_dyn().infos(columns)))?;
+        let dict = PyDict::new(py);
+        for (key, column) in &infos {
+            dict.set_item(key, column_to_python(py, column)?)?;
+        }
+        Ok(dict)
+    }
+}
+
+/// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one of columns.
+fn column_to_python<'py>(py: Python<'py>, column: &Value) -> PyResult<Bound<'py, PyAny>> {
+    match column {
+        Value::Tuple(items) => {
+            let flags: Option<Vec<bool>> = items.iter().map(Value::as_bool).collect();
+            if let Some(flags) = flags {
+                return Ok(new_array(py, &[flags.len()], &flags));
+            }
+            let objects = numpy(py)?.call_method1("empty", (items.len(), "O"))?;
+            for (i, item) in items.iter().enumerate() {
+                objects.set_item(i, to_python(py, item)?)?;
+            }
+            Ok(objects)
+        }
+        Value::Dict(entries) => {
+            let dict = PyDict::new(py);
+            for (key, column) in entries {
+                dict.set_item(key, column_to_python(py, column)?)?;
+            }
+            Ok(dict.into_any())
+        }
+        other => to_python(py, other),
+    }
+}
+
+fn copy_into<'py, T: numpy::Element + Copy>(
+    array: Bound<'py, PyAny>,
+    numbers: &[T],
+) -> PyResult<Bound<'py, PyAny>> {
+    array.cast::<PyArray1<T>>()?.try_readwrite()?.as_slice_mut()?.copy_from_slice(numbers);
+    Ok(array)
+}
+
+#[pymethods]
+impl Vector {
+    /// `num_envs` environments `id`, each with these arguments and the stack of `make`.
+    #[new]
+    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy))]
+    #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
+    fn new(
+        id: &str,
+        num_envs: usize,
+        kind: Option<&str>,
+        kwargs: &str,
+        render_mode: Option<&str>,
+        max_episode_steps: Option<i64>,
+        autoreset: &str,
+        threads: Option<usize>,
+        copy: bool,
+    ) -> PyResult<Self> {
+        guard(|| {
+            let map: Kwargs = serde_json::from_str(kwargs)
+                .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
+                .or_raise()?;
+            let autoreset: Autoreset = serde_json::from_value(json!(autoreset))
+                .map_err(|error| Error::argument("autoreset_mode", error.to_string()))
+                .or_raise()?;
+            let mut env = builder(id).args(map);
+            if let Some(steps) = max_episode_steps {
+                env = env.args([("max_episode_steps".to_owned(), json!(steps))].into_iter().collect());
+            }
+            if let Some(mode) = render_mode {
+                env = env.render_mode(mode.parse().or_raise()?);
+            }
+            let mut vector = env.vector(num_envs).autoreset(autoreset);
+            if let Some(kind) = kind {
+                vector = vector.kind(kind.parse().or_raise()?);
+            }
+            if let Some(threads) = threads {
+                vector = vector.threads(threads);
+            }
+            let spec = vector.spec().or_raise()?;
+            let envs = make(&spec)?;
+            Self::holding(envs, spec, copy)
+        })
+    }
+
+    /// How its environments are stepped: `sync`, `async` or `native`.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.spec.vectorization_mode.name()
+    }
+
+    /// Starts episodes; one seed for all, or a list with one for each; `mask` says which start.
+    #[pyo3(signature = (seed, seeds, options, mask))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        seed: Option<&str>,
+        seeds: Option<Vec<Option<String>>>,
+        options: Option<&str>,
+        mask: Option<Vec<bool>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
+        let one = crate::env::reset_of(seed, options).or_raise()?;
+        let each = seeds.map(|seeds| {
+            let seeds = seeds.into_iter().map(|seed| seed.map(|seed| Ok(seed.parse::<Seed>()?)).transpose());
+            seeds.collect::<gym::Result<Vec<_>>>()
+        });
+        let seeds = match each.transpose().or_raise()? {
+            Some(seeds) => Seeds::Each(seeds),
+            None => one.seed.map_or(Seeds::None, Seeds::From),
+        };
+        let reset = VectorReset { seeds, options: one.options, mask };
+        let mut core = self.lock(py)?;
+        let Core { envs, columns, .. } = &mut *core;
+        py.detach(|| guard(|| envs.as_dyn().reset_into(&reset, columns).or_raise()))?;
+        let [observations, ..] = core.arrays(py)?;
+        Ok((observations, core.infos(py)?))
+    }
+
+    /// Takes a step in each: observations, rewards, terminated, truncated, infos.
+    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyTuple>> {
+        let actions = self.actions(&self.actions, actions)?;
+        let mut core = self.lock(py)?;
+        let Core { envs, columns, .. } = &mut *core;
+        py.detach(|| guard(|| envs.as_dyn().step_into(&actions, columns).or_raise()))?;
+        let [observations, rewards, terminated, truncated] = core.arrays(py)?;
+        (observations, rewards, terminated, truncated, core.infos(py)?).into_pyobject(py)
+    }
+
+    /// Lets some take a step, without waiting for them.
+    fn send(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, ids: Vec<usize>) -> PyResult<()> {
+        let space = self.spec_action_space(py)?.batch(ids.len().max(1)).or_raise()?;
+        let actions = self.actions(&space, actions)?;
+        let mut core = self.lock(py)?;
+        let envs = core.envs.of_threads()?;
+        py.detach(|| guard(|| envs.send(&actions, &ids).or_raise()))
+    }
+
+    /// The results of the first `m` that are ready: observations, rewards, terminated, truncated, infos, ids.
+    fn recv<'py>(&self, py: Python<'py>, m: usize) -> PyResult<Bound<'py, PyTuple>> {
+        let mut core = self.lock(py)?;
+        let mut ids = Vec::new();
+        let mut columns = Columns::default();
+        let envs = core.envs.of_threads()?;
+        py.detach(|| guard(|| envs.recv_into(m, &mut ids, &mut columns).or_raise()))?;
+        let infos = PyList::empty(py);
+        for id in &ids {
+            let info = PyDict::new(py);
+            for (key, value) in guard(|| Ok(envs.info_map(*id)))? {
+                info.set_item(key, to_python(py, &value)?)?;
+            }
+            infos.append(info)?;
+        }
+        let n = [columns.len()];
+        let observations = to_python(py, &columns.observations)?;
+        let rewards = new_array(py, &n, &columns.rewards);
+        let flags = [&columns.terminated, &columns.truncated].map(|flags| new_array(py, &n, flags));
+        let [terminated, truncated] = flags;
+        (observations, rewards, terminated, truncated, infos, ids).into_pyobject(py)
+    }
+
+    /// The pictures or texts of the render mode.
+    fn render<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let mut core = self.lock(py)?;
+        let envs = &mut core.envs;
+        let frames = py.detach(|| guard(|| envs.as_dyn().render().or_raise()))?;
+        let frames = frames.iter().map(|frame| rendered(py, frame)).collect::<PyResult<Vec<_>>>()?;
+        PyTuple::new(py, frames)
+    }
+
+    /// Spaces and metadata of one environment, as JSON.
+    fn describe(&self, py: Python<'_>) -> PyResult<String> {
+        let mut core = self.lock(py)?;
+        let envs = core.envs.as_dyn();
+        let metadata = envs.metadata();
+        let description = json!({
+            "observation_space": envs.single_observation_space(),
+            "action_space": envs.single_action_space(),
+            "render_modes": metadata.render_modes,
+            "render_fps": metadata.render_fps,
+        });
+        Ok(description.to_string())
+    }
+
+    /// Whose episode has ended in the last step.
+    fn done<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let core = self.lock(py)?;
+        let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();
+        Ok(new_array(py, &[done.len()], &done))
+    }
+
+    /// Copies of the environments, wrappers included.
+    fn envs(&self, py: Python<'_>) -> PyResult<Vec<Env>> {
+        let mut core = self.lock(py)?;
+        let copies = guard(|| core.envs.as_dyn().call(|_, env: &mut BoxEnv| env.clone()).or_raise())?;
+        Ok(copies.into_iter().map(|env| Env::of_vector(env, &self.spec.env)).collect())
+    }
+
+    /// Puts environments in the place of the vector's own.
+    fn set_envs(&self, py: Python<'_>, envs: Vec<Bound<'_, Env>>) -> PyResult<()> {
+        let copies = envs.iter().map(|env| env.get().inner(py)).collect::<PyResult<Vec<_>>>()?;
+        let mut core = self.lock(py)?;
+        let mut copies = copies.into_iter();
+        core.envs
+            .as_dyn()
+            .call(|_, env: &mut BoxEnv| {
+                if let Some(copy) = copies.next() {
+                    *env = copy;
+                }
+            })
+            .map(|_| ())
+            .or_raise()
+    }
+
+    /// What it is made of, and a snapshot to go on from.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let (py, vector) = (slf.py(), slf.get());
+        let mut core = vector.lock(py)?;
+        let copy = core.spares.is_none();
+        let envs = &mut core.envs;
+        let (spec, snapshot) = py.detach(|| {
+            guard(|| {
+                let snapshot: Json =
+                    envs.as_dyn().snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+                Ok((json!(vector.spec).to_string(), snapshot.to_string()))
+            })
+        })?;
+        Ok((slf.get_type().getattr("rebuild")?, (spec, copy, snapshot).into_pyobject(py)?))
+    }
+
+    /// The vector that `__reduce__` took apart.
+    #[staticmethod]
+    fn rebuild(py: Python<'_>, spec: &str, copy: bool, snapshot: &str) -> PyResult<Self> {
+        let damaged = |error: serde_json::Error| Error::Snapshot(error.to_string());
+        let spec: VectorSpec = serde_json::from_str(spec).map_err(damaged).or_raise()?;
+        let snapshot: Snapshot = serde_json::from_str(snapshot).map_err(damaged).or_raise()?;
+        py.detach(|| {
+            guard(|| {
+                let mut envs = make(&spec)?;
+                envs.as_dyn().restore(&snapshot).or_raise()?;
+                Self::holding(envs, spec, copy)
+            })
+        })
+    }
+
+    /// Ends the use of all environments.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let mut core = self.lock(py)?;
+        let envs = &mut core.envs;
+        py.detach(|| {
+            guard(|| {
+                envs.as_dyn().close();
+                Ok(())
+            })
+        })
+    }
+
+    /// The kind of vector, its environment and their number.
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(self.lock(py)?.envs.as_dyn().describe())
+    }
+}
+
+impl Vector {
+    fn holding(mut envs: Envs, spec: VectorSpec, copy: bool) -> PyResult<Self> {
+        let actions = envs.as_dyn().action_space().or_raise()?;
+        let spares = (!copy).then(Default::default);
+        let core = Mutex::new(Core { envs, columns: Columns::default(), spares });
+        Ok(Self { core: ManuallyDrop::new(core), spec, actions, origin: Origin::here() })
+    }
+
+    fn spec_action_space(&self, py: Python<'_>) -> PyResult<Space> {
+        Ok(self.lock(py)?.envs.as_dyn().single_action_space())
+    }
+}
+
+fn make(spec: &VectorSpec) -> PyResult<Envs> {
+    if spec.vectorization_mode != VectorKind::Async {
+        return spec.make().or_raise().map(Envs::Here);
+    }
+    let envs = (0..spec.num_envs).map(|_| spec.env.make()).collect::<gym::Result<Vec<_>>>().or_raise()?;
+    let mut vector = AsyncVectorEnv::new(envs).or_raise()?;
+    if let Some(threads) = spec.threads {
+        vector = vector.with_threads(threads).or_raise()?;
+    }
+    Ok(Envs::Async(Box::new(vector.with_autoreset(spec.autoreset_mode))))
+}

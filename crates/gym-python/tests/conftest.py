@@ -1,0 +1,59 @@
+"""What the tests share."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import rustgym
+
+gymnasium.logger.min_level = gymnasium.logger.ERROR
+
+#: Ids that Gymnasium has as well, and those that it once had.
+IDS = [env_id for env_id in rustgym.ids() if "/" not in env_id]
+
+
+def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
+    """Equal values, of the same types and dtypes; a float of ours may be an int of theirs."""
+    if isinstance(theirs, dict):
+        assert ours.keys() == theirs.keys(), where
+        for key in theirs:
+            assert_same(ours[key], theirs[key], f"{where}[{key!r}]")
+    elif isinstance(theirs, tuple | list):
+        assert len(ours) == len(theirs), where
+        for i, (a, b) in enumerate(zip(ours, theirs, strict=True)):
+            assert_same(a, b, f"{where}[{i}]")
+    elif isinstance(theirs, np.ndarray) and theirs.dtype == object:
+        assert ours.dtype == object, where
+        assert_same(tuple(ours), tuple(theirs), where)
+    elif isinstance(theirs, np.ndarray):
+        assert isinstance(ours, np.ndarray) and ours.dtype == theirs.dtype, where
+        assert ours.shape == theirs.shape and np.array_equal(ours, theirs), f"{where}: {ours} is not {theirs}"
+    else:
+        assert ours == theirs, f"{where}: {ours} is not {theirs}"
+
+
+@pytest.fixture(params=IDS)
+def env_id(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+@pytest.fixture
+def faults() -> str:
+    """The id of an environment that panics when told to; only in a build with the feature `faults`."""
+    name = "faults/Panics-v0"
+    if name not in rustgym.ids():
+        pytest.skip("this build has no faulty environment: maturin build --features faults")
+    return name
+
+
+@pytest.fixture(autouse=True)
+def quiet() -> Any:
+    """Warnings of ids out of date are not what is tested."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*out of date.*")
+        yield

@@ -1,0 +1,245 @@
+"""One environment: what reset, step and render return and refuse."""
+
+from __future__ import annotations
+
+import json
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import rustgym
+
+
+def test_gymnasiums_checker(env_id: str) -> None:
+    env = rustgym.make(env_id)
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+def test_results_are_new_each_time(env_id: str) -> None:
+    env = rustgym.make(env_id).unwrapped
+    results = [env.reset(seed=1)[0], env.reset(seed=1)[0]]
+    results += [env.step(env.action_space.sample())[0] for _ in range(3)]
+    arrays = [result for result in results if isinstance(result, np.ndarray)]
+    for i, array in enumerate(arrays):
+        assert array.flags.writeable and array.flags.c_contiguous
+        assert not any(np.shares_memory(array, other) for other in arrays[:i])
+
+
+@pytest.mark.parametrize("mode", ["rgb_array", "ansi"])
+def test_rendering(env_id: str, mode: str) -> None:
+    env = rustgym.make(env_id, render_mode=mode) if mode in rustgym.make(env_id).metadata["render_modes"] else None
+    if env is None:
+        pytest.skip(f"it has no mode {mode}")
+    env.reset(seed=0)
+    shown = env.render()
+    if mode == "ansi":
+        assert isinstance(shown, str) and len(shown) > 10
+    else:
+        assert shown.dtype == np.uint8 and shown.ndim == 3 and shown.shape[2] == 3
+        assert shown.flags.writeable and shown.flags.c_contiguous and len(np.unique(shown)) > 1
+        assert not np.shares_memory(shown, env.render())
+
+
+def test_state_pixels() -> None:
+    env = rustgym.make("CarRacing-v3", render_mode="state_pixels")
+    observation, _ = env.reset(seed=0)
+    assert np.array_equal(env.render(), observation) and env.render() is not observation
+
+
+def test_unknown_render_modes() -> None:
+    env = rustgym.Env("CartPole-v1", render_mode="no-such-mode")
+    env.reset(seed=0)
+    with pytest.raises(gymnasium.error.UnsupportedMode, match="human, rgb_array"):
+        env.render()
+    env = rustgym.Env("CartPole-v1")
+    env.reset(seed=0)
+    assert env.render() is None
+
+
+@pytest.mark.parametrize("action", [0, np.int64(1), np.int8(1), np.array(1), True])
+def test_discrete_actions(action: object) -> None:
+    env = rustgym.Env("CartPole-v1")
+    env.reset(seed=0)
+    assert env.step(action)[1] == 1.0
+
+
+@pytest.mark.parametrize("action", [2, -1, 1.0, None, "left", [0], np.array([0, 1]), np.float32(0), 2**70])
+def test_bad_discrete_actions(action: object) -> None:
+    env = rustgym.Env("CartPole-v1")
+    env.reset(seed=0)
+    before = env.get_state()
+    with pytest.raises(gymnasium.error.InvalidAction, match=r"Discrete\(2\)"):
+        env.step(action)
+    assert env.get_state() == before
+
+
+@pytest.mark.parametrize("action", [[0.5], (0.5,), np.array([0.5]), np.array([0.5], np.float32), [0], np.array([5.0])])
+def test_continuous_actions(action: object) -> None:
+    env = rustgym.Env("Pendulum-v1")
+    env.reset(seed=0)
+    assert env.step(action)[0].dtype == np.float32
+
+
+@pytest.mark.parametrize("action", [0.5, [[0.5]], [0.5, 0.5], [], "x", None, [np.nan], [1j]])
+def test_bad_continuous_actions(action: object) -> None:
+    env = rustgym.Env("Pendulum-v1")
+    env.reset(seed=0)
+    with pytest.raises(gymnasium.error.InvalidAction, match="Box"):
+        env.step(action)
+
+
+def test_strided_and_swapped_actions() -> None:
+    env = rustgym.Env("BipedalWalker-v3")
+    results = []
+    numbers = np.arange(8, dtype=np.float32) / 8
+    for action in (numbers[::2].copy(), numbers[::2], numbers[::2].astype(">f4"), numbers[::2].astype(np.float64)):
+        env.reset(seed=0)
+        results.append(env.step(action)[0])
+    assert all(np.array_equal(results[0], result) for result in results)
+
+
+def test_order() -> None:
+    env = rustgym.Env("CartPole-v1")
+    with pytest.raises(gymnasium.error.ResetNeeded, match="reset"):
+        env.step(0)
+    env.reset()
+    env.close()
+    env.close()
+    with pytest.raises(gymnasium.error.Error):
+        env.step(0)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", [1]])
+def test_bad_seeds(seed: object) -> None:
+    with pytest.raises(gymnasium.error.Error, match=r"[Ss]eed"):
+        rustgym.Env("CartPole-v1").reset(seed=seed)
+
+
+def test_seeds() -> None:
+    env = rustgym.Env("CartPole-v1")
+    same = [env.reset(seed=seed)[0] for seed in (5, np.int64(5), np.uint8(5))]
+    assert all(np.array_equal(same[0], other) for other in same)
+    assert not np.array_equal(env.reset(seed=2**200)[0], same[0])
+    assert not np.array_equal(env.reset()[0], env.reset()[0])
+
+
+@pytest.mark.parametrize("options", [{"low": "x"}, {"low": [1.0, 2.0]}, {"low": 1.0, "high": 0.5}, {"low": float("nan")}])
+def test_bad_options(options: dict[str, object]) -> None:
+    env = rustgym.Env("CartPole-v1")
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="low|reset options of CartPole"):
+        env.reset(options=options)
+
+
+def test_options() -> None:
+    env = rustgym.envs.CartPoleEnv()
+    env.reset(seed=0, options={"low": np.array(0.2), "high": np.float32(0.25), "unknown": object()})
+    assert (np.abs(env.state - 0.225) <= 0.026).all()
+
+
+def test_arguments() -> None:
+    lake = rustgym.Env("FrozenLake-v1", desc=["SFG", "HHH", "FFF"], is_slippery=False)
+    assert lake.observation_space.n == 9 and lake.arguments["is_slippery"] is False
+    assert lake.unwrapped.arguments["desc"] == ["SFG", "HHH", "FFF"]
+    same = rustgym.envs.FrozenLakeEnv(desc=np.asarray(["SFG", "HHH", "FFF"], dtype="c"))
+    assert (same.desc == np.asarray(["SFG", "HHH", "FFF"], dtype="c")).all() and (same.nrow, same.ncol) == (3, 3)
+    with pytest.raises(TypeError, match="is_slipery.*is_slippery"):
+        rustgym.Env("FrozenLake-v1", is_slipery=False)
+    with pytest.raises(ValueError, match="gravity is 3"):
+        rustgym.Env("LunarLander-v3", gravity=3.0)
+    with pytest.raises(TypeError, match="takes no arguments"):
+        rustgym.make("Taxi-v3", is_rainy=True)
+
+
+def test_constants_cannot_be_set_in_silence() -> None:
+    env = rustgym.make("CartPole-v1").unwrapped
+    gymnasium.logger.min_level = gymnasium.logger.WARN
+    try:
+        with pytest.warns(UserWarning, match="gravity is what this CartPole_v1 was made with"):
+            env.gravity = 1.6
+    finally:
+        gymnasium.logger.min_level = gymnasium.logger.ERROR
+
+
+def test_unknown_ids() -> None:
+    with pytest.raises(gymnasium.error.NameNotFound, match="did you mean `CartPole-v1`"):
+        rustgym.Env("Cartpole-v1")
+    with pytest.raises(gymnasium.error.VersionNotFound):
+        rustgym.Env("CartPole-v9")
+
+
+def test_what_is_seen_of_toy_text() -> None:
+    taxi = rustgym.Env("Taxi-v4")
+    taxi = rustgym.make("Taxi-v4").unwrapped
+    with pytest.raises(AttributeError, match="before the first reset"):
+        _ = taxi.s
+    state, _ = taxi.reset(seed=0)
+    assert taxi.s == state and taxi.lastaction is None
+    taxi.s = 42
+    taxi.step(1)
+    assert taxi.lastaction == 1 and taxi.decode(taxi.s)[2:] == taxi.decode(42)[2:]
+    with pytest.raises(ValueError, match="snapshot"):
+        taxi.s = 500
+    blackjack = rustgym.make("Blackjack-v1").unwrapped
+    observation, _ = blackjack.reset(seed=1)
+    assert observation[1] == blackjack.dealer[0] and len(blackjack.player) == 2
+
+
+def test_what_is_seen_of_box2d() -> None:
+    lander = rustgym.make("LunarLander-v3", enable_wind=True).unwrapped
+    lander.reset(seed=1)
+    first = lander.wind_idx, lander.torque_idx
+    lander.step(0)
+    assert (lander.wind_idx, lander.torque_idx) == (first[0] + 1, first[1] + 1)
+    assert lander.enable_wind is True and lander.gravity == -10.0 and not lander.game_over
+    walker = rustgym.make("BipedalWalkerHardcore-v3").unwrapped
+    walker.reset(seed=1)
+    assert walker.hardcore and any(piece.color1 == (255, 255, 255) for piece in walker.terrain)
+
+
+def test_stored_states() -> None:
+    env = rustgym.Env("Acrobot-v1")
+    env.reset(seed=3)
+    state = env.get_state()
+    assert json.loads(state)
+    ways = []
+    for _ in range(2):
+        env.set_state(state)
+        ways.append([env.step(a % 3)[0] for a in range(20)])
+    assert np.array_equal(*ways)
+    for damaged in ("", "{}", rustgym.Env("CartPole-v1").get_state()):
+        with pytest.raises(ValueError, match="snapshot"):
+            env.set_state(damaged)
+
+
+def test_panics_are_exceptions(faults: str) -> None:
+    env = rustgym.Env(faults)
+    env.reset()
+    env.step(0)
+    with pytest.raises(rustgym.PanicError, match="asked to panic at step 1"):
+        env.step(1)
+    assert issubclass(rustgym.PanicError, Exception)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(0)
+    assert env.reset()[0] == 0 and env.step(0)[0] == 1
+    with pytest.raises(gymnasium.error.Error, match="asked to refuse"):
+        env.step(2)
+    assert env.step(0)[0] == 2, "a refusal changes nothing"
+    with pytest.raises(rustgym.PanicError, match="at a reset"):
+        env.reset(options={"panic": True})
+    assert env.reset()[0] == 0
+
+
+def test_closing_a_window_of_pygame(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    env = rustgym.Env("Acrobot-v1", render_mode="human")
+    first, _ = env.reset(seed=0)
+    plain = rustgym.Env("Acrobot-v1")
+    assert np.array_equal(first, plain.reset(seed=0)[0])
+    assert np.array_equal(env.step(1)[0], plain.step(1)[0])
+    assert env.render() is None
+    env.close()

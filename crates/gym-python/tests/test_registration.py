@@ -1,0 +1,113 @@
+"""Ids in Gymnasium's registry, and the module in Gymnasium's place."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import gymnasium
+import pytest
+
+import rustgym
+from rustgym.registration import namespaced
+
+
+def run(code: str) -> str:
+    """What a program of its own prints; a warning ends it."""
+    command = [sys.executable, "-W", "error::UserWarning", "-c", code]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_every_id_is_in_the_namespace() -> None:
+    for env_id in rustgym.ids():
+        spec = gymnasium.spec(namespaced(env_id))
+        assert isinstance(spec.entry_point, str) and spec.to_json()
+
+
+def test_an_id_imports_the_package() -> None:
+    code = "import gymnasium; print(gymnasium.make('rustgym:rustgym/CartPole-v1'), gymnasium.make_vec('rustgym:rustgym/CartPole-v1', 3))"
+    assert "CartPole_v1" in run(code)
+
+
+def test_replacing() -> None:
+    code = """
+import gymnasium, rustgym
+old = dict(gymnasium.registry)
+rustgym.register(replace=True)
+rustgym.register(replace=True)
+for id in ("CartPole-v1", "LunarLander-v2", "Taxi-v3", "LunarLander-v3", "CarRacing-v2"):
+    assert gymnasium.make(id, disable_env_checker=True).unwrapped.__module__ == "rustgym.envs", id
+assert type(gymnasium.make_vec("CartPole-v1", 2)).__module__ == "rustgym.envs"
+assert type(gymnasium.make_vec("Pendulum-v1", 2)) is gymnasium.vector.SyncVectorEnv
+assert gymnasium.registry["GymV26Environment-v0"] is old["GymV26Environment-v0"]
+print("done")
+"""
+    assert run(code) == "done\n"
+
+
+def test_the_module_in_gymnasiums_place() -> None:
+    code = """
+import rustgym as gym
+assert gym.make("CartPole-v1").unwrapped.__module__ == "rustgym.envs"
+assert "CartPole-v1" in gym.envs.registry and "LunarLander-v2" in [name for name, _ in gym.envs.registry.items()]
+assert gym.spaces.Discrete(3).n == 3 and gym.wrappers.TimeLimit and gym.vector.SyncVectorEnv and gym.error.Error
+gym.register("Mine-v0", entry_point="rustgym.envs:CartPole_v1")
+gym.register(id="Mine-v1", entry_point="rustgym.envs:CartPole_v1")
+assert gym.make("Mine-v1").spec.id == "Mine-v1" and gym.spec("Mine-v0").id == "Mine-v0"
+assert gym.make_vec("CartPole-v1", 4).num_envs == 4
+from rustgym.wrappers import TimeLimit
+import numpy as np
+from gymnasium.utils.env_checker import check_env
+class Mine(gym.Env):
+    observation_space, action_space = gym.spaces.Box(0, 1, (2,)), gym.spaces.Discrete(2)
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return self.np_random.random(2, np.float32), {}
+    def step(self, action):
+        return self.np_random.random(2, np.float32), 0.0, False, False, {}
+check_env(Mine(), skip_render_check=True)
+Mine().close()
+from rustgym.spaces import Box
+print(gym.__version__)
+"""
+    assert run(code).strip() == rustgym.__version__
+
+
+def test_ids_without_version() -> None:
+    gymnasium.logger.min_level = gymnasium.logger.WARN
+    try:
+        with pytest.warns(UserWarning, match="Using the latest versioned environment `rustgym/CartPole-v1`"):
+            assert rustgym.make("CartPole").spec.id == "rustgym/CartPole-v1"
+    finally:
+        gymnasium.logger.min_level = gymnasium.logger.ERROR
+
+
+def test_import_is_light() -> None:
+    code = "import sys, rustgym; print([m for m in ('pygame', 'Box2D', 'torch', 'stable_baselines3', 'matplotlib') if m in sys.modules])"
+    assert run(code).strip() == "[]"
+
+
+def test_specs_make_the_same_again() -> None:
+    env = rustgym.make("FrozenLake-v1", map_name="8x8")
+    assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json())).spec == env.spec
+    envs = rustgym.make_vec("CartPole-v1", 5)
+    again = gymnasium.make_vec(envs.spec)
+    assert again.spec == envs.spec and again.num_envs == 5
+
+
+def test_classes_stand_for_gymnasiums() -> None:
+    for name, ours in rustgym.CLASSES.items():
+        module, _, attribute = name.partition(":")
+        try:
+            __import__(module)
+        except ImportError:
+            continue
+        assert hasattr(sys.modules[module], attribute), name
+        assert callable(ours)
+
+
+def test_register_takes_no_nonsense() -> None:
+    with pytest.raises(TypeError, match="replace"):
+        rustgym.register(replaced=True)

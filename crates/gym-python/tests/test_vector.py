@@ -1,0 +1,168 @@
+"""Vectors: forms, resets, errors, sending and receiving."""
+
+from __future__ import annotations
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+import rustgym
+
+KINDS = ["sync", "async", "native"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_forms(kind: str) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 5, kind=kind)
+    assert envs.kind == kind and envs.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP is envs.autoreset_mode
+    observations, infos = envs.reset(seed=[1, 2, 3, None, 4])
+    assert observations.shape == (5, 4) and observations.dtype == np.float32 and infos == {}
+    for actions in (envs.action_space.sample(), [0, 1, 0, 1, 1], np.ones(5, np.uint8), np.ones(10, np.int64)[::2]):
+        observations, rewards, terminated, truncated, _ = envs.step(actions)
+        assert rewards.dtype == np.float64 and terminated.dtype == np.bool_ == truncated.dtype
+        assert observations in envs.observation_space
+        for array in (observations, rewards, terminated, truncated):
+            assert array.flags.writeable and array.flags.c_contiguous
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "actions", [[0, 1], [0, 1, 2], [0.0, 1.0, 0.0], 0, None, np.zeros((3, 1), np.int64), ["a", "b", "c"]]
+)
+def test_bad_actions(kind: str, actions: object) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 3, kind=kind)
+    envs.reset(seed=0)
+    with pytest.raises(gymnasium.error.InvalidAction):
+        envs.step(actions)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_order(kind: str) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 3, kind=kind)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        envs.step([0, 0, 0])
+    envs.reset()
+    envs.close()
+    envs.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        envs.step([0, 0, 0])
+
+
+@pytest.mark.parametrize("copy", [True, False])
+def test_results_stay(copy: bool) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 4, copy=copy)
+    last, _ = envs.reset(seed=0)
+    for _ in range(10):
+        kept = last.copy()
+        step = envs.step(envs.action_space.sample())
+        # with copy=False the arrays of the last call are still what they were
+        assert np.array_equal(last, kept) and not np.shares_memory(last, step[0])
+        last = step[0]
+    ids = {id(envs.step(envs.action_space.sample())[0]) for _ in range(6)}
+    assert copy or len(ids) == 2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_masks(kind: str) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 4, kind=kind, autoreset_mode="Disabled")
+    first, _ = envs.reset(seed=0)
+    options = {"reset_mask": np.array([True, False, True, False])}
+    again, _ = envs.reset(seed=7, options=options)
+    assert "reset_mask" in options, "the caller's dict is the caller's"
+    assert np.array_equal(again[1::2], first[1::2]) and not np.array_equal(again[::2], first[::2])
+    assert np.array_equal(again[2], rustgym.Env("CartPole-v1").reset(seed=9)[0])
+    for mask in ([True] * 4, np.ones(3, bool), np.zeros(4, bool), np.ones(4, int)):
+        with pytest.raises(ValueError, match="mask"):
+            envs.reset(options={"reset_mask": mask if isinstance(mask, np.ndarray) else [*mask, True]})
+
+
+def test_constructor_arguments() -> None:
+    envs = rustgym.make_vec("FrozenLake-v1", 3, map_name="8x8", autoreset_mode=AutoresetMode.SAME_STEP, kind="async", threads=2)
+    assert envs.single_observation_space.n == 64 and envs.kind == "async"
+    with pytest.raises(TypeError, match="map_nam"):
+        rustgym.VectorEnv("FrozenLake-v1", 3, map_nam="8x8")
+    with pytest.raises(ValueError, match="kind"):
+        rustgym.VectorEnv("CartPole-v1", 3, kind="fast")
+    with pytest.raises(ValueError, match="num_envs"):
+        rustgym.VectorEnv("CartPole-v1", 0)
+    with pytest.raises(ValueError, match="no native|has none"):
+        rustgym.VectorEnv("LunarLander-v3", 3, kind="native")
+    envs = rustgym.VectorEnv("Pendulum-v1", 2, max_episode_steps=3)
+    envs.reset(seed=0)
+    assert [bool(envs.step(np.zeros((2, 1), np.float32))[3].all()) for _ in range(3)] == [False, False, True]
+
+
+def test_rendering() -> None:
+    envs = rustgym.make_vec("CartPole-v1", 3, render_mode="rgb_array")
+    envs.reset(seed=0)
+    frames = envs.render()
+    assert len(frames) == 3 and all(frame.shape == (400, 600, 3) for frame in frames)
+
+
+def test_sending_and_receiving() -> None:
+    envs = rustgym.VectorEnv("Taxi-v4", 6, kind="async", threads=2)
+    twin = rustgym.VectorEnv("Taxi-v4", 6, kind="sync")
+    envs.reset(seed=0), twin.reset(seed=0)
+    expected = twin.step([1] * 6)
+    envs.send([1] * 6)
+    seen = []
+    for m in (1, 2, 3):
+        observations, rewards, terminated, truncated, infos = envs.recv(m)
+        ids = infos["env_id"]
+        assert len(ids) == m == len(observations) == len(rewards) == len(terminated) == len(truncated)
+        assert np.array_equal(observations, expected[0][ids]) and np.array_equal(rewards, expected[1][ids])
+        assert np.array_equal(infos["prob"][ids], expected[4]["prob"][ids]) and infos["_prob"].sum() == m
+        seen += ids.tolist()
+    assert sorted(seen) == list(range(6))
+    envs.send([0, 1], [4, 2])
+    with pytest.raises(ValueError, match="pending"):
+        envs.recv(3)
+    with pytest.raises(gymnasium.error.Error, match="pending"):
+        envs.step([0] * 6)
+    envs.recv(2)
+    with pytest.raises(gymnasium.error.Error, match="async"):
+        twin.send([0] * 6)
+
+
+def test_attributes_of_the_environments() -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 3, kind="sync")
+    envs.reset(seed=0)
+    assert envs.get_attr("render_mode") == (None, None, None)
+    assert envs.state.shape == (4, 3)
+    envs.set_attr("state", [np.full(4, 0.01 * i) for i in range(3)])
+    assert np.array_equal(envs.state, np.outer(np.ones(4), 0.01 * np.arange(3)))
+    observations, *_ = envs.step([1, 1, 1])
+    assert observations[2, 0] == pytest.approx(0.0204)
+    assert envs.call("get_state") == envs.call("get_state")
+    with pytest.raises(gymnasium.error.Error, match="native|not made of environments"):
+        rustgym.VectorEnv("CartPole-v1", 3, kind="native").get_attr("state")
+
+
+def test_arguments_of_the_environments() -> None:
+    envs = rustgym.VectorEnv("LunarLander-v3", 2, kind="sync", enable_wind=True)
+    envs.reset(seed=0)
+    assert envs.get_attr("enable_wind") == (True, True) and envs.get_attr("wind_idx")[0] != envs.get_attr("wind_idx")[1]
+
+
+def test_a_panic_in_one(faults: str) -> None:
+    for kind in ("sync", "async"):
+        envs = rustgym.VectorEnv(faults, 3, kind=kind)
+        envs.reset()
+        envs.step([0, 0, 0])
+        with pytest.raises(gymnasium.error.Error, match="sub-environment 1: .*asked to panic"):
+            envs.step([0, 1, 0])
+        mask = np.array([False, True, False])
+        observations, _ = envs.reset(options={"reset_mask": mask})
+        assert observations.tolist() == [2, 0, 2]
+
+
+def test_gymnasiums_wrappers_go_around() -> None:
+    envs = gymnasium.wrappers.vector.RecordEpisodeStatistics(rustgym.make_vec("CartPole-v1", 8))
+    envs = gymnasium.wrappers.vector.DictInfoToList(envs)
+    envs.reset(seed=0)
+    episodes = 0
+    for _ in range(100):
+        *_, infos = envs.step(envs.action_space.sample())
+        episodes += sum("episode" in info for info in infos)
+    assert episodes > 8

@@ -13,16 +13,18 @@
 //! assert_eq!(console.ram().len(), 128);
 //! ```
 
-use crate::cartridge::Cartridge;
+use serde::{Deserialize, Serialize};
+
+use crate::cartridge::{Banks, Cartridge};
 use crate::cpu::{Bus, Cpu};
 use crate::riot::Riot;
-use crate::tia::{Display, HEIGHT, Request, Tia, WIDTH};
+use crate::tia::{Display, Request, Screen, Tia, WIDTH};
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
 
-/// A picture: a colour index, which is even, for each of 210 rows of 160 pixels.
-pub type Picture = [[u8; WIDTH]; HEIGHT];
+/// A row of the picture: a colour index, which is even, for each of 160 pixels.
+pub type Row = [u8; WIDTH];
 
 /// What the controllers and switches do during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,10 +71,23 @@ pub struct Console {
 struct Board {
     riot: Riot,
     tia: Tia,
+    screen: Screen,
     cartridge: Cartridge,
     /// The cycles since power-on.
     cycle: u64,
     /// The byte that was last on the bus.
+    data: u8,
+    frame_ended: bool,
+}
+
+/// Everything about a console that changes but the picture: a few hundred bytes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    cpu: Cpu,
+    riot: Riot,
+    tia: Tia,
+    banks: Banks,
+    cycle: u64,
     data: u8,
     frame_ended: bool,
 }
@@ -83,6 +98,7 @@ impl Console {
         let mut board = Board {
             riot: Riot::new(ram, timer),
             tia: Tia::new(display),
+            screen: Screen::new(),
             cartridge,
             cycle: 0,
             data: 0,
@@ -109,8 +125,10 @@ impl Console {
         board.riot.port_b = input.port_b;
         board.tia.fire = input.fire;
         board.tia.charge = input.charge;
-        board.tia.skip_colors = !seen;
-        board.frame_ended = false;
+        board.screen.unseen = !seen;
+        if std::mem::take(&mut board.frame_ended) {
+            board.screen.swap();
+        }
         for _ in 0..MOST_INSTRUCTIONS {
             self.cpu.step(board);
             if board.frame_ended {
@@ -129,9 +147,47 @@ impl Console {
         &mut self.board.riot.ram
     }
 
-    /// The picture.
-    pub fn picture(&self) -> &Picture {
-        &self.board.tia.picture
+    /// The picture, row by row from the top.
+    pub fn picture(&self) -> &[Row] {
+        &self.board.screen.picture()[..self.board.tia.display().rows]
+    }
+
+    /// Whether the last frame ended before its picture was complete. The rest of the picture is then what it was two
+    /// frames ago.
+    pub fn is_short(&self) -> bool {
+        !self.board.frame_ended || self.board.tia.is_short()
+    }
+
+    /// Everything that changes but the picture.
+    pub fn state(&self) -> State {
+        let Board { riot, tia, screen: _, cartridge, cycle, data, frame_ended } = &self.board;
+        State {
+            cpu: self.cpu,
+            riot: riot.clone(),
+            tia: tia.clone(),
+            banks: cartridge.banks().clone(),
+            cycle: *cycle,
+            data: *data,
+            frame_ended: *frame_ended,
+        }
+    }
+
+    /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
+    /// cartridge.
+    pub fn set_state(&mut self, state: &State) -> bool {
+        let State { cpu, riot, tia, banks, cycle, data, frame_ended } = state;
+        if !tia.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
+            return false;
+        }
+        let display = *self.board.tia.display();
+        self.cpu = *cpu;
+        self.board.riot = riot.clone();
+        self.board.tia = tia.clone();
+        self.board.tia.set_display(display);
+        self.board.cycle = *cycle;
+        self.board.data = *data;
+        self.board.frame_ended = *frame_ended;
+        true
     }
 
     /// The cartridge.
@@ -152,7 +208,7 @@ impl Board {
             0x0080 => self.riot.ram[usize::from(address & 0x7f)],
             0x0280 => self.riot.read(address, self.cycle),
             _ => {
-                let (bits, driven) = self.tia.read(address, self.cycle);
+                let (bits, driven) = self.tia.read(address, self.cycle, &mut self.screen);
                 bits | self.data & !driven
             }
         }
@@ -163,7 +219,7 @@ impl Board {
         match address & 0x0280 {
             0x0080 => self.riot.ram[usize::from(address & 0x7f)] = value,
             0x0280 => self.riot.write(address, value, self.cycle),
-            _ => match self.tia.write(address, value, self.cycle) {
+            _ => match self.tia.write(address, value, self.cycle, &mut self.screen) {
                 Request::None => {}
                 Request::Wait(cycles) => self.cycle += u64::from(cycles),
                 Request::FrameEnd => self.frame_ended = true,

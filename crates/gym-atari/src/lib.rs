@@ -3,10 +3,17 @@
 
 mod bytes;
 mod action;
+pub mod ale;
 pub mod cartridge;
 pub mod console;
 pub mod cpu;
+pub mod games;
+mod mt19937;
+mod paddle;
 pub mod riot;
 mod tia;
+mod words;
 
+pub use action::Action;
+pub use ale::Ale;
 pub use tia::Display;

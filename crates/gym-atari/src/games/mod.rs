@@ -2,6 +2,7 @@
 //!
 //! Everything here was measured from outside; `NOTICE.md` says how.
 
+mod special;
 mod table;
 
 use crate::action::Action;
@@ -16,13 +17,15 @@ pub use table::GAMES;
 pub struct Game {
     /// ale-py's name: `space_invaders`. The ROM's file is `space_invaders.bin`.
     pub name: &'static str,
+    /// The name in ids: `SpaceInvaders`.
+    pub title: &'static str,
     /// The MD5 of the ROM.
     pub md5: &'static str,
     /// How the cartridge switches banks.
     pub scheme: Scheme,
-    /// Where the picture starts, and whether it shows the comb of `HMOVE`.
+    /// Where the picture starts, how high it is, and whether it shows the comb of `HMOVE`.
     pub display: Display,
-    /// How it is played.
+    /// What the player holds.
     pub controller: Controller,
     /// For how many frames RESET is pressed at the start.
     pub reset_frames: u8,
@@ -30,27 +33,67 @@ pub struct Game {
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
-    /// The modes that there are; the first is the default.
-    pub modes: &'static [Mode],
+    /// The modes that there are, under ale-py's numbers; the first is the default.
+    pub modes: &'static [u16],
+    /// The mode that the RAM shows, for a game whose modes can be chosen by SELECT.
+    pub mode: Option<fn(&Ram<'_>) -> i32>,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
     /// The points, from RAM.
-    pub score: fn(&Ram) -> i32,
-    /// The lives, from RAM.
-    pub lives: fn(&Ram) -> i32,
+    pub score: fn(&Ram<'_>) -> i32,
+    /// How points become rewards.
+    pub rewards: Rewards,
+    /// The lives, from RAM; 0 where the game is over.
+    pub lives: fn(&Ram<'_>) -> i32,
     /// Whether the game is over, from RAM.
-    pub over: fn(&Ram) -> bool,
+    pub over: fn(&Ram<'_>) -> bool,
 }
 
-/// A mode of a game, and how the RAM shows it.
-#[derive(Clone, Copy, Debug)]
-pub struct Mode {
-    /// ale-py's number of it.
-    pub number: u16,
+/// What most games have in common.
+const DEFAULT: Game = Game {
+    name: "",
+    title: "",
+    md5: "",
+    scheme: Scheme::Rom4K,
+    display: Display::NTSC,
+    controller: Controller::Joystick,
+    reset_frames: 8,
+    start: &[],
+    minimal: &Action::ALL,
+    modes: &[0],
+    mode: None,
+    difficulties: &[0],
+    score: |_| 0,
+    rewards: Rewards::Difference,
+    lives: |_| 0,
+    over: |_| false,
+};
+
+/// How a game's points become rewards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rewards {
+    /// The points that a frame brought.
+    Difference,
+    /// The counter starts again at 0 after this many points.
+    Wrap(i32),
+    /// A counter that falls gives 0.
+    NeverNegative,
+}
+
+impl Rewards {
+    /// The reward of a frame.
+    pub(crate) fn of(self, before: i32, after: i32) -> i32 {
+        match (self, after - before) {
+            (Self::Wrap(limit), fall @ ..0) => fall + limit,
+            (Self::NeverNegative, ..0) => 0,
+            (_, difference) => difference,
+        }
+    }
 }
 
 /// What the player holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Controller {
     /// A joystick in the left port.
     Joystick,
@@ -88,6 +131,28 @@ impl Ram<'_> {
         indices.iter().fold(0, |number, &index| 100 * number + self.bcd(index))
     }
 
+    /// One decimal digit in the lower four bits of each byte, the most significant byte first; above 9 is a blank.
+    pub fn low_digits(&self, indices: &[usize]) -> i32 {
+        indices.iter().fold(0, |number, &index| 10 * number + digit(self.low(index)))
+    }
+
+    /// Two decimal digits in each byte, of which those above 9 are blank.
+    pub fn blank_decimal(&self, indices: &[usize]) -> i32 {
+        indices
+            .iter()
+            .fold(0, |number, &index| 100 * number + 10 * digit(self.high(index)) + digit(self.low(index)))
+    }
+
+    /// A byte that counts below zero.
+    pub fn signed(&self, index: usize) -> i32 {
+        i32::from(self.0[index & 0x7f] as i8)
+    }
+
+    /// How many bytes of a range have a value.
+    pub fn count(&self, range: std::ops::Range<usize>, value: u8) -> i32 {
+        self.0[range].iter().filter(|&&byte| byte == value).count() as i32
+    }
+
     /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a picture of nothing.
     pub fn pictures(&self, indices: &[usize], blank: u8) -> i32 {
         indices.iter().fold(0, |number, &index| {
@@ -95,6 +160,11 @@ impl Ram<'_> {
             10 * number + digit
         })
     }
+}
+
+/// A digit; what is above 9 shows as a blank.
+fn digit(value: i32) -> i32 {
+    if value > 9 { 0 } else { value }
 }
 
 /// The game of a name.

@@ -18,8 +18,11 @@ use serde::{Deserialize, Serialize};
 use paint::{Colors, Objects};
 pub(crate) use pixels::WIDTH;
 
-/// The rows of a picture.
-pub(crate) const HEIGHT: usize = 210;
+/// The rows of a picture at most.
+pub(crate) const HEIGHT: usize = 250;
+
+/// The rows of most games' pictures.
+const NTSC_ROWS: usize = 210;
 
 const CYCLES_PER_LINE: u32 = 76;
 const CLOCKS_PER_LINE: u32 = 228;
@@ -27,21 +30,54 @@ const CLOCKS_PER_LINE: u32 = 228;
 const BLANK: i32 = 68;
 /// A write in this line of the frame ends the frame, whatever the program thinks.
 const LAST_LINE: u32 = 291;
-/// The line that the frame after power-on starts with.
-const FIRST_LINE: u32 = 15;
 
 /// What depends on the game, and not on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Display {
     /// The line of the frame that is the first row of the picture.
     pub first_line: u32,
+    /// The rows of the picture, 250 at most.
+    pub rows: usize,
     /// Whether `HMOVE` blackens the first 8 pixels of its line.
     pub comb: bool,
 }
 
+impl Display {
+    /// What nearly all games have.
+    pub const NTSC: Self = Self { first_line: 34, rows: NTSC_ROWS, comb: true };
+}
+
 impl Default for Display {
     fn default() -> Self {
-        Self { first_line: 34, comb: true }
+        Self::NTSC
+    }
+}
+
+/// The picture that is being drawn and the one before. A frame that ends early leaves the rest of its picture as it
+/// was two frames ago.
+#[derive(Clone, Debug)]
+pub(crate) struct Screen {
+    pictures: [[[u8; WIDTH]; HEIGHT]; 2],
+    current: usize,
+    /// Whether colours are left out.
+    pub(crate) unseen: bool,
+}
+
+impl Screen {
+    pub(crate) fn new() -> Self {
+        Self { pictures: [[[0; WIDTH]; HEIGHT]; 2], current: 0, unseen: false }
+    }
+
+    pub(crate) fn swap(&mut self) {
+        self.current = 1 - self.current;
+    }
+
+    pub(crate) fn picture(&self) -> &[[u8; WIDTH]; HEIGHT] {
+        &self.pictures[self.current]
+    }
+
+    fn row(&mut self, row: usize) -> &mut [u8; WIDTH] {
+        &mut self.pictures[self.current][row]
     }
 }
 
@@ -60,11 +96,12 @@ pub(crate) enum Request {
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
-const M1: usize = 3;
 const BL: usize = 4;
 
-#[derive(Clone, Debug)]
+/// The chip, without the picture.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Tia {
+    #[serde(skip)]
     display: Display,
     // registers
     vsync: u8,
@@ -96,10 +133,10 @@ pub(crate) struct Tia {
     /// Until where the picture is drawn: the line, and the clock in it.
     drawn: (u32, u32),
     comb: bool,
+    /// Whether the last frame ended before its picture was complete.
+    short: bool,
     // what is on the line now
     objects: Objects,
-    pub(crate) skip_colors: bool,
-    pub(crate) picture: [[u8; WIDTH]; HEIGHT],
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -133,14 +170,13 @@ impl Tia {
             collisions: 0,
             x: [0; 5],
             without_main: [false; 2],
-            line: FIRST_LINE,
+            line: 0,
             line_start: 0,
             vsync_since: 0,
-            drawn: (FIRST_LINE, 0),
+            drawn: (0, 0),
             comb: false,
+            short: false,
             objects: Objects { p0: none, p1: none, m0: none, m1: none, bl: none, pf: none },
-            skip_colors: false,
-            picture: [[0; WIDTH]; HEIGHT],
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -148,13 +184,38 @@ impl Tia {
         }
     }
 
+    pub(crate) fn display(&self) -> &Display {
+        &self.display
+    }
+
+    pub(crate) fn set_display(&mut self, display: Display) {
+        self.display = display;
+    }
+
+    /// Whether this can be the chip of a console at `cycle`: one that was stored may have been damaged.
+    pub(crate) fn is_valid(&self, cycle: u64) -> bool {
+        // far from where the arithmetic of times would overflow
+        const LONG: u64 = 1 << 60;
+        cycle < LONG
+            && self.line_start <= cycle
+            && cycle - self.line_start < 1 << 30
+            && self.vsync_since <= cycle
+            && self.released <= 3 * cycle
+            && self.line < 1 << 30
+            && self.drawn.0 <= self.line + 1
+            && self.line - self.drawn.0.min(self.line) < 1 << 16
+            && self.drawn.1 <= CLOCKS_PER_LINE
+            && self.x.iter().all(|&x| usize::from(x) < WIDTH)
+            && self.hm.iter().all(|&nibble| nibble < 16)
+    }
+
     /// Reads a register: its bits, and which of the byte's bits it drives.
-    pub(crate) fn read(&mut self, address: u16, cycle: u64) -> (u8, u8) {
+    pub(crate) fn read(&mut self, address: u16, cycle: u64, screen: &mut Screen) -> (u8, u8) {
         match address & 0x0f {
             // CXM0P, CXM1P, CXP0FB, CXP1FB, CXM0FB, CXM1FB, CXBLPF, CXPPMM
             register @ 0..8 => {
                 self.beam(cycle);
-                self.draw(self.clock(cycle));
+                self.draw(self.clock(cycle), screen);
                 (((self.collisions >> (2 * register)) as u8) << 6, 0xc0)
             }
             // INPT0, INPT1, INPT2, INPT3
@@ -183,50 +244,50 @@ impl Tia {
     }
 
     /// Writes a register.
-    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64) -> Request {
+    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Request {
         let c = self.beam(cycle);
         if self.line >= LAST_LINE {
-            self.end_frame(cycle);
-            self.register(address, value, cycle, c);
+            self.end_frame(cycle, screen);
+            self.register(address, value, cycle, c, screen);
             return Request::FrameEnd;
         }
-        self.register(address, value, cycle, c)
+        self.register(address, value, cycle, c, screen)
     }
 
-    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32) -> Request {
+    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Request {
         let clock = 3 * c;
         match address & 0x3f {
-            0x00 => return self.write_vsync(value, cycle), // VSYNC
-            0x01 => self.write_vblank(value, cycle),       // VBLANK
+            0x00 => return self.write_vsync(value, cycle, screen), // VSYNC
+            0x01 => self.write_vblank(value, cycle, screen),       // VBLANK
             // WSYNC
             0x02 if c > 0 => return Request::Wait(CYCLES_PER_LINE - c),
             // RSYNC is not modelled
             // NUSIZ0, NUSIZ1
             register @ (0x04 | 0x05) => {
                 let i = usize::from(register) - 0x04;
-                self.draw(clock + 8);
+                self.draw(clock + 8, screen);
                 self.nusiz[i] = value;
                 self.place_player(i);
                 self.place_missile(i);
             }
             // COLUP0, COLUP1
             register @ (0x06 | 0x07) => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.colup[usize::from(register) - 0x06] = value & 0xfe;
             }
             // COLUPF
             0x08 => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.colupf = value & 0xfe;
             }
             // COLUBK
             0x09 => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.colubk = value & 0xfe;
             }
             // CTRLPF
             0x0a => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.ctrlpf = value;
                 self.place_playfield();
                 self.place_ball();
@@ -234,21 +295,21 @@ impl Tia {
             // REFP0, REFP1
             register @ (0x0b | 0x0c) => {
                 let i = usize::from(register) - 0x0b;
-                self.draw(clock + 1);
+                self.draw(clock + 1, screen);
                 self.refp[i] = value & 0x08 != 0;
                 self.place_player(i);
             }
             // PF0, PF1, PF2
             register @ 0x0d..=0x0f => {
-                self.draw(clock + [4, 5, 2, 3][c as usize % 4]);
+                self.draw(clock + [4, 5, 2, 3][c as usize % 4], screen);
                 self.pf[usize::from(register) - 0x0d] = value;
                 self.place_playfield();
             }
             // RESP0, RESP1
-            register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c),
+            register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             // RESM0, RESM1, RESBL
             register @ 0x12..=0x14 => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.x[usize::from(register) - 0x10] =
                     if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
                 self.place_all();
@@ -256,19 +317,19 @@ impl Tia {
             // AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
             0x15..=0x1a => {}
             // GRP0
-            0x1b => self.write_grp(0, value, clock),
+            0x1b => self.write_grp(0, value, clock, screen),
             // GRP1
-            0x1c => self.write_grp(1, value, clock),
+            0x1c => self.write_grp(1, value, clock, screen),
             // ENAM0, ENAM1
             register @ (0x1d | 0x1e) => {
                 let i = usize::from(register) - 0x1d;
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.enam[i] = value & 0x02 != 0;
                 self.place_missile(i);
             }
             // ENABL
             0x1f => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.enabl[0] = value & 0x02 != 0;
                 self.place_ball();
             }
@@ -277,25 +338,25 @@ impl Tia {
             // VDELP0, VDELP1
             register @ (0x25 | 0x26) => {
                 let i = usize::from(register) - 0x25;
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.vdelp[i] = value & 0x01 != 0;
                 self.place_player(i);
             }
             // VDELBL
             0x27 => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.vdelbl = value & 0x01 != 0;
                 self.place_ball();
             }
             // RESMP0, RESMP1
-            register @ (0x28 | 0x29) => self.write_resmp(usize::from(register) - 0x28, value, clock),
+            register @ (0x28 | 0x29) => self.write_resmp(usize::from(register) - 0x28, value, clock, screen),
             // HMOVE
-            0x2a => self.hmove(c),
+            0x2a => self.hmove(c, screen),
             // HMCLR
             0x2b => self.hm = [0; 5],
             // CXCLR
             0x2c => {
-                self.draw(clock);
+                self.draw(clock, screen);
                 self.collisions = 0;
             }
             _ => {}
@@ -303,21 +364,21 @@ impl Tia {
         Request::None
     }
 
-    fn write_vsync(&mut self, value: u8, cycle: u64) -> Request {
+    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Request {
         let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
         self.vsync = value;
         if is && !was {
             self.vsync_since = cycle;
         }
         if was && !is && cycle - self.vsync_since >= u64::from(CYCLES_PER_LINE) {
-            self.end_frame(cycle);
+            self.end_frame(cycle, screen);
             return Request::FrameEnd;
         }
         Request::None
     }
 
-    fn write_vblank(&mut self, value: u8, cycle: u64) {
-        self.draw(self.clock(cycle) + 1);
+    fn write_vblank(&mut self, value: u8, cycle: u64, screen: &mut Screen) {
+        self.draw(self.clock(cycle) + 1, screen);
         if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
             self.released = 3 * cycle;
         }
@@ -327,8 +388,8 @@ impl Tia {
         self.vblank = value;
     }
 
-    fn write_grp(&mut self, i: usize, value: u8, clock: u32) {
-        self.draw(clock + 1);
+    fn write_grp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
+        self.draw(clock + 1, screen);
         self.grp[i][0] = value;
         // the vertical delay: a write to one player shows the other's last
         self.grp[1 - i][1] = self.grp[1 - i][0];
@@ -340,8 +401,8 @@ impl Tia {
         self.place_player(1);
     }
 
-    fn write_resmp(&mut self, i: usize, value: u8, clock: u32) {
-        self.draw(clock);
+    fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
+        self.draw(clock, screen);
         let locked = value & 0x02 != 0;
         if self.resmp[i] && !locked {
             let middle = 4 * objects::scale(self.nusiz[i]);
@@ -353,7 +414,7 @@ impl Tia {
 
     /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
     /// old copy was about to start; one that is being drawn goes on for a while.
-    fn reset_player(&mut self, i: usize, c: u32) {
+    fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
         let beam = clock as i32 - BLANK;
         let mut running = false;
@@ -367,7 +428,7 @@ impl Tia {
                 about_to_start |= (-5..0).contains(&passed);
             }
         }
-        self.draw(if running { clock + 11 } else { clock });
+        self.draw(if running { clock + 11 } else { clock }, screen);
         self.x[i] = if c >= 23 { ((beam + 5) % 160) as u8 } else { 3 };
         self.without_main[i] = !about_to_start;
         self.place_player(i);
@@ -375,9 +436,9 @@ impl Tia {
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
     /// gives fewer.
-    fn hmove(&mut self, c: u32) {
+    fn hmove(&mut self, c: u32, screen: &mut Screen) {
         // the last cycle of a line is the first of the next
-        self.draw(if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c });
+        self.draw(if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c }, screen);
         let c = c as i32;
         let shift = |m: i32| match c {
             ..=20 => 8 - m.min((70 - 3 * c) / 4),
@@ -446,34 +507,39 @@ impl Tia {
         3 * (cycle - self.line_start) as u32
     }
 
+    /// Whether the picture lacks rows yet.
+    pub(crate) fn is_short(&self) -> bool {
+        self.short
+    }
+
     /// The beam's line becomes the first of a new frame.
-    fn end_frame(&mut self, cycle: u64) {
+    fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
-        self.draw(self.clock(cycle));
+        self.draw(self.clock(cycle), screen);
+        self.short = self.row().is_some() || self.drawn.0 < self.display.first_line;
+        self.drawn.0 = self.drawn.0.saturating_sub(self.line);
         self.line = 0;
-        self.drawn.0 = 0;
     }
 
     /// Draws up to a clock of the beam's line, which may lie beyond its end.
-    fn draw(&mut self, clock: u32) {
+    fn draw(&mut self, clock: u32, screen: &mut Screen) {
         let ahead = clock / CLOCKS_PER_LINE;
         let (line, clock) = (self.line + ahead, clock % CLOCKS_PER_LINE);
         if self.drawn.0 > line {
             return;
         }
         while self.drawn.0 < line {
-            self.draw_within_line(CLOCKS_PER_LINE);
-            self.start_line();
+            self.draw_within_line(CLOCKS_PER_LINE, screen);
+            self.start_line(screen);
         }
-        self.draw_within_line(clock);
+        self.draw_within_line(clock, screen);
     }
 
-    fn start_line(&mut self) {
-        if self.comb {
+    fn start_line(&mut self, screen: &mut Screen) {
+        // a comb ahead of the picture waits for its first row
+        if self.comb && let Some(row) = self.row() {
+            screen.row(row)[..8].fill(0);
             self.comb = false;
-            if let Some(row) = self.row() {
-                self.picture[row][..8].fill(0);
-            }
         }
         self.drawn = (self.drawn.0 + 1, 0);
         for i in [P0, P1] {
@@ -487,10 +553,10 @@ impl Tia {
     /// The row of the picture that is being drawn.
     fn row(&self) -> Option<usize> {
         let row = self.drawn.0.checked_sub(self.display.first_line)? as usize;
-        (row < HEIGHT).then_some(row)
+        (row < self.display.rows).then_some(row)
     }
 
-    fn draw_within_line(&mut self, clock: u32) {
+    fn draw_within_line(&mut self, clock: u32, screen: &mut Screen) {
         let from = (self.drawn.1 as usize).saturating_sub(BLANK as usize);
         let to = (clock as usize).saturating_sub(BLANK as usize);
         self.drawn.1 = self.drawn.1.max(clock);
@@ -499,11 +565,11 @@ impl Tia {
         }
         let Some(row) = self.row() else { return };
         if self.vblank & 0x02 != 0 {
-            self.picture[row][from..to].fill(0);
+            screen.row(row)[from..to].fill(0);
             return;
         }
         self.collisions |= self.objects.collisions(from, to);
-        if !self.skip_colors {
+        if !screen.unseen {
             let colors = Colors {
                 p0: self.colup[0],
                 p1: self.colup[1],
@@ -512,7 +578,7 @@ impl Tia {
                 playfield_first: self.ctrlpf & 0x04 != 0,
                 score: self.ctrlpf & 0x06 == 0x02,
             };
-            self.objects.paint(&mut self.picture[row], from, to, &colors);
+            self.objects.paint(screen.row(row), from, to, &colors);
         }
     }
 }

@@ -1,9 +1,11 @@
 //! From the pixels of objects to colours and collisions.
 
+use serde::{Deserialize, Serialize};
+
 use super::pixels::{Pixels, WIDTH};
 
 /// The pixels of each object on a line.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Objects {
     pub(super) p0: Pixels,
     pub(super) p1: Pixels,

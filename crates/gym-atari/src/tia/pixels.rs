@@ -23,26 +23,4 @@ impl Pixels {
         self.0[0] |= self.0[2] >> 32;
         self.0[2] &= 0xffff_ffff;
     }
-
-    /// The pixels from `x` on, and only these.
-    pub(crate) fn from(self, x: usize) -> Self {
-        let mut pixels = self;
-        for (i, word) in pixels.0.iter_mut().enumerate() {
-            *word &= match x.saturating_sub(64 * i) {
-                0 => u64::MAX,
-                skip @ 1..64 => u64::MAX << skip,
-                _ => 0,
-            };
-        }
-        pixels
-    }
-}
-
-impl std::ops::BitOr for Pixels {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        let ([a, b, c], [d, e, f]) = (self.0, other.0);
-        Self([a | d, b | e, c | f])
-    }
 }

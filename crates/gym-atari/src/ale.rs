@@ -1,0 +1,236 @@
+//! A game as an agent meets it: how it starts, what an action does for a frame, and what came of it.
+//!
+//! The rules are those that ale-py 0.12.1 shows from outside; `NOTICE.md` says how they were found.
+
+use serde::{Deserialize, Serialize};
+
+use crate::action::Action;
+use crate::cartridge::Cartridge;
+use crate::console::{Console, Input, Row, State as ConsoleState, switch};
+use crate::games::{Controller, Game, Ram};
+use crate::mt19937::Mt19937;
+use crate::paddle::Paddle;
+
+/// RAM at power-on, the same each time.
+const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
+/// What the timer starts with, for each time that the power is switched on.
+const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
+/// The frames between power-on and RESET.
+const IDLE_FRAMES: usize = 60;
+
+/// A game that is being played.
+#[derive(Clone, Debug)]
+pub struct Ale {
+    game: &'static Game,
+    console: Console,
+    progress: Progress,
+}
+
+/// Where a game stands, beside the console.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Progress {
+    /// How often the power has been switched on.
+    power_ons: usize,
+    /// Draws whether an action sticks.
+    generator: Mt19937,
+    /// The action of the frame before.
+    previous: Action,
+    paddle: Paddle,
+    mode: u16,
+    difficulty: u8,
+    score: i32,
+    lives: i32,
+    over: bool,
+    frame_number: u32,
+    episode_frame_number: u32,
+}
+
+/// A game that can be stored: all but ROM and picture.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    console: ConsoleState,
+    progress: Progress,
+}
+
+impl Ale {
+    /// A game from its ROM, with the generator of sticky actions seeded. It stands at the start of an episode.
+    pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
+        let cartridge = Cartridge::new(rom, game.scheme);
+        let mut ale = Self {
+            game,
+            console: power_on(game, cartridge, 0),
+            progress: Progress {
+                power_ons: 0,
+                generator: Mt19937::new(seed),
+                previous: Action::Noop,
+                paddle: Paddle::default(),
+                mode: game.modes[0],
+                difficulty: game.difficulties[0],
+                score: 0,
+                lives: 0,
+                over: false,
+                frame_number: 0,
+                episode_frame_number: 0,
+            },
+        };
+        // as ale-py does: once on loading, and once more for the first episode
+        ale.reset();
+        ale.progress.frame_number = 0;
+        ale
+    }
+
+    /// As it was when it was made, with another seed; the ROM is not copied.
+    pub fn reload(&mut self, seed: u32) {
+        let Progress { mode, difficulty, .. } = self.progress;
+        self.progress.power_ons = 0;
+        self.progress.generator = Mt19937::new(seed);
+        self.progress.mode = mode;
+        self.progress.difficulty = difficulty;
+        self.reset();
+        self.progress.frame_number = 0;
+    }
+
+    /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
+    pub fn reset(&mut self) {
+        let cartridge = self.console.cartridge().clone();
+        self.console = power_on(self.game, cartridge, self.progress.power_ons);
+        self.progress.power_ons += 1;
+        self.progress.previous = Action::Noop;
+        self.progress.paddle = Paddle::default();
+        for _ in 0..IDLE_FRAMES {
+            self.frame(Action::Noop, switch::IDLE, true);
+        }
+        for _ in 0..self.game.reset_frames {
+            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+        }
+        for &action in self.game.start {
+            self.frame(action, switch::IDLE, true);
+        }
+        self.progress.episode_frame_number = 0;
+        self.progress.score = (self.game.score)(&self.ram());
+        self.observe();
+    }
+
+    /// Plays a frame; gives its reward. The action before it is repeated instead with probability
+    /// `repeat_action_probability`. Does nothing once the game is over.
+    pub fn act(&mut self, action: Action, repeat_action_probability: f64) -> i32 {
+        let action = self.stick(action, repeat_action_probability);
+        self.play(action, true)
+    }
+
+    /// The action that is executed: this one, or with a probability the one before.
+    pub(crate) fn stick(&mut self, action: Action, repeat_action_probability: f64) -> Action {
+        if self.progress.generator.random() < repeat_action_probability {
+            self.progress.previous
+        } else {
+            action
+        }
+    }
+
+    /// Plays a frame with exactly this action. An unseen frame leaves the picture as it is.
+    pub(crate) fn play(&mut self, action: Action, seen: bool) -> i32 {
+        self.progress.previous = action;
+        if self.progress.over {
+            return 0;
+        }
+        self.frame(action, switch::IDLE, seen);
+        self.progress.frame_number += 1;
+        self.progress.episode_frame_number += 1;
+        let (before, after) = (self.progress.score, (self.game.score)(&self.ram()));
+        self.progress.score = after;
+        self.observe();
+        self.game.rewards.of(before, after)
+    }
+
+    fn observe(&mut self) {
+        let ram = self.ram();
+        let over = (self.game.over)(&ram);
+        let lives = if over { 0 } else { (self.game.lives)(&ram) };
+        self.progress.over = over;
+        self.progress.lives = lives;
+    }
+
+    /// Runs the console for a frame.
+    fn frame(&mut self, action: Action, switches: u8, seen: bool) {
+        let difficulty = if self.progress.difficulty & 1 != 0 { switch::LEFT_DIFFICULTY } else { 0 }
+            | if self.progress.difficulty & 2 != 0 { switch::RIGHT_DIFFICULTY } else { 0 };
+        let port_b = switches | difficulty;
+        let input = match self.game.controller {
+            Controller::Joystick => {
+                Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
+            }
+            Controller::Paddle(paddle) => {
+                self.progress.paddle.turn(action.horizontal());
+                let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
+                let mut charge = [Some(Paddle::default().charge()); 2];
+                charge[paddle & 1] = Some(self.progress.paddle.charge());
+                let charge = [charge[0], charge[1], Some(0), Some(0)];
+                Input { port_a: !fire, port_b, fire: [false; 2], charge }
+            }
+        };
+        if seen {
+            self.console.frame(&input);
+        } else {
+            self.console.frame_unseen(&input);
+        }
+    }
+
+    /// The game.
+    pub fn game(&self) -> &'static Game {
+        self.game
+    }
+
+    /// The RAM.
+    pub fn ram(&self) -> Ram<'_> {
+        Ram(self.console.ram())
+    }
+
+    /// The picture: a colour index for each pixel.
+    pub fn picture(&self) -> &[Row] {
+        self.console.picture()
+    }
+
+    /// The console.
+    pub fn console(&self) -> &Console {
+        &self.console
+    }
+
+    /// The lives that are left; 0 where a game has none.
+    pub fn lives(&self) -> i32 {
+        self.progress.lives
+    }
+
+    /// Whether the game is over.
+    pub fn game_over(&self) -> bool {
+        self.progress.over
+    }
+
+    /// The frames since the game was made.
+    pub fn frame_number(&self) -> u32 {
+        self.progress.frame_number
+    }
+
+    /// The frames of this episode.
+    pub fn episode_frame_number(&self) -> u32 {
+        self.progress.episode_frame_number
+    }
+
+    /// All but ROM and picture.
+    pub fn state(&self) -> State {
+        State { console: self.console.state(), progress: self.progress.clone() }
+    }
+
+    /// Continues from a state; `false` and no change if it is not one of this game.
+    pub fn set_state(&mut self, state: &State) -> bool {
+        let fits = self.console.set_state(&state.console);
+        if fits {
+            self.progress = state.progress.clone();
+        }
+        fits
+    }
+}
+
+/// The console at power-on for the `n`-th time.
+fn power_on(game: &Game, cartridge: Cartridge, n: usize) -> Console {
+    Console::new(cartridge, game.display, *POWER_ON_RAM, POWER_ON_TIMER[n % POWER_ON_TIMER.len()])
+}

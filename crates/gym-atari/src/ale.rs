@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
 use crate::cartridge::Cartridge;
-use crate::console::{Console, Input, Row, State as ConsoleState, switch};
+use crate::console::{Console, Input, Pictures, Row, State as ConsoleState, switch};
 use crate::games::{Controller, Game, Ram};
 use crate::mt19937::Mt19937;
 use crate::paddle::Paddle;
@@ -142,6 +142,37 @@ impl Ale {
         self.game.rewards.of(before, after)
     }
 
+    /// Plays frames with one action, of which the last `seen` are to be seen; gives the sum of their rewards.
+    ///
+    /// A picture can show what an earlier frame left, where a frame ends early or the game does. Then the frames are played
+    /// again, with all of them drawn.
+    pub(crate) fn frames(&mut self, action: Action, frames: u32, seen: u32, repeat_action_probability: f64) -> i32 {
+        let unseen = frames.saturating_sub(seen);
+        if unseen == 0 {
+            return (0..frames).map(|_| self.act(action, repeat_action_probability)).sum();
+        }
+        let before = self.state();
+        let picture = self.console.current_picture();
+        let mut reward = 0;
+        let mut complete = true;
+        for frame in 0..frames {
+            let was_over = self.progress.over;
+            let executed = self.stick(action, repeat_action_probability);
+            reward += self.play(executed, frame >= unseen);
+            if !was_over {
+                complete = frame >= unseen && !self.console.is_short();
+            }
+        }
+        if !complete {
+            self.set_state(&before);
+            self.console.set_current_picture(picture);
+            for _ in 0..frames {
+                self.act(action, repeat_action_probability);
+            }
+        }
+        reward
+    }
+
     fn observe(&mut self) {
         let ram = self.ram();
         let over = (self.game.over)(&ram);
@@ -213,6 +244,23 @@ impl Ale {
     /// The frames of this episode.
     pub fn episode_frame_number(&self) -> u32 {
         self.progress.episode_frame_number
+    }
+
+    /// Chooses a mode and a difficulty for the episodes that follow; `None` keeps the game's default. They must be among
+    /// the game's.
+    pub fn configure(&mut self, mode: Option<u16>, difficulty: Option<u8>) {
+        self.progress.mode = mode.unwrap_or(self.game.modes[0]);
+        self.progress.difficulty = difficulty.unwrap_or(self.game.difficulties[0]);
+    }
+
+    /// Continues from a state, and shows the pictures of it; `false` and no change if they are not of this game.
+    pub fn restore(&mut self, state: &State, pictures: &Pictures) -> bool {
+        let mut restored = self.clone();
+        let fits = restored.set_state(state) && restored.console.set_pictures(pictures);
+        if fits {
+            *self = restored;
+        }
+        fits
     }
 
     /// All but ROM and picture.

@@ -18,13 +18,15 @@ use serde::{Deserialize, Serialize};
 use crate::cartridge::{Banks, Cartridge};
 use crate::cpu::{Bus, Cpu};
 use crate::riot::Riot;
-use crate::tia::{Display, Request, Screen, Tia, WIDTH};
+pub use crate::screen::Pictures;
+use crate::screen::{Row as ScreenRow, Screen};
+use crate::tia::{Display, Request, Tia};
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
 
 /// A row of the picture: a colour index, which is even, for each of 160 pixels.
-pub type Row = [u8; WIDTH];
+pub type Row = ScreenRow;
 
 /// What the controllers and switches do during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,6 +190,31 @@ impl Console {
         self.board.data = *data;
         self.board.frame_ended = *frame_ended;
         true
+    }
+
+    /// The pictures, to be stored.
+    pub fn pictures(&self) -> Pictures {
+        Pictures::of(&self.board.screen)
+    }
+
+    /// Shows stored pictures; `false` and no change if they were damaged.
+    pub fn set_pictures(&mut self, pictures: &Pictures) -> bool {
+        let screen = pictures.screen();
+        let fits = screen.is_some();
+        if let Some(screen) = screen {
+            self.board.screen = screen;
+        }
+        fits
+    }
+
+    /// Which of the two pictures is being drawn.
+    pub(crate) fn current_picture(&self) -> usize {
+        self.board.screen.current
+    }
+
+    /// Draws on this of the two pictures.
+    pub(crate) fn set_current_picture(&mut self, picture: usize) {
+        self.board.screen.current = picture;
     }
 
     /// The cartridge.

@@ -6,48 +6,55 @@ use super::{Controller, DEFAULT, Game, Rewards};
 use crate::action::Action;
 use crate::action::Action::*;
 use crate::cartridge::Scheme::*;
+use crate::env::ids::ids;
 use crate::tia::Display;
 
-/// Each game that comes out exactly as in ale-py.
-#[rustfmt::skip]
-pub static GAMES: &[Game] = &[
-    Game {
-        name: "alien", title: "Alien", md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
+/// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic` ids, or `v5` where
+/// ale-py has no older ids of it.
+macro_rules! games {
+    ($($name:ident $title:literal $family:tt { $($field:ident: $value:expr,)* })*) => {
+        /// Each game that comes out exactly as in ale-py.
+        pub static GAMES: &[Game] = &[$(
+            Game { name: stringify!($name), title: $title, $($field: $value,)* ..DEFAULT },
+        )*];
+        $(ids!(stringify!($name), $title, $family);)*
+    };
+}
+
+games! {
+    alien "Alien" 4 {
+        md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 1, 2, 3], difficulties: &[0, 1, 2, 3],
         score: |r| 10 * r.pictures(&[0x03, 0x05, 0x07, 0x09, 0x0b], 0x80),
         lives: |r| r.low(0x40),
         over: |r| r.low(0x40) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "amidar", title: "Amidar", md5: "acb7750b4d0c4bd34969802a7deb2990", scheme: Rom4K,
+    }
+    amidar "Amidar" 4 {
+        md5: "acb7750b4d0c4bd34969802a7deb2990", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
         difficulties: &[0, 3],
         score: |r| r.decimal(&[0x5b, 0x5a, 0x59]),
         lives: |r| r.low(0x56),
         over: |r| r.at(0x56) == 0x80,
-        ..DEFAULT
-    },
-    Game {
-        name: "assault", title: "Assault", md5: "de78b3a064d374390ac0710f95edde92", scheme: Rom4K,
+    }
+    assault "Assault" 4 {
+        md5: "de78b3a064d374390ac0710f95edde92", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, RightFire, LeftFire],
         score: |r| r.decimal(&[0x00, 0x01, 0x02]),
         lives: |r| r.at(0x65),
         over: |r| r.at(0x65) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "asterix", title: "Asterix", md5: "89a68746eff7f266bbf08de2483abe55", scheme: F8,
+    }
+    asterix "Asterix" 4 {
+        md5: "89a68746eff7f266bbf08de2483abe55", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
         start: &[Fire],
         score: |r| r.decimal(&[0x5e, 0x5f, 0x60]),
         lives: |r| r.low(0x53),
         over: |r| r.at(0x53) == 1 && r.at(0x47) == 1,
-        ..DEFAULT
-    },
-    Game {
-        name: "asteroids", title: "Asteroids", md5: "ccbd36746ed4525821a8083b0d6d2c2c", scheme: F8,
+    }
+    asteroids "Asteroids" 4 {
+        md5: "ccbd36746ed4525821a8083b0d6d2c2c", scheme: F8,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
         reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
         rewards: Rewards::Wrap(100_000),
@@ -56,482 +63,426 @@ pub static GAMES: &[Game] = &[
         score: |r| 10 * r.decimal(&[0x3d, 0x3e]),
         lives: |r| r.high(0x3c),
         over: |r| r.high(0x3c) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "atlantis", title: "Atlantis", md5: "9ad36e699ef6f45d9eb6c4cf90475c9f", scheme: Rom4K,
+    }
+    atlantis "Atlantis" 4 {
+        md5: "9ad36e699ef6f45d9eb6c4cf90475c9f", scheme: Rom4K,
         minimal: &[Noop, Fire, RightFire, LeftFire],
         reset_frames: 12, modes: &[0, 1, 2, 3],
         score: |r| 100 * r.decimal(&[0x21, 0x23, 0x22]),
         lives: |r| 6 - r.count(0x54..0x5b, 0x05),
         over: |r| r.count(0x54..0x5b, 0x05) == 7,
-        ..DEFAULT
-    },
-    Game {
-        name: "atlantis2", title: "Atlantis2", md5: "826481f6fc53ea47c9f272f7050eedf7", scheme: Rom4K,
+    }
+    atlantis2 "Atlantis2" v5 {
+        md5: "826481f6fc53ea47c9f272f7050eedf7", scheme: Rom4K,
         minimal: &[Noop, Fire, RightFire, LeftFire],
         score: |r| r.decimal(&[0x23, 0x22, 0x21]),
         lives: |r| 6 - r.count(0x54..0x5b, 0x05),
         over: |r| r.count(0x54..0x5b, 0x05) == 7,
-        ..DEFAULT
-    },
-    Game {
-        name: "bank_heist", title: "BankHeist", md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
+    }
+    bank_heist "BankHeist" 4 {
+        md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 4, 8, 12, 16, 20, 24, 28], difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
         over: |r| r.at(0x55) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "battle_zone", title: "BattleZone", md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
+    }
+    battle_zone "BattleZone" 4 {
+        md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, display: Display { comb: false, ..Display::NTSC }, modes: &[1, 2, 3],
         score: |r| 100 * (r.blank_decimal(&[0x1e, 0x1d]) / 10 * 10),
         lives: |r| r.low(0x3a),
         over: |r| r.low(0x3a) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "beam_rider", title: "BeamRider", md5: "79ab4123a83dc11d468fb2108ea09e2e", scheme: F8,
+    }
+    beam_rider "BeamRider" 4 {
+        md5: "79ab4123a83dc11d468fb2108ea09e2e", scheme: F8,
         minimal: &[Noop, Fire, Up, Right, Left, UpRight, UpLeft, RightFire, LeftFire],
         start: &[Right], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x0b, 0x0a, 0x09]),
         lives: |r| r.at(0x05) + 1,
         over: |r| r.at(0x05) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "bowling", title: "Bowling", md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
+    }
+    bowling "Bowling" 4 {
+        md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
         reset_frames: 12, modes: &[0, 2, 4], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x26, 0x21]),
         over: |r| r.at(0x24) > 0x10,
-        ..DEFAULT
-    },
-    Game {
-        name: "boxing", title: "Boxing", md5: "c3ef5c4653212088eda54dc91d787870", scheme: Rom2K,
+    }
+    boxing "Boxing" 4 {
+        md5: "c3ef5c4653212088eda54dc91d787870", scheme: Rom2K,
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |r| r.boxing(0x12) - r.boxing(0x13),
         over: |r| r.at(0x12) == 0xc0 || r.at(0x13) == 0xc0 || r.at(0x10) | r.at(0x11) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "breakout", title: "Breakout", md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
+    }
+    breakout "Breakout" 4 {
+        md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         reset_frames: 12, controller: Controller::Paddle(0),
         modes: &[0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44], difficulties: &[0, 1],
         score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
         lives: |r| r.at(0x39),
         over: |r| r.at(0x39) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "carnival", title: "Carnival", md5: "028024fb8e5e5f18ea586652f9799c96", scheme: Rom4K,
+    }
+    carnival "Carnival" 4 {
+        md5: "028024fb8e5e5f18ea586652f9799c96", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         display: Display { rows: 214, ..Display::NTSC },
         score: |r| 10 * r.decimal(&[0x2d, 0x2e]),
         over: |r| r.at(0x03) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "centipede", title: "Centipede", md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
+    }
+    centipede "Centipede" 4 {
+        md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, rewards: Rewards::NeverNegative, modes: &[22, 86],
         score: |r| r.decimal(&[0x74, 0x75, 0x76]),
         lives: |r| (r.high(0x6d) & 7) + 1,
         over: |r| r.at(0x26) & 0x40 != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "chopper_command", title: "ChopperCommand", md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
+    }
+    chopper_command "ChopperCommand" 4 {
+        md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1],
         score: |r| 100 * r.decimal(&[0x6c, 0x6e]),
         lives: |r| r.low(0x64),
         over: |r| r.low(0x64) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "crazy_climber", title: "CrazyClimber", md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
+    }
+    crazy_climber "CrazyClimber" 4 {
+        md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
         reset_frames: 12, modes: &[0, 1, 2, 3], difficulties: &[0, 1],
         score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "demon_attack", title: "DemonAttack", md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
+    }
+    demon_attack "DemonAttack" 4 {
+        md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         reset_frames: 12, modes: &[1, 3, 5, 7], difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x7d) == 0xbd,
-        ..DEFAULT
-    },
-    Game {
-        name: "donkey_kong", title: "DonkeyKong", md5: "36b20c427975760cb9cf4a47e41369e4", scheme: Rom4K,
+    }
+    donkey_kong "DonkeyKong" v5 {
+        md5: "36b20c427975760cb9cf4a47e41369e4", scheme: Rom4K,
         minimal: &Action::ALL,
         score: |r| 100 * r.decimal(&[0x07, 0x08]),
         lives: |r| r.at(0x23),
         over: |r| r.at(0x23) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "enduro", title: "Enduro", md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
+    }
+    enduro "Enduro" 4 {
+        md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire],
         start: &[Fire],
         score: |r| r.enduro(),
         over: |r| r.at(0x2f) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "et", title: "Et", md5: "615a3bf251a38eb6638cdc7ffbde5480", scheme: F8,
+    }
+    et "Et" v5 {
+        md5: "615a3bf251a38eb6638cdc7ffbde5480", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 1, 2], difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x5f, 0x60, 0x61]),
         lives: |r| r.signed(0x65) + 1,
         over: |r| false,
-        ..DEFAULT
-    },
-    Game {
-        name: "fishing_derby", title: "FishingDerby", md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
+    }
+    fishing_derby "FishingDerby" 4 {
+        md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x3d) - r.bcd(0x3e),
         over: |r| r.at(0x3d) == 0x99 || r.at(0x3e) == 0x99,
-        ..DEFAULT
-    },
-    Game {
-        name: "freeway", title: "Freeway", md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
+    }
+    freeway "Freeway" 4 {
+        md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
         minimal: &[Noop, Up, Down],
         reset_frames: 12, modes: &[0, 1, 2, 3, 4, 5, 6, 7], difficulties: &[0, 1],
         score: |r| r.bcd(0x67),
         over: |r| r.at(0x16) == 1,
-        ..DEFAULT
-    },
-    Game {
-        name: "frogger", title: "Frogger", md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
+    }
+    frogger "Frogger" v5 {
+        md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down],
         reset_frames: 12, modes: &[0, 1, 2], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x4c, 0x4e]),
         lives: |r| r.at(0x50),
         over: |r| r.at(0x50) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "frostbite", title: "Frostbite", md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
+    }
+    frostbite "Frostbite" 4 {
+        md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 2],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         lives: |r| r.low(0x4c) + 1,
         over: |r| r.low(0x4c) == 0 && r.at(0x71) == 0x80,
-        ..DEFAULT
-    },
-    Game {
-        name: "galaxian", title: "Galaxian", md5: "211774f4c5739042618be8ff67351177", scheme: F8,
+    }
+    galaxian "Galaxian" v5 {
+        md5: "211774f4c5739042618be8ff67351177", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         reset_frames: 12, rewards: Rewards::Wrap(1_000_000), modes: &[1, 2, 3, 4, 5, 6, 7, 8, 9],
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
         lives: |r| r.at(0x39) + 1,
         over: |r| r.at(0x3f) & 0x80 != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "hero", title: "Hero", md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
+    }
+    hero "Hero" 4 {
+        md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 1, 2, 3, 4],
         score: |r| r.decimal(&[0x37, 0x38, 0x39]),
         lives: |r| r.at(0x33),
         over: |r| r.at(0x33) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "ice_hockey", title: "IceHockey", md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
+    }
+    ice_hockey "IceHockey" 4 {
+        md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x0a) - r.bcd(0x0b),
         over: |r| r.at(0x06) | r.at(0x07) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "jamesbond", title: "Jamesbond", md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
+    }
+    jamesbond "Jamesbond" 4 {
+        md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
         minimal: &Action::ALL,
         modes: &[0, 1],
         score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x06) + 1,
         over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0x0f,
-        ..DEFAULT
-    },
-    Game {
-        name: "journey_escape", title: "JourneyEscape", md5: "718ae62c70af4e5fd8e932fee216948a", scheme: Rom4K,
+    }
+    journey_escape "JourneyEscape" 4 {
+        md5: "718ae62c70af4e5fd8e932fee216948a", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
         display: Display { rows: 230, ..Display::NTSC }, difficulties: &[0, 1],
         score: |r| r.decimal(&[0x10, 0x11, 0x12]),
         over: |r| r.at(0x16) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "kaboom", title: "Kaboom", md5: "5428cdfada281c569c74c7308c7f2c26", scheme: Rom2K,
+    }
+    kaboom "Kaboom" v5 {
+        md5: "5428cdfada281c569c74c7308c7f2c26", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         start: &[Fire], controller: Controller::Paddle(0),
         score: |r| r.decimal(&[0x24, 0x25]),
         lives: |r| r.at(0x21),
         over: |r| r.at(0x21) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "kangaroo", title: "Kangaroo", md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
+    }
+    kangaroo "Kangaroo" 4 {
+        md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
         minimal: &Action::ALL,
         modes: &[0, 1],
         score: |r| 100 * r.decimal(&[0x27, 0x28]),
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "krull", title: "Krull", md5: "4baada22435320d185c95b7dd2bcdb24", scheme: F8,
+    }
+    krull "Krull" 4 {
+        md5: "4baada22435320d185c95b7dd2bcdb24", scheme: F8,
         minimal: &Action::ALL,
         score: |r| r.decimal(&[0x1c, 0x1d, 0x1e]),
         lives: |r| (r.at(0x1f) & 7) + 1,
         over: |r| r.at(0x1f) == 0 && r.at(0x22) == 0x80,
-        ..DEFAULT
-    },
-    Game {
-        name: "kung_fu_master", title: "KungFuMaster", md5: "5b92a93b23523ff16e2789b820e2a4c5", scheme: F8,
+    }
+    kung_fu_master "KungFuMaster" 4 {
+        md5: "5b92a93b23523ff16e2789b820e2a4c5", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
         score: |r| r.decimal(&[0x18, 0x19, 0x1a]),
         lives: |r| (r.at(0x1d) & 7) + 1,
         over: |r| r.at(0x1d) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "montezuma_revenge", title: "MontezumaRevenge", md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
+    }
+    montezuma_revenge "MontezumaRevenge" 4 {
+        md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
         minimal: &Action::ALL,
         score: |r| r.decimal(&[0x13, 0x14, 0x15]),
         lives: |r| (r.at(0x3a) & 7) + 1,
         over: |r| r.at(0x3a) == 0 && r.at(0x7e) == 0x60,
-        ..DEFAULT
-    },
-    Game {
-        name: "ms_pacman", title: "MsPacman", md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
+    }
+    ms_pacman "MsPacman" 4 {
+        md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
         reset_frames: 12, display: Display { comb: false, ..Display::NTSC }, modes: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x7a, 0x79, 0x78]),
         lives: |r| (r.at(0x7b) & 7) + 1,
         over: |r| r.low(0x7b) == 0 && r.at(0x27) == 0x53,
-        ..DEFAULT
-    },
-    Game {
-        name: "phoenix", title: "Phoenix", md5: "7e52a95074a66640fcfde124fffd491a", scheme: F8,
+    }
+    phoenix "Phoenix" 4 {
+        md5: "7e52a95074a66640fcfde124fffd491a", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, Down, RightFire, LeftFire, DownFire],
         score: |r| 10_000 * r.bcd(0x49) + 100 * r.bcd(0x48) + 10 * r.high(0x47),
         lives: |r| r.at(0x4b) & 7,
         over: |r| r.at(0x4c) == 0x80,
-        ..DEFAULT
-    },
-    Game {
-        name: "pitfall", title: "Pitfall", md5: "3e90cf23106f2e08b2781e41299de556", scheme: Rom4K,
+    }
+    pitfall "Pitfall" 4 {
+        md5: "3e90cf23106f2e08b2781e41299de556", scheme: Rom4K,
         minimal: &Action::ALL,
         start: &[Up],
         score: |r| r.decimal(&[0x55, 0x56, 0x57]),
         lives: |r| match r.high(0x00) { 0xa => 3, 0x8 => 2, _ => 1 },
         over: |r| r.high(0x00) == 0 && r.at(0x1e) != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "pong", title: "Pong", md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
+    }
+    pong "Pong" 4 {
+        md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         reset_frames: 12, controller: Controller::Paddle(1), modes: &[0, 1], difficulties: &[0, 1, 2, 3],
         score: |r| r.at(0x0e) - r.at(0x0d),
         over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
-        ..DEFAULT
-    },
-    Game {
-        name: "pooyan", title: "Pooyan", md5: "4799a40b6e889370b7ee55c17ba65141", scheme: Rom4K,
+    }
+    pooyan "Pooyan" 4 {
+        md5: "4799a40b6e889370b7ee55c17ba65141", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
         reset_frames: 12, display: Display { rows: 220, ..Display::NTSC }, modes: &[10, 30, 50, 70],
         score: |r| r.decimal(&[0x08, 0x09, 0x0a]),
         lives: |r| (r.at(0x16) & 7) + 1,
         over: |r| r.at(0x16) == 0 && r.at(0x18) == 5,
-        ..DEFAULT
-    },
-    Game {
-        name: "private_eye", title: "PrivateEye", md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
+    }
+    private_eye "PrivateEye" 4 {
+        md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, start: &[Right], modes: &[0, 1, 2, 3, 4], difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         over: |r| r.at(0x42) > 1,
-        ..DEFAULT
-    },
-    Game {
-        name: "qbert", title: "Qbert", md5: "484b0076816a104875e00467d431c2d2", scheme: Rom4K,
+    }
+    qbert "Qbert" 4 {
+        md5: "484b0076816a104875e00467d431c2d2", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down],
         display: Display { first_line: 40, ..Display::NTSC }, difficulties: &[0, 1],
         score: |r| r.decimal(&[0x59, 0x5a, 0x5b]),
         lives: |r| r.signed(0x08) + 2,
         over: |r| r.at(0x08) == 0xfe,
-        ..DEFAULT
-    },
-    Game {
-        name: "riverraid", title: "Riverraid", md5: "393948436d1f4cc3192410bb918f9724", scheme: Rom4K,
+    }
+    riverraid "Riverraid" 4 {
+        md5: "393948436d1f4cc3192410bb918f9724", scheme: Rom4K,
         minimal: &Action::ALL,
         difficulties: &[0, 1],
         score: |r| r.pictures(&[0x4d, 0x4f, 0x51, 0x53, 0x55, 0x57], 0x58),
         lives: |r| match r.at(0x40) { 0x58 => 4, 0x59 => 1, byte => byte / 8 + 1 },
         over: |r| r.at(0x40) == 0x58 && r.at(0x46) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "road_runner", title: "RoadRunner", md5: "ce5cc62608be2cd3ed8abd844efb8919", scheme: F6,
+    }
+    road_runner "RoadRunner" 4 {
+        md5: "ce5cc62608be2cd3ed8abd844efb8919", scheme: F6,
         minimal: &Action::ALL,
         score: |r| 100 * r.low_digits(&[0x4c, 0x4b, 0x4a, 0x49]),
         lives: |r| (r.at(0x44) & 7) + 1,
         over: |r| r.at(0x44) & 7 == 0 && (r.at(0x39) > 1 || r.at(0x3d) != 0),
-        ..DEFAULT
-    },
-    Game {
-        name: "seaquest", title: "Seaquest", md5: "240bfbac5163af4df5ae713985386f92", scheme: Rom4K,
+    }
+    seaquest "Seaquest" 4 {
+        md5: "240bfbac5163af4df5ae713985386f92", scheme: Rom4K,
         minimal: &Action::ALL,
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x38, 0x39, 0x3a]),
         lives: |r| r.at(0x3b) + 1,
         over: |r| r.at(0x23) != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "solaris", title: "Solaris", md5: "e72eb8d4410152bdcb69e7fba327b420", scheme: F6,
+    }
+    solaris "Solaris" 4 {
+        md5: "e72eb8d4410152bdcb69e7fba327b420", scheme: F6,
         minimal: &Action::ALL,
         score: |r| 10 * r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x59),
         over: |r| r.low(0x59) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "space_invaders", title: "SpaceInvaders", md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
+    }
+    space_invaders "SpaceInvaders" 3 {
+        md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         reset_frames: 12, modes: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "star_gunner", title: "StarGunner", md5: "a3c1c70024d7aabb41381adbfb6d3b25", scheme: Rom4K,
+    }
+    star_gunner "StarGunner" 4 {
+        md5: "a3c1c70024d7aabb41381adbfb6d3b25", scheme: Rom4K,
         minimal: &Action::ALL,
         modes: &[0, 1, 2, 3],
         score: |r| 100 * r.low_digits(&[0x06, 0x05, 0x04, 0x03]),
         lives: |r| r.low(0x07),
         over: |r| r.at(0x07) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "superman", title: "Superman", md5: "a9531c763077464307086ec9a1fd057d", scheme: Rom4K,
+    }
+    superman "Superman" v5 {
+        md5: "a9531c763077464307086ec9a1fd057d", scheme: Rom4K,
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |_| 0,
         over: |_| false,
-        ..DEFAULT
-    },
-    Game {
-        name: "tennis", title: "Tennis", md5: "42cdd6a9e42a3639e190722b8ea3fc51", scheme: Rom2K,
+    }
+    tennis "Tennis" 4 {
+        md5: "42cdd6a9e42a3639e190722b8ea3fc51", scheme: Rom2K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1, 2, 3],
         score: |r| r.at(0x45) - r.at(0x46) + r.at(0x47) - r.at(0x48),
         over: |r| r.at(0x47) >= 6 || r.at(0x48) >= 6,
-        ..DEFAULT
-    },
-    Game {
-        name: "tetris", title: "Tetris", md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
+    }
+    tetris "Tetris" v5 {
+        md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, Down],
         score: |r| r.decimal(&[0x72, 0x71]),
         over: |r| r.at(0x73) & 0x80 != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "trondead", title: "Trondead", md5: "fb27afe896e7c928089307b32e5642ee", scheme: Rom4K,
+    }
+    trondead "Trondead" v5 {
+        md5: "fb27afe896e7c928089307b32e5642ee", scheme: Rom4K,
         minimal: &Action::ALL,
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x3d, 0x3e, 0x3f]),
         lives: |r| 5 - r.at(0x48),
         over: |r| r.at(0x48) == 5,
-        ..DEFAULT
-    },
-    Game {
-        name: "turmoil", title: "Turmoil", md5: "7a5463545dfb2dcfdafa6074b2f2c15e", scheme: Rom4K,
+    }
+    turmoil "Turmoil" v5 {
+        md5: "7a5463545dfb2dcfdafa6074b2f2c15e", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire],
         reset_frames: 12, start: &[Fire], modes: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
         score: |r| 10 * r.decimal(&[0x0a, 0x09]),
         lives: |r| r.at(0x39),
         over: |r| r.at(0x39) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "tutankham", title: "Tutankham", md5: "085322bae40d904f53bdcc56df0593fc", scheme: E0,
+    }
+    tutankham "Tutankham" 4 {
+        md5: "085322bae40d904f53bdcc56df0593fc", scheme: E0,
         minimal: &[Noop, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
         reset_frames: 12, modes: &[0, 4, 8, 12],
         score: |r| r.decimal(&[0x1a, 0x1c]),
         lives: |r| r.at(0x1e) & 3,
         over: |r| r.at(0x1e) & 3 == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "up_n_down", title: "UpNDown", md5: "a499d720e7ee35c62424de882a3351b6", scheme: F8,
+    }
+    up_n_down "UpNDown" 4 {
+        md5: "a499d720e7ee35c62424de882a3351b6", scheme: F8,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
         start: &[Fire], display: Display { first_line: 30, ..Display::NTSC }, difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x00, 0x01, 0x02]),
         lives: |r| (r.at(0x06) & 7) + 1,
         over: |r| r.at(0x06) & 0x4f == 0x40,
-        ..DEFAULT
-    },
-    Game {
-        name: "venture", title: "Venture", md5: "3e899eba0ca8cd2972da1ae5479b4f0d", scheme: Rom4K,
+    }
+    venture "Venture" 4 {
+        md5: "3e899eba0ca8cd2972da1ae5479b4f0d", scheme: Rom4K,
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |r| 100 * r.decimal(&[0x47, 0x48]),
         lives: |r| (r.at(0x46) & 7) + 1,
         over: |r| r.at(0x46) == 0 && r.at(0x4d) == 0xff,
-        ..DEFAULT
-    },
-    Game {
-        name: "video_pinball", title: "VideoPinball", md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
+    }
+    video_pinball "VideoPinball" 4 {
+        md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
         reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x34, 0x32, 0x30]),
         lives: |r| 4 - (r.at(0x19) & 7) + (r.at(0x28) & 1),
         over: |r| r.at(0x2f) & 1 != 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "wizard_of_wor", title: "WizardOfWor", md5: "7e8aa18bc9502eb57daaf5e7c1e94da7", scheme: Rom4K,
+    }
+    wizard_of_wor "WizardOfWor" 4 {
+        md5: "7e8aa18bc9502eb57daaf5e7c1e94da7", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
         difficulties: &[0, 1],
         score: |r| 100 * r.bcd(0x06) + 10_000 * r.bcd(0x08),
         lives: |r| (r.at(0x0d) & 15) + 2,
         over: |r| r.at(0x0d) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "yars_revenge", title: "YarsRevenge", md5: "c5930d0e8cdae3e037349bfa08e871be", scheme: Rom4K,
+    }
+    yars_revenge "YarsRevenge" 4 {
+        md5: "c5930d0e8cdae3e037349bfa08e871be", scheme: Rom4K,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 32, 64, 96], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x60, 0x61, 0x62]),
         lives: |r| r.high(0x1e),
         over: |r| r.high(0x1e) == 0,
-        ..DEFAULT
-    },
-    Game {
-        name: "zaxxon", title: "Zaxxon", md5: "eea0da9b987d661264cce69a7c13c3bd", scheme: F8,
+    }
+    zaxxon "Zaxxon" 4 {
+        md5: "eea0da9b987d661264cce69a7c13c3bd", scheme: F8,
         minimal: &Action::ALL,
         reset_frames: 12, modes: &[0, 8, 16, 24],
         score: |r| 100 * r.decimal(&[0x68, 0x69]),
         lives: |r| r.at(0x6a) & 7,
         over: |r| r.at(0x6a) & 7 == 0,
-        ..DEFAULT
-    },
-];
+    }
+}

@@ -18,8 +18,7 @@ use serde::{Deserialize, Serialize};
 use paint::{Colors, Objects};
 pub(crate) use pixels::WIDTH;
 
-/// The rows of a picture at most.
-pub(crate) const HEIGHT: usize = 250;
+use crate::screen::Screen;
 
 /// The rows of most games' pictures.
 const NTSC_ROWS: usize = 210;
@@ -50,34 +49,6 @@ impl Display {
 impl Default for Display {
     fn default() -> Self {
         Self::NTSC
-    }
-}
-
-/// The picture that is being drawn and the one before. A frame that ends early leaves the rest of its picture as it
-/// was two frames ago.
-#[derive(Clone, Debug)]
-pub(crate) struct Screen {
-    pictures: [[[u8; WIDTH]; HEIGHT]; 2],
-    current: usize,
-    /// Whether colours are left out.
-    pub(crate) unseen: bool,
-}
-
-impl Screen {
-    pub(crate) fn new() -> Self {
-        Self { pictures: [[[0; WIDTH]; HEIGHT]; 2], current: 0, unseen: false }
-    }
-
-    pub(crate) fn swap(&mut self) {
-        self.current = 1 - self.current;
-    }
-
-    pub(crate) fn picture(&self) -> &[[u8; WIDTH]; HEIGHT] {
-        &self.pictures[self.current]
-    }
-
-    fn row(&mut self, row: usize) -> &mut [u8; WIDTH] {
-        &mut self.pictures[self.current][row]
     }
 }
 

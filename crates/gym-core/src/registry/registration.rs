@@ -58,6 +58,7 @@ pub struct Registration {
     nondeterministic: bool,
     without_arguments: bool,
     exceptions: &'static [(&'static str, &'static str)],
+    needs: Option<(&'static str, fn() -> bool)>,
     defaults: fn() -> Json,
     construct: fn(&EnvSpec) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
@@ -85,6 +86,7 @@ impl Registration {
             nondeterministic: false,
             without_arguments: false,
             exceptions: &[],
+            needs: None,
             defaults: defaults::<E>,
             construct: construct::<E>,
             vector_entry_point: None,
@@ -141,6 +143,14 @@ impl Registration {
         self
     }
 
+    /// Says what the environment needs that no crate brings, as in `ROMs`, and how to see whether it is there. Whatever goes
+    /// through the whole registry passes over such environments, or says what they need.
+    #[must_use]
+    pub const fn needs(mut self, what: &'static str, is_there: fn() -> bool) -> Self {
+        self.needs = Some((what, is_there));
+        self
+    }
+
     /// Says that the same seed can give different episodes.
     #[must_use]
     pub const fn nondeterministic(mut self) -> Self {
@@ -168,6 +178,16 @@ impl Registration {
     /// The checks of [`conform`](crate::conform) that this id may fail, each with the reason.
     pub(crate) fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
         self.exceptions
+    }
+
+    /// What it needs that no crate brings, if it needs something.
+    pub fn requirement(&self) -> Option<&'static str> {
+        self.needs.map(|(what, _)| what)
+    }
+
+    /// What it needs and is not there.
+    pub fn missing(&self) -> Option<&'static str> {
+        self.needs.filter(|(_, is_there)| !is_there()).map(|(what, _)| what)
     }
 
     /// Why this id may fail a check of [`conform`](crate::conform), if it may.

@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use gym::atari::games::by_md5;
+use gym::atari::recording::Recording;
+use gym::atari::RomDir;
 use gym::box2d::CarRacing;
 use gym::file;
 use gym::trace::Trace;
@@ -53,7 +56,29 @@ fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
+/// A recording of a game of the Atari 2600, frame by frame, if the text is one; and what is answered now.
+fn game(text: &str) -> Option<Result<(Recording, Recording)>> {
+    let recorded: Recording = serde_json::from_str(text).ok().filter(|other: &Recording| other.kind == "raw")?;
+    let replay = || {
+        let game = by_md5(&recorded.md5)
+            .ok_or_else(|| Error::custom(format!("the game `{}` is not among those that are exact", recorded.rom)))?;
+        let folder = RomDir::find().ok_or_else(|| Error::custom("it needs ROMs: `pip install ale-py`"))?;
+        recorded.replay(&folder.rom(game)?)
+    };
+    Some(replay().map(|answers| (recorded, answers)))
+}
+
 fn compare(path: &Path) -> Result<()> {
+    if let Some(outcome) = game(&read(path)?) {
+        let (recorded, answers) = outcome?;
+        return match recorded.first_difference(&answers) {
+            Some(difference) => Err(Error::custom(difference)),
+            None => {
+                println!("{}: {} frames, equal", path.display(), recorded.ops.len());
+                Ok(())
+            }
+        };
+    }
     let recorded = parse(&read(path)?)?;
     match recorded.first_difference(&recorded.replay(state)?) {
         Some(difference) => Err(Error::custom(difference)),
@@ -67,6 +92,11 @@ fn compare(path: &Path) -> Result<()> {
 /// Keeps what else the file says, such as its policy, and replaces the answers.
 fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
+    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
+    if let Some(outcome) = game(&text) {
+        let json = serde_json::to_vec(&outcome?.1).map_err(|error| Error::custom(error.to_string()))?;
+        return file::write(out.join(name), &json);
+    }
     let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
     let answers = parse(&text)?.replay(state)?;
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
@@ -78,6 +108,5 @@ fn write_answers(path: &Path, out: &Path) -> Result<()> {
         events: &'a [gym::trace::Event],
     }
     let json = serde_json::to_vec(&File { rest, events: &answers.events }).map_err(not_json)?;
-    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
     file::write(out.join(name), &json)
 }

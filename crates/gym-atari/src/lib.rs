@@ -12,6 +12,7 @@ pub mod games;
 mod mt19937;
 mod paddle;
 pub mod palette;
+pub mod recording;
 pub mod riot;
 pub mod rom;
 mod screen;

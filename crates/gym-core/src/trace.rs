@@ -11,6 +11,8 @@
 //! ]}
 //! ```
 //!
+//! A picture may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype": "uint8"}`.
+//!
 //! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
 //! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
 
@@ -19,7 +21,7 @@ use serde_json::{Value as Json, json, value::RawValue};
 
 use crate::registry::EnvBuilder;
 use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
-use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, WrapperSpec, builder};
+use crate::{BoxEnv, DType, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -222,12 +224,12 @@ impl Event {
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {
                 let observation = env.reset(Reset::try_from(request)?)?;
-                Self { observation: Some(json!(observation)), ..Self::default() }
+                Self { observation: Some(self.recorded(&observation)), ..Self::default() }
             }
             (None, Some(action)) => {
                 let step = env.step(&env.action_space().from_json(action)?)?;
                 Self {
-                    observation: Some(json!(step.observation)),
+                    observation: Some(self.recorded(&step.observation)),
                     reward: Some(json!(step.reward)),
                     terminated: Some(json!(step.terminated)),
                     truncated: Some(json!(step.truncated)),
@@ -246,6 +248,19 @@ impl Event {
             }
         }
         Ok(answer)
+    }
+
+    /// An observation in the form of this event's: its numbers, or their checksum.
+    fn recorded(&self, observation: &Value) -> Json {
+        let as_checksum = self.observation.as_ref().is_some_and(|recorded| recorded.get("crc32").is_some());
+        match observation {
+            Value::Array(array) if as_checksum && array.dtype() == DType::U8 => {
+                let bytes = array.as_slice::<u8>().unwrap_or_default();
+                let crc32 = format!("{:08x}", crc32fast::hash(bytes));
+                json!({"crc32": crc32, "shape": array.shape(), "dtype": array.dtype().name()})
+            }
+            _ => json!(observation),
+        }
     }
 
     fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {

@@ -17,13 +17,29 @@ const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
 const IDLE_FRAMES: usize = 60;
+/// The frames that RESET is pressed for, in every game.
+const RESET_FRAMES: u8 = 8;
+/// For how many frames SELECT is pressed at most.
+const MOST_SELECT_FRAMES: usize = 1000;
 
 /// A game that is being played.
 #[derive(Clone, Debug)]
 pub struct Ale {
     game: &'static Game,
     console: Console,
+    settings: Settings,
     progress: Progress,
+}
+
+/// How episodes are played.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The mode; `None` for the game's default.
+    pub mode: Option<u16>,
+    /// The difficulty; `None` for the game's default.
+    pub difficulty: Option<u8>,
+    /// After how many frames an episode ends; `None` for never.
+    pub max_frames: Option<u32>,
 }
 
 /// Where a game stands, beside the console.
@@ -36,8 +52,6 @@ struct Progress {
     /// The action of the frame before.
     previous: Action,
     paddle: Paddle,
-    mode: u16,
-    difficulty: u8,
     score: i32,
     lives: i32,
     over: bool,
@@ -59,13 +73,12 @@ impl Ale {
         let mut ale = Self {
             game,
             console: power_on(game, cartridge, 0),
+            settings: Settings::default(),
             progress: Progress {
                 power_ons: 0,
                 generator: Mt19937::new(seed),
                 previous: Action::Noop,
                 paddle: Paddle::default(),
-                mode: game.modes[0],
-                difficulty: game.difficulties[0],
                 score: 0,
                 lives: 0,
                 over: false,
@@ -73,21 +86,16 @@ impl Ale {
                 episode_frame_number: 0,
             },
         };
-        // as ale-py does: once on loading, and once more for the first episode
         ale.reset();
-        ale.progress.frame_number = 0;
         ale
     }
 
-    /// As it was when it was made, with another seed; the ROM is not copied.
+    /// Starts the first episode after loading the ROM, with the generator of sticky actions seeded anew.
     pub fn reload(&mut self, seed: u32) {
-        let Progress { mode, difficulty, .. } = self.progress;
-        self.progress.power_ons = 0;
+        self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
-        self.progress.mode = mode;
-        self.progress.difficulty = difficulty;
-        self.reset();
         self.progress.frame_number = 0;
+        self.reset();
     }
 
     /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
@@ -100,15 +108,36 @@ impl Ale {
         for _ in 0..IDLE_FRAMES {
             self.frame(Action::Noop, switch::IDLE, true);
         }
-        for _ in 0..self.game.reset_frames {
+        for _ in 0..RESET_FRAMES {
+            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+        }
+        self.progress.episode_frame_number = 0;
+        self.choose_mode();
+        for _ in RESET_FRAMES..self.game.reset_frames {
             self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
         }
         for &action in self.game.start {
             self.frame(action, switch::IDLE, true);
         }
-        self.progress.episode_frame_number = 0;
         self.progress.score = (self.game.score)(&self.ram());
         self.observe();
+    }
+
+    /// Presses SELECT until the RAM shows the mode, where it is not the default. These frames count.
+    fn choose_mode(&mut self) {
+        let (Some(mode), Some(shown)) = (self.settings.mode, self.game.mode) else { return };
+        if mode == self.game.modes[0] {
+            return;
+        }
+        // a RAM that never shows it must not hang
+        for _ in 0..MOST_SELECT_FRAMES {
+            if shown(&self.ram()) == i32::from(mode) {
+                return;
+            }
+            self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
+            self.progress.frame_number += 1;
+            self.progress.episode_frame_number += 1;
+        }
     }
 
     /// Plays a frame; gives its reward. The action before it is repeated instead with probability
@@ -130,7 +159,7 @@ impl Ale {
     /// Plays a frame with exactly this action. An unseen frame leaves the picture as it is.
     pub(crate) fn play(&mut self, action: Action, seen: bool) -> i32 {
         self.progress.previous = action;
-        if self.progress.over {
+        if self.has_ended() {
             return 0;
         }
         self.frame(action, switch::IDLE, seen);
@@ -156,10 +185,10 @@ impl Ale {
         let mut reward = 0;
         let mut complete = true;
         for frame in 0..frames {
-            let was_over = self.progress.over;
+            let had_ended = self.has_ended();
             let executed = self.stick(action, repeat_action_probability);
             reward += self.play(executed, frame >= unseen);
-            if !was_over {
+            if !had_ended {
                 complete = frame >= unseen && !self.console.is_short();
             }
         }
@@ -176,16 +205,20 @@ impl Ale {
     fn observe(&mut self) {
         let ram = self.ram();
         let over = (self.game.over)(&ram);
-        let lives = if over { 0 } else { (self.game.lives)(&ram) };
+        let lives = match over {
+            true => 0,
+            false if (self.game.lives_count)(&ram) => (self.game.lives)(&ram),
+            false => self.progress.lives,
+        };
         self.progress.over = over;
         self.progress.lives = lives;
     }
 
     /// Runs the console for a frame.
     fn frame(&mut self, action: Action, switches: u8, seen: bool) {
-        let difficulty = if self.progress.difficulty & 1 != 0 { switch::LEFT_DIFFICULTY } else { 0 }
-            | if self.progress.difficulty & 2 != 0 { switch::RIGHT_DIFFICULTY } else { 0 };
-        let port_b = switches | difficulty;
+        let difficulty = self.settings.difficulty.unwrap_or(self.game.difficulties[0]);
+        // bit 0 is the left switch, bit 1 the right one
+        let port_b = switches | difficulty << switch::LEFT_DIFFICULTY.trailing_zeros();
         let input = match self.game.controller {
             Controller::Joystick => {
                 Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
@@ -236,6 +269,16 @@ impl Ale {
         self.progress.over
     }
 
+    /// Whether no frame follows: the game is over, or the episode has as many frames as it may.
+    fn has_ended(&self) -> bool {
+        self.progress.over || self.is_truncated()
+    }
+
+    /// Whether the episode has as many frames as it may.
+    pub fn is_truncated(&self) -> bool {
+        self.settings.max_frames.is_some_and(|most| self.progress.episode_frame_number >= most)
+    }
+
     /// The frames since the game was made.
     pub fn frame_number(&self) -> u32 {
         self.progress.frame_number
@@ -246,11 +289,9 @@ impl Ale {
         self.progress.episode_frame_number
     }
 
-    /// Chooses a mode and a difficulty for the episodes that follow; `None` keeps the game's default. They must be among
-    /// the game's.
-    pub fn configure(&mut self, mode: Option<u16>, difficulty: Option<u8>) {
-        self.progress.mode = mode.unwrap_or(self.game.modes[0]);
-        self.progress.difficulty = difficulty.unwrap_or(self.game.difficulties[0]);
+    /// Chooses how the episodes that follow are played. Mode and difficulty must be among the game's.
+    pub fn configure(&mut self, settings: Settings) {
+        self.settings = settings;
     }
 
     /// Continues from a state, and shows the pictures of it; `false` and no change if they are not of this game.

@@ -5,7 +5,7 @@ use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
-use crate::ale::Ale;
+use crate::ale::{Ale, Settings};
 use crate::palette;
 use crate::rom::Rom;
 
@@ -65,7 +65,7 @@ impl Recording {
             return Err(Error::custom(format!("this is a recording of {}, not of {}", self.rom, rom.game().name)));
         }
         let mut ale = Ale::new(rom.game(), rom.bytes(), 0);
-        ale.configure(self.mode, self.difficulty);
+        ale.configure(Settings { mode: self.mode, difficulty: self.difficulty, max_frames: None });
         ale.reset();
         let mut answers = Self {
             start: Start { ram: crate::bytes::encode(ale.ram().0), screen: screen(&ale), lives: ale.lives() },

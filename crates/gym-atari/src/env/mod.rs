@@ -15,7 +15,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
-use crate::ale::{Ale, State};
+use crate::ale::{Ale, Settings, State};
 use crate::console::{Pictures, Row};
 use crate::games::Game;
 use crate::palette;
@@ -70,7 +70,8 @@ impl AtariEnv {
         let config = Config { game: rom.game().name.to_owned(), ..config };
         let game = config.check()?;
         let mut ale = Ale::new(game, rom.bytes(), 0);
-        ale.configure(config.mode, config.difficulty);
+        let Config { mode, difficulty, max_num_frames_per_episode: max_frames, .. } = config;
+        ale.configure(Settings { mode, difficulty, max_frames });
         Ok(Self { config, ale, episode: None })
     }
 
@@ -157,10 +158,7 @@ impl AtariEnv {
         Outcome {
             reward: f64::from(reward),
             terminated: self.ale.game_over(),
-            truncated: self
-                .config
-                .max_num_frames_per_episode
-                .is_some_and(|most| self.ale.episode_frame_number() >= most),
+            truncated: self.ale.is_truncated(),
         }
     }
 

@@ -45,6 +45,8 @@ pub struct Game {
     pub rewards: Rewards,
     /// The lives, from RAM; 0 where the game is over.
     pub lives: fn(&Ram<'_>) -> i32,
+    /// Whether the lives in RAM count at the moment; where not, the number before stays.
+    pub lives_count: fn(&Ram<'_>) -> bool,
     /// Whether the game is over, from RAM.
     pub over: fn(&Ram<'_>) -> bool,
 }
@@ -66,6 +68,7 @@ const DEFAULT: Game = Game {
     score: |_| 0,
     rewards: Rewards::Difference,
     lives: |_| 0,
+    lives_count: |_| true,
     over: |_| false,
 };
 

@@ -85,7 +85,7 @@ games! {
         reset_frames: 12, modes: &[0, 4, 8, 12, 16, 20, 24, 28], difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
-        over: |r| r.at(0x55) == 0,
+        over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
     }
     battle_zone "BattleZone" 4 {
         md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
@@ -101,6 +101,7 @@ games! {
         start: &[Right], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x0b, 0x0a, 0x09]),
         lives: |r| r.at(0x05) + 1,
+        lives_count: |r| r.at(0x0c) == 1,
         over: |r| r.at(0x05) == 0xff,
     }
     bowling "Bowling" 4 {
@@ -115,7 +116,7 @@ games! {
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |r| r.boxing(0x12) - r.boxing(0x13),
-        over: |r| r.at(0x12) == 0xc0 || r.at(0x13) == 0xc0 || r.at(0x10) | r.at(0x11) == 0,
+        over: |r| r.at(0x12) == 0xc0 || r.at(0x13) == 0xc0 || r.at(0x15) == 0x0c,
     }
     breakout "Breakout" 4 {
         md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
@@ -163,7 +164,7 @@ games! {
         reset_frames: 12, modes: &[1, 3, 5, 7], difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
-        over: |r| r.at(0x72) == 0 && r.at(0x7d) == 0xbd,
+        over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
     }
     donkey_kong "DonkeyKong" v5 {
         md5: "36b20c427975760cb9cf4a47e41369e4", scheme: Rom4K,
@@ -247,7 +248,7 @@ games! {
         modes: &[0, 1],
         score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x06) + 1,
-        over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0x0f,
+        over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0,
     }
     journey_escape "JourneyEscape" 4 {
         md5: "718ae62c70af4e5fd8e932fee216948a", scheme: Rom4K,

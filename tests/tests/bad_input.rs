@@ -120,8 +120,8 @@ fn reset_options() {
     says(env.reset(reset().option("low", f64::NAN)), &["expected f64"]);
     says(env.reset(reset().option("high", 1e300)), &["`high`", "must lie within"]);
     env.reset(reset().option("colour", "blue")).expect("unknown options are ignored");
-    says("-1".parse::<gym::Seed>(), &["`-1`", "zero or greater"]);
-    says("1.5".parse::<gym::Seed>(), &["`1.5`"]);
+    says("-1".parse::<gym::Seed>().map_err(Into::into), &["`-1`", "zero or greater"]);
+    says("1.5".parse::<gym::Seed>().map_err(Into::into), &["`1.5`"]);
 }
 
 #[test]

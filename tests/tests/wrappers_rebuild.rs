@@ -1,6 +1,8 @@
 //! Every wrapper is rebuilt from JSON, continues from a snapshot, and steps without allocating.
 
+use gym::render::RenderMode;
 use gym::{BoxEnv, Element, Env, EnvSpec, Outcome, Reset, Result, Value, Wrap, WrapperSpec};
+use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 
 /// An id, and the wrappers to put around it.
@@ -254,4 +256,123 @@ fn a_recording_is_rebuilt() {
         assert!(wrapper.wrap(make()).unwrap_err().to_string().contains(name));
     }
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// How `make` is asked, and what is put around by hand: numbers that choose.
+type Choices = ((u8, bool, bool, Option<u32>, u8), Vec<(u8, u8)>);
+
+/// A base of the registry, small pictures where it renders.
+fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> BoxEnv {
+    if id % 6 == 5 {
+        return gym::builder("FrozenLake-v1")
+            .arg("map_name", Json::Null)
+            .max_episode_steps(limit)
+            .build()
+            .unwrap();
+    }
+    let ids = ["CartPole-v1", "Pendulum-v1", "Blackjack-v1", "Taxi-v4", "MountainCarContinuous-v0"];
+    let mut builder =
+        gym::builder(ids[usize::from(id) % ids.len()]).order_enforce(order).disable_env_checker(!check);
+    if let Some(limit) = limit {
+        builder = builder.max_episode_steps(limit);
+    }
+    let mode = [None, Some(RenderMode::RgbArray), Some(RenderMode::RgbArrayList)][usize::from(mode) % 3];
+    match mode {
+        Some(mode) => builder.render_mode(mode).render_size(12, 8).build().unwrap(),
+        None => builder.build().unwrap(),
+    }
+}
+
+/// One more wrapper, or an error where the environment is none for it; and whether it has a stored form.
+fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
+    use gym::wrappers::*;
+    let n = u32::from(x % 4) + 1;
+    let env = match kind % 27 {
+        0 => BoxEnv::new(TimeLimit::new(env, 3 * n)?),
+        1 => BoxEnv::new(Autoreset::new(env)),
+        2 => BoxEnv::new(OrderEnforcing::new(env)),
+        3 => BoxEnv::new(PassiveEnvChecker::new(env)),
+        4 => BoxEnv::new(RecordEpisodeStatistics::new(env).with_buffer_length(n as usize)?),
+        5 => BoxEnv::new(FlattenObservation::new(env)?),
+        6 => BoxEnv::new(DtypeObservation::new(env, [gym::DType::F64, gym::DType::I32][usize::from(x % 2)])?),
+        7 => BoxEnv::new(DelayObservation::new(env, n as usize)?),
+        8 => BoxEnv::new(TimeAwareObservation::new(env)?),
+        9 => BoxEnv::new(TimeAwareObservation::with_limit(env, 7 * n)?.with_normalize_time(x % 2 == 0)?),
+        10 => BoxEnv::new(FrameStackObservation::new(env, n as usize)?.with_padding(Padding::Zero)?),
+        11 => {
+            let mut env = NormalizeObservation::new(env)?.with_epsilon(0.1 * f64::from(n))?;
+            env.update_running_mean(x % 2 == 0);
+            BoxEnv::new(env)
+        }
+        12 => {
+            let mut env = NormalizeReward::new(env, 0.9)?;
+            env.update_running_mean(x % 2 == 0);
+            BoxEnv::new(env)
+        }
+        13 => BoxEnv::new(MaxAndSkipObservation::new(env, n + 1)?),
+        14 => BoxEnv::new(ClipAction::new(env)?),
+        15 => BoxEnv::new(RescaleAction::new(env, -f64::from(n), 2.0)?),
+        16 => BoxEnv::new(DiscretizeAction::new(env, usize::from(x % 5) + 1, x % 2 == 0)?),
+        17 => BoxEnv::new(StickyAction::new(env, 0.5)?.with_duration(1..=n)?),
+        18 => BoxEnv::new(RepeatAction::new(env, n)?),
+        19 => BoxEnv::new(ClipReward::new(env, (x % 2 == 0).then_some(-0.5), 0.25 * f64::from(n))?),
+        20 => BoxEnv::new(AddWhiteNoise::new(env, 0.3, x % 2 == 0)?),
+        21 => BoxEnv::new(ObstructView::new(env, 0.3, n, x % 2 == 0)?),
+        22 => BoxEnv::new(AddRenderObservation::new(env)?),
+        23 => BoxEnv::new(AddRenderObservation::with_state(env, "picture", "state")?),
+        24 => return Ok((BoxEnv::new(RenderCollection::new(env)), false)),
+        25 => return Ok((BoxEnv::new(Render::new(env, RenderMode::RgbArray)?.with_size(10, 6)?), false)),
+        _ => return Ok((BoxEnv::new(env.transform_reward(|reward| 2.0 * reward)), false)),
+    };
+    Ok((env, true))
+}
+
+/// All that an environment answers, errors too.
+fn answers(env: &mut BoxEnv) -> Vec<String> {
+    let mut answers = Vec::new();
+    let mut actions = env.action_sampler(3).unwrap();
+    let early = env.step(&actions.sample()).map(|step| step.observation);
+    answers.push(early.is_err().to_string());
+    for seed in [1, 2] {
+        answers.push(format!("{:?}", env.reset(seed)));
+        for i in 0..12 {
+            answers.push(format!("{:?}", env.step(&actions.sample())));
+            if i % 4 == 0 {
+                answers.push(format!("{:?}", env.render()));
+            }
+            let mut info = env.info_map();
+            // the seconds of episode statistics
+            info.remove("episode");
+            answers.push(format!("{info:?}"));
+        }
+    }
+    answers
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// What a spec rebuilds answers as the stack that gave it, whatever is around what. Where there is no
+    /// spec, something in the stack has no stored form.
+    #[test]
+    fn specs_tell_the_truth((of_make, wrappers) in any::<Choices>()) {
+        let of_make = (of_make.0, of_make.1, of_make.2, of_make.3.map(|limit| limit % 20 + 1), of_make.4);
+        let (mut env, mut is_stored) = (base(of_make), true);
+        for wrapper in wrappers.into_iter().take(5) {
+            if let Ok((wrapped, stored)) = around(env.clone(), wrapper) {
+                (env, is_stored) = (wrapped, is_stored && stored);
+            }
+        }
+        let spec = env.spec();
+        prop_assert!(spec.is_some() || !is_stored, "{env} has no spec");
+        if let Some(spec) = spec {
+            let json = serde_json::to_string(&spec).unwrap();
+            let mut rebuilt = serde_json::from_str::<EnvSpec>(&json).unwrap().make().unwrap();
+            prop_assert_eq!(rebuilt.spec().as_ref(), Some(&spec), "{}", json);
+            prop_assert_eq!(rebuilt.observation_space(), env.observation_space(), "{}", json);
+            prop_assert_eq!(rebuilt.action_space(), env.action_space(), "{}", json);
+            prop_assert_eq!(rebuilt.render_mode(), env.render_mode(), "{}", json);
+            prop_assert_eq!(answers(&mut rebuilt), answers(&mut env), "{} of {}", json, env);
+        }
+    }
 }

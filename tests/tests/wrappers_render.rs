@@ -33,10 +33,11 @@ impl Env for Picture {
         Ok(Outcome::default())
     }
 
-    fn render(&mut self) -> Result<Rendered> {
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         let mut frame = Frame::new(5, 4);
         frame.pixels_mut().fill(9);
-        Ok(Rendered::Frame(frame))
+        *rendered = Rendered::Frame(frame);
+        Ok(())
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
@@ -160,9 +161,18 @@ fn a_picture_drawn_over_another_is_a_new_one() {
     #[derive(Clone)]
     struct Square(Picture);
 
-    impl Env for Square {
+    impl gym::Wrapper for Square {
+        type Inner = Picture;
         type Observation = Array;
         type Action = i64;
+
+        fn inner(&self) -> &Picture {
+            &self.0
+        }
+
+        fn inner_mut(&mut self) -> &mut Picture {
+            &mut self.0
+        }
 
         fn metadata(&self) -> gym::render::Metadata {
             gym::render::Metadata::drawn(10, (4, 4))
@@ -171,8 +181,6 @@ fn a_picture_drawn_over_another_is_a_new_one() {
         fn draw(&self, canvas: &mut dyn gym::canvas::Canvas) {
             canvas.rect([1.0, 1.0], [2.0, 2.0], gym::canvas::Color::WHITE);
         }
-
-        gym::forward!(0: observation_space, action_space, snapshot, restore, generator);
 
         fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
             self.0.reset_into(reset, observation)

@@ -1,76 +1,25 @@
-//! Commands over every environment that is linked: `cargo xtask help`.
+//! `cargo xtask COMMAND`: builds the commands as the one that is asked for needs them, and runs it.
+//!
+//! This program has next to no dependencies, so that it says within seconds what it builds:
+//! - Commands that play are built with optimisation; `list`, `help` and `new` without, unless the others are there.
+//! - `play` is built with windows, `conform` with the allocator that counts.
+//! - With `--plugin PATH` a program is built that links the crate in that folder.
 
-mod bench;
-mod conform;
-mod demo;
-mod docs;
-mod gif;
-mod heuristic;
-mod keys;
-mod list;
-mod new;
-mod play;
-mod plots;
 mod plugin;
-mod policy;
-mod replay;
-mod run;
-mod soak;
 
-use std::process::ExitCode;
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
 
-use clap::{Parser, Subcommand};
+use plugin::Plugin;
 
-#[derive(Parser)]
-#[command(name = "cargo xtask", about = "Commands over every environment that is linked")]
-struct Arguments {
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Lists the environments.
-    List(list::Arguments),
-    /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
-    Demo(demo::Arguments),
-    /// Records one episode as a GIF, animated PNG or MP4.
-    Gif(gif::Arguments),
-    /// Lets you play, with the keyboard.
-    Play(play::Arguments),
-    /// Plays one episode per seed and prints returns and lengths.
-    Run(run::Arguments),
-    /// Repeats recorded traces and compares, or writes, the answers.
-    Replay(replay::Arguments),
-    /// Writes the pages about the environments, and checks the book.
-    Docs(docs::Arguments),
-    /// Measures steps and frames per second.
-    Bench(bench::Arguments),
-    /// Checks that environments keep the rules.
-    Conform(conform::Arguments),
-    /// Starts a crate with an environment of your own.
-    New(new::Arguments),
-    /// Steps through every environment for a long time, and watches the memory.
-    Soak(soak::Arguments),
-}
+/// The commands that need no speed.
+const QUICK: [&str; 3] = ["list", "help", "new"];
 
 fn main() -> ExitCode {
-    log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
-    let result = match Arguments::parse().command {
-        Command::List(arguments) => list::list(&arguments),
-        Command::Demo(arguments) => demo::demo(&arguments),
-        Command::Gif(arguments) => gif::gif(&arguments),
-        Command::Play(arguments) => play::play(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Replay(arguments) => replay::replay(&arguments),
-        Command::Docs(arguments) => docs::docs(&arguments),
-        Command::Bench(arguments) => bench::bench(&arguments),
-        Command::Conform(arguments) => conform::conform(&arguments),
-        Command::New(arguments) => new::new(&arguments),
-        Command::Soak(arguments) => soak::soak(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
+    match run(env::args_os().skip(1).collect()) {
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
@@ -78,30 +27,140 @@ fn main() -> ExitCode {
     }
 }
 
-/// Shows the library's warnings, such as that of an environment out of date.
-struct Stderr;
+fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
+    let (plugin, arguments) = take_plugin(arguments)?;
+    let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
+    let mut cargo = Command::new(cargo());
+    cargo.arg("run").args(["--profile", build.profile]);
+    match &plugin {
+        None => {
+            cargo.args(["--package", "xtask-commands", "--manifest-path"]).arg(root().join("Cargo.toml"));
+        }
+        Some(folder) => {
+            let plugin = Plugin::read(folder)?;
+            let program = target_dir().join("plugins").join(&plugin.name);
+            plugin.write_program(&program)?;
+            cargo.arg("--manifest-path").arg(program.join("Cargo.toml"));
+            cargo.arg("--target-dir").arg(target_dir());
+        }
+    }
+    if let Some(feature) = build.feature {
+        cargo.args(["--features", feature]);
+    }
+    let status = cargo.arg("--").args(&arguments).status();
+    let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
+    // a signal leaves no code
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+}
 
-impl log::Log for Stderr {
-    fn enabled(&self, _metadata: &log::Metadata<'_>) -> bool {
-        true
+/// How the commands are built for one of them.
+#[derive(Debug, PartialEq)]
+struct Build {
+    profile: &'static str,
+    feature: Option<&'static str>,
+}
+
+impl Build {
+    /// `in_dev` builds as tests are built, which need no speed.
+    fn of(arguments: &[OsString], in_dev: bool) -> Self {
+        let command = arguments.iter().filter_map(|argument| argument.to_str());
+        let command = command.clone().find(|argument| !argument.starts_with('-'));
+        let asks_for_help = arguments.iter().any(|argument| argument == "--help" || argument == "-h");
+        let is_quick = asks_for_help || command.is_none_or(|command| QUICK.contains(&command));
+        let is_built = || {
+            target_dir()
+                .join("release")
+                .join("xtask-commands")
+                .with_extension(env::consts::EXE_EXTENSION)
+                .exists()
+        };
+        let feature = match command {
+            Some("conform") => Some("conform"),
+            Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => Some("human"),
+            _ => None,
+        };
+        let profile = match is_quick {
+            _ if in_dev => "dev",
+            true if !is_built() => "quick",
+            _ => "release",
+        };
+        Self { profile, feature }
+    }
+}
+
+/// The folder after `--plugin`, and the other arguments.
+fn take_plugin(arguments: Vec<OsString>) -> Result<(Option<PathBuf>, Vec<OsString>), String> {
+    let (mut plugin, mut others) = (None, Vec::new());
+    let mut arguments = arguments.into_iter();
+    while let Some(argument) = arguments.next() {
+        if argument == "--plugin" {
+            let folder =
+                arguments.next().ok_or("`--plugin` needs the folder of a crate: `--plugin ../my_envs`")?;
+            plugin = Some(PathBuf::from(folder));
+        } else if let Some(folder) = argument.to_str().and_then(|text| text.strip_prefix("--plugin=")) {
+            plugin = Some(PathBuf::from(folder));
+        } else {
+            others.push(argument);
+        }
+    }
+    match others
+        .iter()
+        .find_map(|argument| ["new", "docs"].into_iter().find(|name| argument == OsStr::new(name)))
+    {
+        Some(command) if plugin.is_some() => {
+            Err(format!("`{command}` takes no `--plugin`: it is about this workspace"))
+        }
+        _ => Ok((plugin, others)),
+    }
+}
+
+/// The folder of this workspace.
+fn root() -> &'static Path {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.parent().unwrap_or(own)
+}
+
+/// Where this workspace is built, and plugins with it.
+fn target_dir() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// The cargo that runs this.
+fn cargo() -> OsString {
+    env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arguments(line: &str) -> Vec<OsString> {
+        line.split_whitespace().map(OsString::from).collect()
     }
 
-    fn log(&self, record: &log::Record<'_>) {
-        // those of other crates are about their own inner workings
-        if record.target().starts_with("gym") {
-            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+    #[test]
+    fn commands_are_built_with_what_they_need() {
+        let feature = |line: &str| Build::of(&arguments(line), false).feature;
+        assert_eq!(feature("conform CartPole-v1"), Some("conform"));
+        assert_eq!(feature("play CartPole-v1"), Some("human"));
+        assert_eq!(feature("play Taxi-v4 --terminal"), None);
+        assert_eq!(feature("bench"), None, "allocations are not counted where time is measured");
+    }
+
+    #[test]
+    fn commands_that_play_are_fast() {
+        for line in ["demo", "bench CartPole-v1", "run Taxi-v4"] {
+            assert_eq!(Build::of(&arguments(line), false).profile, "release", "{line}");
         }
     }
 
-    fn flush(&self) {}
-}
-
-/// Arguments of an environment, as JSON on the command line.
-fn parse_kwargs(json: &str) -> Result<gym::Kwargs, String> {
-    serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))
-}
-
-/// An id as part of a file name.
-fn file_stem(id: &str) -> String {
-    id.replace('/', "_")
+    #[test]
+    fn the_plugin_stands_anywhere() {
+        for line in ["--plugin x list --long", "list --plugin x --long", "list --long --plugin=x"] {
+            let expected = (Some(PathBuf::from("x")), arguments("list --long"));
+            assert_eq!(take_plugin(arguments(line)).unwrap(), expected, "{line}");
+        }
+        assert!(take_plugin(arguments("list --plugin")).unwrap_err().contains("folder of a crate"));
+        assert!(take_plugin(arguments("new x --plugin y")).unwrap_err().contains("`new` takes no"));
+    }
 }

@@ -19,8 +19,6 @@ const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 const IDLE_FRAMES: usize = 60;
 /// The frames that RESET is pressed for, in every game.
 const RESET_FRAMES: u8 = 8;
-/// For how many frames SELECT is pressed at most.
-const MOST_SELECT_FRAMES: usize = 1000;
 
 /// A game that is being played.
 #[derive(Clone, Debug)]
@@ -123,21 +121,18 @@ impl Ale {
         self.observe();
     }
 
-    /// Presses SELECT until the RAM shows the mode, where it is not the default. These frames count.
+    /// Presses SELECT as often as the mode needs; ale-py counts a frame for each.
     fn choose_mode(&mut self) {
-        let (Some(mode), Some(shown)) = (self.settings.mode, self.game.mode) else { return };
-        if mode == self.game.modes[0] {
-            return;
-        }
-        // a RAM that never shows it must not hang
-        for _ in 0..MOST_SELECT_FRAMES {
-            if shown(&self.ram()) == i32::from(mode) {
-                return;
+        let (Some(mode), Some(held)) = (self.settings.mode, self.game.select_frames) else { return };
+        let presses = self.game.modes.iter().find(|(number, _)| *number == mode).map_or(0, |(_, presses)| *presses);
+        for _ in 0..presses {
+            for _ in 0..held {
+                self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
             }
-            self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
-            self.progress.frame_number += 1;
-            self.progress.episode_frame_number += 1;
+            self.frame(Action::Noop, switch::IDLE, true);
         }
+        self.progress.frame_number += u32::from(presses);
+        self.progress.episode_frame_number += u32::from(presses);
     }
 
     /// Plays a frame; gives its reward. The action before it is repeated instead with probability

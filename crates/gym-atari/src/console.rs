@@ -178,7 +178,7 @@ impl Console {
     /// cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
         let State { cpu, riot, tia, banks, cycle, data, frame_ended } = state;
-        if !tia.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
+        if !tia.is_valid(*cycle) || !riot.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
             return false;
         }
         let display = *self.board.tia.display();

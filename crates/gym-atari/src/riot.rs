@@ -37,6 +37,12 @@ impl Riot {
         }
     }
 
+    /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been damaged.
+    pub(crate) fn is_valid(&self, cycle: u64) -> bool {
+        let Timer { value: _, shift, written, read_after_end } = self.timer;
+        written <= cycle && shift <= 10 && read_after_end.is_none_or(|below| below.unsigned_abs() < 1 << 61)
+    }
+
     /// Reads a register at a cycle.
     pub fn read(&mut self, address: u16, cycle: u64) -> u8 {
         match address & 0x07 {

@@ -102,7 +102,10 @@ impl RomDir {
 }
 
 /// The ROM of a game, from a folder or from where [`RomDir::find`] looks.
-pub(crate) fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
+///
+/// # Errors
+/// As [`RomDir::rom`]; without any folder, what to do about it.
+pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     match folder.map(RomDir::new).or_else(RomDir::find) {
         Some(folder) => folder.rom(game),
         None => Err(Error::argument(game.title, format!("no ROMs were found. {}", advice()))),

@@ -474,7 +474,7 @@ impl Env for BipedalWalker {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("BipedalWalker", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -10,7 +10,7 @@ pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
 /// Sweeps over the positions in a step: 2 * 30.
 pub(crate) const POSITION_ITERATIONS: u32 = 60;
 
-/// An exception to the checks of `gym_core::conform`.
+/// An exception to the checks of gym-conform.
 #[cfg(feature = "rapier")]
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
 

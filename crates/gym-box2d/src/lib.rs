@@ -24,3 +24,8 @@ pub mod physics;
 pub use bipedal_walker::BipedalWalker;
 pub use car_racing::CarRacing;
 pub use lunar_lander::LunarLander;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

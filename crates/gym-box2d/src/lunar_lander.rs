@@ -499,7 +499,7 @@ impl Env for LunarLander {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("LunarLander", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -262,7 +262,26 @@ impl Array {
 
     /// The numbers, widened to `f64`.
     pub fn iter_f64(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        (0..self.len()).map(|i| self.data.get_f64(i))
+        self.into_iter()
+    }
+
+    /// The number at an index of each axis, widened to `f64`; `None` outside of the shape.
+    ///
+    /// ```
+    /// use gym_core::{Array, Data};
+    ///
+    /// let array = Array::new([2, 3], Data::U8(vec![0, 1, 2, 10, 11, 12]))?;
+    /// assert_eq!(array.get([1, 2]), Some(12.0));
+    /// assert_eq!(array.get([2, 0]), None);
+    /// assert_eq!((&array).into_iter().sum::<f64>(), 36.0);
+    /// # Ok::<(), gym_core::Error>(())
+    /// ```
+    pub fn get<const N: usize>(&self, index: [usize; N]) -> Option<f64> {
+        if N != self.shape.len() || index.iter().zip(&self.shape).any(|(i, n)| i >= n) {
+            return None;
+        }
+        let flat = index.iter().zip(&self.shape).fold(0, |flat, (i, n)| flat * n + i);
+        Some(self.data.get_f64(flat))
     }
 
     /// Overwrites the numbers with those of an array of as many, cast as numpy's `astype`.
@@ -291,7 +310,7 @@ impl Array {
     }
 
     /// Overwrites each number with an integer.
-    pub(crate) fn fill_int(&mut self, i: i64) {
+    pub fn fill_int(&mut self, i: i64) {
         with_type!(self.dtype(), T => {
             self.as_mut_slice::<T>().unwrap_or_default().fill(T::cast(Number::Int(i.into())));
         });
@@ -314,6 +333,36 @@ impl Array {
         Self::new(shape, self.data)
     }
 }
+
+impl<'a> IntoIterator for &'a Array {
+    type Item = f64;
+    type IntoIter = Numbers<'a>;
+
+    fn into_iter(self) -> Numbers<'a> {
+        Numbers { data: &self.data, range: 0..self.len() }
+    }
+}
+
+/// The numbers of an [`Array`] in row-major order, widened to `f64`.
+#[derive(Clone, Debug)]
+pub struct Numbers<'a> {
+    data: &'a Data,
+    range: std::ops::Range<usize>,
+}
+
+impl Iterator for Numbers<'_> {
+    type Item = f64;
+
+    fn next(&mut self) -> Option<f64> {
+        self.range.next().map(|i| self.data.get_f64(i))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.range.size_hint()
+    }
+}
+
+impl ExactSizeIterator for Numbers<'_> {}
 
 /// Like numpy's `str`, without its alignment: `[0.1 0.2]`, `[[1 2] [3 4]]`.
 impl fmt::Display for Array {

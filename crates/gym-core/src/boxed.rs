@@ -1,11 +1,12 @@
 //! Any environment behind one type: what [`make`](crate::make) returns.
 
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::fmt;
 
 use crate::canvas::Canvas;
-use crate::render::{Metadata, Rendered};
-use crate::{Element, Env, EnvSpec, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::render::{Metadata, RenderMode, Rendered};
+use crate::wrapper::forward;
+use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// An environment whose type is erased, with [`Value`]s for observations and actions.
 ///
@@ -54,11 +55,12 @@ trait Erased: Send {
     fn metadata(&self) -> Metadata;
     fn draw(&self, canvas: &mut dyn Canvas);
     fn ansi(&self) -> Option<String>;
-    fn render(&mut self) -> Result<Rendered>;
+    fn render_mode(&self) -> Option<RenderMode>;
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()>;
     fn spec(&self) -> Option<EnvSpec>;
     fn describe(&self) -> String;
-    fn base(&self) -> &dyn Any;
+    fn layer(&self, layer: TypeId) -> Option<&dyn Any>;
+    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any>;
     fn generator(&mut self) -> Option<&mut Generator>;
     fn close(&mut self);
 }
@@ -81,35 +83,23 @@ impl<E: Env> Erased for Layer<E> {
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(observation, |observation| env.step_into(action, observation))
         });
-        outcome.unwrap_or_else(|| {
-            Err(Error::InvalidAction {
-                action: action.to_string(),
-                space: self.0.action_space().to_string(),
-                hint: String::new(),
-            })
-        })
+        outcome.unwrap_or_else(|| Err(self.0.action_space().refuse_action(action)))
     }
 
-    fn describe(&self) -> String {
-        self.0.describe()
-    }
-
-    crate::forward!(
-        0: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, spec,
-        base, generator, close
-    );
+    forward!(0);
 }
 
 impl Env for BoxEnv {
     type Observation = Value;
     type Action = Value;
 
-    fn describe(&self) -> String {
-        self.0.describe()
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.0.reset_into(reset, observation)
     }
 
-    crate::forward!(
-        0: observation_space, action_space, reset_into, step_into, snapshot, restore, info, metadata, draw, ansi, render, spec,
-        base, generator, close
-    );
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        self.0.step_into(action, observation)
+    }
+
+    forward!(0);
 }

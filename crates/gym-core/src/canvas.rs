@@ -200,6 +200,19 @@ pub trait Canvas {
     }
 }
 
+/// A canvas on which nothing is drawn: to time a drawing, or to see that it does not fail.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Blank;
+
+impl Canvas for Blank {
+    fn clear(&mut self, _color: Color) {}
+    fn fill(&mut self, _shape: Shape<'_>, _color: Color) {}
+    fn stroke(&mut self, _shape: Shape<'_>, _width: f64, _color: Color) {}
+    fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
+    fn push(&mut self, _transform: Transform) {}
+    fn pop(&mut self) {}
+}
+
 /// The points of an arc around `center`, from angle `start` to `end` in radians, both included.
 pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
     std::array::from_fn(|i| {

@@ -1,9 +1,9 @@
 //! The environment trait and what its methods exchange.
 
-use std::any::Any;
+use std::any::{Any, TypeId};
 
 use crate::canvas::Canvas;
-use crate::render::{Metadata, Rendered};
+use crate::render::{Metadata, RenderMode, Rendered};
 use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
 
 /// A task for an agent: Gymnasium's `Env`.
@@ -103,7 +103,7 @@ use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Se
 /// - A step allocates nothing, reads no clock and draws nothing.
 /// - Bad input gives an `Err`; nothing panics.
 ///
-/// [`conform`](crate::conform) checks these.
+/// The crate gym-conform checks these.
 pub trait Env: Clone + Send + 'static {
     /// What the agent sees.
     type Observation: Element;
@@ -131,18 +131,24 @@ pub trait Env: Clone + Send + 'static {
 
     /// The whole state, generator included, in a form that can be stored.
     ///
-    /// To branch within a program, `clone` is faster.
+    /// To branch within a program, `clone` is faster. Without an implementation the environment steps and
+    /// renders as any other, but a run cannot be saved and resumed; [`conform`](crate::conform) reports it.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if the state has no stored form.
-    fn snapshot(&self) -> Result<Snapshot>;
+    fn snapshot(&self) -> Result<Snapshot> {
+        Err(no_snapshots(&self.describe()))
+    }
 
     /// Continues from a snapshot of an environment built alike.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if the snapshot is of something else or was damaged; the environment
     /// is then as it was before.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let _ = snapshot;
+        Err(no_snapshots(&self.describe()))
+    }
 
     /// Starts an episode: `reset(42)` with a seed, `reset(())` without,
     /// `reset(Reset::seed(42).option("low", -0.1))` with options.
@@ -186,12 +192,19 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// The picture or text that the render mode asks for.
+    /// What [`render`](Env::render) gives; `None` where the environment was made without a render mode.
+    fn render_mode(&self) -> Option<RenderMode> {
+        None
+    }
+
+    /// Leaves the picture or text that the render mode asks for in `rendered`. A picture of the same size
+    /// is drawn over, so that a loop over frames allocates none.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] unless the environment was made with a render mode, or wrapped
-    /// in [`Render`](crate::wrappers::Render).
-    fn render(&mut self) -> Result<Rendered> {
+    /// in [`Render`](crate::wrappers::Render). The contents of `rendered` are then unspecified.
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        let _ = rendered;
         Err(Error::UnsupportedMode {
             target: self.describe(),
             mode: "anything".into(),
@@ -199,14 +212,14 @@ pub trait Env: Clone + Send + 'static {
         })
     }
 
-    /// As [`render`](Self::render), into what was rendered before: a picture of the same size is drawn
-    /// over, so that a loop over frames allocates none.
+    /// The picture or text that the render mode asks for.
     ///
     /// # Errors
-    /// As [`render`](Self::render); what `rendered` holds then is not told.
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
-        *rendered = self.render()?;
-        Ok(())
+    /// As [`render_into`](Self::render_into).
+    fn render(&mut self) -> Result<Rendered> {
+        let mut rendered = Rendered::Shown;
+        self.render_into(&mut rendered)?;
+        Ok(rendered)
     }
 
     /// How [`make`](crate::make) would build this environment and its wrappers again, if it can.
@@ -219,10 +232,15 @@ pub trait Env: Clone + Send + 'static {
         short_type_name::<Self>().to_owned()
     }
 
-    /// The environment under all wrappers, to `downcast_ref` to its type; see
-    /// [`unwrapped`](Env::unwrapped).
-    fn base(&self) -> &dyn Any {
-        self
+    /// The outermost layer of a type, a wrapper or the environment itself: what
+    /// [`wrapper`](Env::wrapper) and [`unwrapped`](Env::unwrapped) look up.
+    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+        if layer == TypeId::of::<Self>() { Some(self) } else { None }
+    }
+
+    /// As [`layer`](Self::layer), to change it.
+    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+        if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
@@ -258,8 +276,44 @@ pub trait Env: Clone + Send + 'static {
     /// The environment under all wrappers, if it is a `T`: reaches what is not part of the
     /// interface, such as a transition table.
     fn unwrapped<T: 'static>(&self) -> Option<&T> {
-        self.base().downcast_ref()
+        self.layer(TypeId::of::<T>())?.downcast_ref()
     }
+
+    /// As [`unwrapped`](Self::unwrapped), to change it.
+    fn unwrapped_mut<T: 'static>(&mut self) -> Option<&mut T> {
+        self.layer_mut(TypeId::of::<T>())?.downcast_mut()
+    }
+
+    /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
+    ///
+    /// The type is the whole type: a wrapper around what [`make`](crate::make) gives is a
+    /// `NormalizeObservation<BoxEnv>`, for which `NormalizeObservation` is short.
+    ///
+    /// ```no_run
+    /// use gym_core::wrappers::NormalizeObservation;
+    /// use gym_core::{BoxEnv, Env, Result, Wrap, make};
+    ///
+    /// fn main() -> Result<()> {
+    ///     let mut env = BoxEnv::new(make("CartPole-v1")?.normalize_observation()?.clip_reward(-1.0, 1.0)?);
+    ///     if let Some(normalize) = env.wrapper_mut::<NormalizeObservation>() {
+    ///         normalize.update_running_mean(false);
+    ///     }
+    ///     Ok(())
+    /// }
+    /// ```
+    fn wrapper<W: 'static>(&self) -> Option<&W> {
+        self.layer(TypeId::of::<W>())?.downcast_ref()
+    }
+
+    /// As [`wrapper`](Self::wrapper), to change it.
+    fn wrapper_mut<W: 'static>(&mut self) -> Option<&mut W> {
+        self.layer_mut(TypeId::of::<W>())?.downcast_mut()
+    }
+}
+
+/// The error of an environment without [`Env::snapshot`] and [`Env::restore`].
+fn no_snapshots(env: &str) -> Error {
+    Error::Snapshot(format!("{env} has no snapshots: implement `Env::snapshot` and `Env::restore`"))
 }
 
 /// What a step gives: the next observation and what came of the action.

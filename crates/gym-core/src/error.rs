@@ -1,7 +1,10 @@
 //! The one error type: each message says what is wrong and what to do about it.
 
+use std::borrow::Cow;
+use std::fmt;
 use std::io::ErrorKind;
 
+use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
 
 use crate::Space;
@@ -13,7 +16,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 ///
 /// The variants follow Gymnasium's `gymnasium.error`; their texts are written for the person
 /// who reads them in a terminal.
-#[derive(Debug, ThisError)]
+#[derive(ThisError)]
 #[non_exhaustive]
 pub enum Error {
     /// The id does not follow the grammar `[namespace/]name[-vN]`.
@@ -39,12 +42,12 @@ pub enum Error {
     },
 
     /// The name exists, but not in that version.
-    #[error("environment `{name}` has no version {version}: it provides {available}")]
+    #[error("{}", version_not_found(name, *version, available))]
     VersionNotFound {
         /// Namespace and name, without version.
         name: String,
-        /// The version asked for.
-        version: u32,
+        /// The version asked for; `None` for an id without one.
+        version: Option<u32>,
         /// The ids that exist.
         available: String,
     },
@@ -94,7 +97,7 @@ pub enum Error {
     InvalidSpace(String),
 
     /// A value does not belong to a space.
-    #[error("{value} is not an element of {space}: {reason}")]
+    #[error("{reason}: {value} is not an element of {space}")]
     NotInSpace {
         /// The value, printed.
         value: String,
@@ -105,13 +108,13 @@ pub enum Error {
     },
 
     /// An action that the environment cannot execute.
-    #[error("invalid action {action}: the action space is {space}{hint}")]
+    #[error("{}", invalid_action(action, space, hint))]
     InvalidAction {
         /// The action, printed.
         action: String,
         /// The action space, printed.
         space: String,
-        /// What is wrong, where it is not obvious.
+        /// What is wrong, and where in the action; empty if nobody knows.
         hint: String,
     },
 
@@ -181,7 +184,7 @@ impl Error {
     }
 
     /// [`Error::InvalidAction`] of an action that does not lie in the space, or is not finite.
-    pub fn action(action: &impl std::fmt::Debug, space: &Space) -> Self {
+    pub fn action(action: &impl fmt::Debug, space: &Space) -> Self {
         Self::InvalidAction { action: format!("{action:?}"), space: space.to_string(), hint: String::new() }
     }
 
@@ -193,6 +196,47 @@ impl Error {
     /// [`Error::Io`] of a file.
     pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
         Self::Io { path: path.display().to_string(), source }
+    }
+}
+
+/// As the message reads, so that `fn main() -> gym::Result<()>` prints it.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+fn version_not_found(name: &str, version: Option<u32>, available: &str) -> String {
+    match version {
+        Some(version) => format!("environment `{name}` has no version {version}: it provides {available}"),
+        None => format!("environment `{name}` has versions: ask for one of {available}"),
+    }
+}
+
+/// What is wrong comes first: the action and the space can be long.
+fn invalid_action(action: &str, space: &str, hint: &str) -> String {
+    let [action, space] = [action, space].map(shortened);
+    match hint.trim_start_matches([';', ':', ' ']) {
+        "" => format!("invalid action {action}: the action space is {space}"),
+        hint => format!("invalid action: {hint}: it is {action}, and the action space is {space}"),
+    }
+}
+
+/// The start of a long text.
+pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
+    const MAX_LENGTH: usize = 200;
+    match text.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
+
+impl From<SeedError> for Error {
+    fn from(error: SeedError) -> Self {
+        match error {
+            SeedError::Invalid(text) => Self::InvalidSeed(text),
+            error => Self::Custom(error.to_string()),
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Files that appear under their name only when they are complete.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::process;
-use std::sync::atomic::{AtomicU64, Ordering};
+
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::{Error, Result};
 
@@ -13,8 +13,9 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
-    temporary: PathBuf,
-    file: Option<BufWriter<File>>,
+    file: BufWriter<File>,
+    /// Removes the file when it is dropped. After `file`, which is closed first.
+    temporary: TempPath,
 }
 
 impl AtomicFile {
@@ -23,18 +24,8 @@ impl AtomicFile {
     /// # Errors
     /// [`Error::Io`] if the folder does not exist or cannot be written to.
     pub fn create(path: &Path) -> Result<Self> {
-        /// Tells apart the files that one process writes at the same time.
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let name = path.file_name().ok_or_else(|| {
-            Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "the path ends without a file name"))
-        })?;
-        let unique = format!(".{}-{}.tmp", process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let mut hidden = std::ffi::OsString::from(".");
-        hidden.push(name);
-        hidden.push(unique);
-        let temporary = path.with_file_name(hidden);
-        let file = File::create_new(&temporary).map_err(|error| Error::io(path, error))?;
-        Ok(Self { path: path.to_owned(), temporary, file: Some(BufWriter::new(file)) })
+        let (file, temporary) = temporary(path).map_err(|error| Error::io(path, error))?.into_parts();
+        Ok(Self { path: path.to_owned(), file: BufWriter::new(file), temporary })
     }
 
     /// Where the file lies until it has its name, for a program that writes it in our place.
@@ -46,47 +37,41 @@ impl AtomicFile {
     ///
     /// # Errors
     /// [`Error::Io`] if the rest cannot be written; nothing is left behind then.
-    pub fn commit(mut self) -> Result<()> {
-        let renamed = self.file.take().map_or(Ok(()), |file| {
-            let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-            drop(file);
-            fs::rename(&self.temporary, &self.path)
-        });
-        renamed.map_err(|error| {
-            // Nothing more can be done if this fails too.
-            let _ = fs::remove_file(&self.temporary);
-            Error::io(&self.path, error)
-        })
-    }
-
-    fn open(&mut self) -> io::Result<&mut BufWriter<File>> {
-        self.file.as_mut().ok_or_else(|| io::Error::other("the file is closed"))
+    pub fn commit(self) -> Result<()> {
+        let Self { path, file, temporary } = self;
+        let written = file.into_inner().map_err(io::IntoInnerError::into_error);
+        let renamed = written.map(drop).and_then(|()| temporary.persist(&path).map_err(|error| error.error));
+        renamed.map_err(|error| Error::io(&path, error))
     }
 }
 
-impl Drop for AtomicFile {
-    fn drop(&mut self) {
-        if let Some(file) = self.file.take() {
-            // Without writing what is still in the buffer.
-            drop(file.into_parts());
-            let _ = fs::remove_file(&self.temporary);
-        }
-    }
+/// A file of a name that no other has, in the folder of `path`.
+fn temporary(path: &Path) -> io::Result<NamedTempFile> {
+    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path ends without a file name");
+    let mut prefix = std::ffi::OsString::from(".");
+    prefix.push(path.file_name().ok_or_else(no_name)?);
+    prefix.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    // as any file that a program writes, and not for its owner alone as temporary ones
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new(".")))
 }
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.open()?.write(bytes)
+        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.open()?.flush()
+        self.file.flush()
     }
 }
 
 impl Seek for AtomicFile {
     fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
-        self.open()?.seek(position)
+        self.file.seek(position)
     }
 }
 
@@ -103,6 +88,8 @@ pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use tempfile::TempDir;
 
     use super::*;
@@ -147,6 +134,30 @@ mod tests {
         first.commit().unwrap();
         assert_eq!(fs::read(path).unwrap(), b"first");
         assert_eq!(names(&folder), ["a.txt"]);
+    }
+
+    /// A process id is no name: in a container each run has the same.
+    #[test]
+    fn what_a_killed_run_left_behind_does_not_stop_the_next() {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("a.txt");
+        for count in 0..1000 {
+            fs::write(folder.path().join(format!(".a.txt.{}-{count}.tmp", std::process::id())), "").unwrap();
+        }
+        std::mem::forget(AtomicFile::create(&path).unwrap());
+        write(&path, b"new").unwrap();
+        assert_eq!(fs::read(path).unwrap(), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_has_the_permissions_of_any_other() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = TempDir::new().unwrap();
+        let mode = |name: &str| fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
+        fs::write(folder.path().join("plain"), "").unwrap();
+        write(folder.path().join("atomic"), b"").unwrap();
+        assert_eq!(mode("atomic"), mode("plain"));
     }
 
     #[test]

@@ -138,6 +138,19 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// What the agent sees of a state.
     fn observe(&self, state: &Self::State) -> Self::Observation;
 
+    /// Leaves what the agent sees of a state in `observation`. An environment that observes an
+    /// [`Array`](crate::Array) or a [`Value`] fills the buffer that is there, so that a step allocates nothing.
+    fn observe_into(&self, state: &Self::State, observation: &mut Self::Observation) {
+        *observation = self.observe(state);
+    }
+
+    /// Whether the episode is cut off in a state for a reason outside of the task, such as a budget that
+    /// is spent; asked after each transition. (A limit of steps is part of the registration.)
+    fn truncates(&self, state: &Self::State) -> bool {
+        let _ = state;
+        false
+    }
+
     /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
     /// refused.
     fn is_valid(&self, state: &Self::State) -> bool;
@@ -237,7 +250,7 @@ impl<D: Dynamics> Env for Stateful<D> {
     fn reset_into(&mut self, reset: &Reset, observation: &mut D::Observation) -> Result<()> {
         let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let state = self.dynamics.start(reset, &mut rng)?;
-        *observation = self.dynamics.observe(&state);
+        self.dynamics.observe_into(&state, observation);
         self.episode = Some(Episode { state, rng });
         Ok(())
     }
@@ -246,13 +259,14 @@ impl<D: Dynamics> Env for Stateful<D> {
     fn step_into(&mut self, action: &D::Action, observation: &mut D::Observation) -> Result<Outcome> {
         let Some(Episode { state, rng }) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         let Transition { state: next, reward, terminated } = self.dynamics.transition(state, action, rng)?;
-        *observation = self.dynamics.observe(&next);
+        self.dynamics.observe_into(&next, observation);
+        let truncated = self.dynamics.truncates(&next);
         *state = next;
-        Ok(Outcome { reward, terminated, truncated: false })
+        Ok(Outcome { reward, terminated, truncated })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(self.dynamics.config(), &self.episode)
+        Snapshot::with_config(D::NAME, self.dynamics.config(), &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -4,22 +4,23 @@
 pub mod array;
 mod boxed;
 pub mod canvas;
-pub mod conform;
 mod env;
 mod error;
 pub mod file;
 mod functional;
-pub mod math;
 pub mod pixels;
 pub mod registry;
 pub mod render;
 mod reset;
-pub mod rng;
 mod snapshot;
 pub mod spaces;
+pub mod statistics;
+
 pub mod trace;
+mod transform;
 mod value;
 pub mod vector;
+mod wrapper;
 pub mod wrappers;
 
 /// The entries of [`Env::info`] by name.
@@ -33,11 +34,17 @@ pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
 pub use error::{Error, Result};
 pub use functional::{Dynamics, Stateful, Transition};
+pub use gym_numerics::{Generator, Seed, math, rng};
 pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
 pub use reset::{Kwargs, Reset};
-pub use rng::{Generator, Seed};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
 pub use vector::{VectorEnv, VectorWrap};
+pub use wrapper::Wrapper;
 pub use wrappers::Wrap;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

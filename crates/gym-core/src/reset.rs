@@ -46,7 +46,7 @@ impl Reset {
         match (&self.seed, last) {
             (Some(seed), _) => Ok(Generator::new(seed)),
             (None, Some(rng)) => Ok(rng.clone()),
-            (None, None) => Generator::from_os(),
+            (None, None) => Ok(Generator::from_os()?),
         }
     }
 

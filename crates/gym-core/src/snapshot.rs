@@ -1,7 +1,7 @@
 //! The stored state of an environment.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 
 use crate::{Error, Result};
 
@@ -19,15 +19,26 @@ impl Snapshot {
     /// [`Error::Snapshot`] if the state holds a map whose keys are not strings. A number that is not finite has no
     /// form in JSON: it is stored as nothing, and such a snapshot is refused when it is restored.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
-        serde_json::to_value(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
+        to_json(state).map(Self)
     }
 
-    /// The snapshot of some state and of the arguments that its environment was built with.
+    /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn with_config<C: Serialize, T: Serialize>(config: &C, state: &T) -> Result<Self> {
-        Self::of(&(config, state))
+    pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
+        Self::of(&json!({ "env": env, "config": to_json(config)?, "episode": to_json(episode)? }))
+    }
+
+    /// The name of the environment under all wrappers, where it was taken by
+    /// [`with_config`](Self::with_config).
+    fn env(&self) -> Option<&str> {
+        // a wrapper's snapshot is a list that begins with the inner one
+        let mut json = &self.0;
+        while let Json::Array(items) = json {
+            json = items.first()?;
+        }
+        json.get("env")?.as_str()
     }
 
     /// The episode of a snapshot made by [`with_config`](Self::with_config), for the environment `env`
@@ -46,7 +57,22 @@ impl Snapshot {
         C: DeserializeOwned + PartialEq,
         E: DeserializeOwned,
     {
-        let (taken_with, episode): (C, Option<E>) = self.get()?;
+        /// What [`Snapshot::with_config`] wrote.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Stored<C, E> {
+            #[serde(rename = "env")]
+            _env: String,
+            config: C,
+            episode: Option<E>,
+        }
+
+        if let Some(other) = self.env()
+            && other != env
+        {
+            return Err(Error::Snapshot(format!("this is a snapshot of {other}, not of {env}")));
+        }
+        let Stored::<C, E> { config: taken_with, episode, .. } = self.get()?;
         if taken_with != *config {
             return Err(Error::Snapshot(format!("it was taken from a {env} with other arguments")));
         }
@@ -63,6 +89,15 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if this is the snapshot of something else.
     pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
-        T::deserialize(&self.0).map_err(|error| Error::Snapshot(error.to_string()))
+        T::deserialize(&self.0).map_err(|error| {
+            Error::Snapshot(match self.env() {
+                Some(env) => format!("this is a snapshot of {env}, or of other wrappers around it: {error}"),
+                None => error.to_string(),
+            })
+        })
     }
+}
+
+fn to_json<T: Serialize>(state: &T) -> Result<Json> {
+    serde_json::to_value(state).map_err(|error| Error::Snapshot(error.to_string()))
 }

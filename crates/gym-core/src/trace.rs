@@ -17,7 +17,7 @@
 //! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value as Json, json, value::RawValue};
+use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use crate::registry::EnvBuilder;
 use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
@@ -44,6 +44,7 @@ pub struct Trace {
 
 /// The vector of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct VectorRequest {
     /// How many sub-environments it has.
     pub num_envs: usize,
@@ -60,6 +61,7 @@ pub struct VectorRequest {
 
 /// One reset or one step, and the answer to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Event {
     /// The request, if this is a reset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -90,6 +92,7 @@ pub struct Event {
 
 /// Seed and options of a reset.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ResetRequest {
     /// The seed, of any size, or a list of them; its digits are kept as they are written.
     seed: Option<Box<RawValue>>,
@@ -123,7 +126,7 @@ impl TryFrom<&ResetRequest> for VectorReset {
             Some(list) if list.get().starts_with('[') => {
                 let list: Vec<Option<&RawValue>> = serde_json::from_str(list.get()).map_err(invalid)?;
                 let seeds = list.into_iter().map(|seed| seed.map(|digits| digits.get().parse()).transpose());
-                Seeds::Each(seeds.collect::<Result<_>>()?)
+                Seeds::Each(seeds.collect::<Result<_, _>>()?)
             }
             Some(digits) => Seeds::From(digits.get().parse()?),
         };
@@ -197,27 +200,36 @@ impl Trace {
     }
 
     /// Where another trace of the same requests first has another answer than this one records: the
-    /// event, the part of it, and both answers.
+    /// event, the part of it, and both answers. Numbers are compared to the last bit.
+    ///
+    /// A part of the answers that no event of this trace records, such as `info`, is not compared.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.events.len() != other.events.len() {
             return Some(format!("{} events for {}", other.events.len(), self.events.len()));
         }
+        let mut recorded = PARTS.to_vec();
+        recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
         self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
-            let parts = [
-                ("observation", &a.observation, &b.observation),
-                ("reward", &a.reward, &b.reward),
-                ("terminated", &a.terminated, &b.terminated),
-                ("truncated", &a.truncated, &b.truncated),
-                ("info", &a.info, &b.info),
-                ("state", &a.state, &b.state),
-            ];
-            parts.into_iter().find_map(|(part, a, b)| {
-                let (a, b) = (a.as_ref()?, b.as_ref().unwrap_or(&Json::Null));
-                (!same(a, b)).then(|| format!("event {i}, {part}: {b} for {a}"))
+            recorded.iter().find_map(|(name, part)| {
+                let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
+                (!same(a, b)).then(|| format!("event {i}, {name}: {b} for {a}"))
             })
         })
     }
 }
+
+/// A part of an answer: its name, and where it is.
+type Part = (&'static str, fn(&Event) -> Option<&Json>);
+
+/// What is compared.
+const PARTS: [Part; 6] = [
+    ("observation", |event| event.observation.as_ref()),
+    ("reward", |event| event.reward.as_ref()),
+    ("terminated", |event| event.terminated.as_ref()),
+    ("truncated", |event| event.truncated.as_ref()),
+    ("info", |event| event.info.as_ref()),
+    ("state", |event| event.state.as_ref()),
+];
 
 impl Event {
     fn replay(&self, env: &mut BoxEnv, state: &dyn Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
@@ -264,7 +276,7 @@ impl Event {
     }
 
     fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {
-        let mut answer = self.clone();
+        let mut answer = Self { reset: self.reset.clone(), step: self.step.clone(), ..Self::default() };
         match (&self.reset, &self.step) {
             (Some(request), None) => envs.reset_into(&request.try_into()?, columns)?,
             (None, Some(actions)) => {
@@ -298,14 +310,103 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number.
+/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number, and `0.0` and `-0.0`
+/// are not.
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
-        (Json::Number(x), Json::Number(y)) => x == y || x.as_f64() == y.as_f64(),
+        (Json::Number(x), Json::Number(y)) => same_number(x, y),
         (Json::Array(x), Json::Array(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
         (Json::Object(x), Json::Object(y)) => {
             x.len() == y.len() && x.iter().all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
         }
         _ => a == b,
+    }
+}
+
+fn same_number(x: &Number, y: &Number) -> bool {
+    let integer = |n: &Number| n.as_i64().map(i128::from).or_else(|| n.as_u64().map(i128::from));
+    let real = |n: &Number| n.as_f64().unwrap_or(f64::NAN);
+    match (integer(x), integer(y)) {
+        (Some(x), Some(y)) => x == y,
+        (None, None) => real(x).to_bits() == real(y).to_bits(),
+        // an integer beyond 2^53 need not be the number that it rounds to
+        (Some(i), None) => is_integer(real(y), i),
+        (None, Some(i)) => is_integer(real(x), i),
+    }
+}
+
+/// Whether a real number is just this integer. `-0.0` is none.
+fn is_integer(x: f64, i: i128) -> bool {
+    x.to_bits() == (i as f64).to_bits() && x as i128 == i
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_compared_to_the_last_bit() {
+        let same =
+            |a: &str, b: &str| same(&serde_json::from_str(a).unwrap(), &serde_json::from_str(b).unwrap());
+        for (a, b) in [
+            ("1", "1.0"),
+            ("0", "0.0"),
+            ("-0.0", "-0.0"),
+            ("9007199254740992", "9007199254740992.0"),
+            ("[1, {\"a\": 2}]", "[1.0, {\"a\": 2.0}]"),
+        ] {
+            assert!(same(a, b) && same(b, a), "{a} {b}");
+        }
+        for (a, b) in [
+            ("0.0", "-0.0"),
+            ("0", "-0.0"),
+            ("9007199254740993", "9007199254740992"),
+            ("9007199254740993", "9007199254740992.0"),
+            ("18446744073709551615", "18446744073709551614"),
+            ("0.1", "0.10000000000000002"),
+            ("{}", "{\"surplus\": 1}"),
+            ("[1]", "[1, 1]"),
+            ("true", "1"),
+        ] {
+            assert!(!same(a, b) && !same(b, a), "{a} {b}");
+        }
+    }
+
+    fn trace(events: Json) -> Trace {
+        serde_json::from_value(json!({ "id": "None-v0", "events": events })).unwrap()
+    }
+
+    #[test]
+    fn every_recorded_part_is_compared() {
+        let reset =
+            json!({ "reset": { "seed": 1, "options": null }, "observation": [0.5], "info": { "a": 1 } });
+        let step = json!({ "step": 0, "observation": [0.5], "reward": 1.0, "terminated": false, "truncated": false,
+            "info": {}, "state": [1] });
+        let recorded = trace(json!([reset, step]));
+        assert_eq!(recorded.first_difference(&recorded), None);
+        for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
+            let mut other = step.clone();
+            other[part] = json!("another");
+            let difference = recorded.first_difference(&trace(json!([reset, other]))).unwrap();
+            assert!(difference.starts_with(&format!("event 1, {part}")), "{difference}");
+            // what one event leaves out and another records is compared with nothing
+            let mut lacking = step.clone();
+            lacking.as_object_mut().unwrap().remove(part);
+            assert!(recorded.first_difference(&trace(json!([reset, lacking]))).is_some(), "{part}");
+            let mut both = json!([reset, lacking, step]);
+            let recorded = trace(both.clone());
+            both[1][part] = json!("surplus");
+            assert!(recorded.first_difference(&trace(both)).is_some(), "{part}");
+        }
+    }
+
+    #[test]
+    fn a_misspelt_key_is_an_error() {
+        for event in [
+            json!({ "reset": { "seed": 1 }, "observaton": [0.5] }),
+            json!({ "reset": { "sed": 1 }, "observation": [0.5] }),
+        ] {
+            assert!(serde_json::from_value::<Event>(event).is_err());
+        }
     }
 }

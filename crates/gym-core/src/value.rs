@@ -14,6 +14,16 @@ use crate::array::{Array, Scalar};
 /// Which variant belongs to which space is told by [`Space`](crate::Space): an element of a
 /// `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`, of a
 /// `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur in `info` alone.
+///
+/// ```
+/// use gym_core::Value;
+///
+/// let action = Value::from([0.5_f32, -1.0]);
+/// assert_eq!(action.as_slice::<f32>(), Some(&[0.5, -1.0][..]));
+/// let observation = Value::from([("cell", Value::from(3)), ("speed", Value::from(vec![0.1, 0.2]))]);
+/// assert_eq!(observation.get("cell").and_then(Value::as_int), Some(3));
+/// assert_eq!(observation.to_string(), "{cell: 3, speed: [0.1 0.2]}");
+/// ```
 #[derive(Debug, Default, PartialEq)]
 pub enum Value {
     /// Nothing.
@@ -142,6 +152,82 @@ impl Value {
             Self::OneOf(_, value) => value.is_finite(),
             Self::Null | Self::Bool(_) | Self::Int(_) | Self::Text(_) => true,
         }
+    }
+}
+
+/// Whole numbers, as for a `Discrete` space.
+macro_rules! value_from_integer {
+    ($($type:ty),*) => {$(
+        impl From<$type> for Value {
+            fn from(i: $type) -> Self {
+                Self::Int(i.into())
+            }
+        }
+    )*};
+}
+value_from_integer!(i8, u8, i16, u16, i32, u32, i64);
+
+impl From<f32> for Value {
+    fn from(x: f32) -> Self {
+        Self::Float(x.into())
+    }
+}
+
+impl From<f64> for Value {
+    fn from(x: f64) -> Self {
+        Self::Float(x)
+    }
+}
+
+impl From<bool> for Value {
+    fn from(b: bool) -> Self {
+        Self::Bool(b)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Array> for Value {
+    fn from(array: Array) -> Self {
+        Self::Array(array)
+    }
+}
+
+/// A one-dimensional array, as for a `Box`, `MultiDiscrete` or `MultiBinary` of one axis.
+impl<T: Scalar, const N: usize> From<[T; N]> for Value {
+    fn from(numbers: [T; N]) -> Self {
+        Self::Array(numbers.into())
+    }
+}
+
+/// A one-dimensional array.
+impl<T: Scalar> From<Vec<T>> for Value {
+    fn from(numbers: Vec<T>) -> Self {
+        Self::Array(numbers.into())
+    }
+}
+
+/// A tuple, as for a `Tuple` or `Sequence` space.
+impl From<Vec<Value>> for Value {
+    fn from(items: Vec<Value>) -> Self {
+        Self::Tuple(items)
+    }
+}
+
+/// A dict; the keys are in the order of their space, which sorts them.
+impl<const N: usize> From<[(&str, Value); N]> for Value {
+    fn from(entries: [(&str, Value); N]) -> Self {
+        Self::Dict(entries.map(|(key, value)| (key.to_owned(), value)).into())
     }
 }
 

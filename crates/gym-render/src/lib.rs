@@ -76,3 +76,8 @@ pub use tape::capped_cubic;
 pub use video::{VideoWriter, write_video};
 #[cfg(feature = "human")]
 pub use window::Window;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

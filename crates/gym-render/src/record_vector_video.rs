@@ -8,7 +8,7 @@ use gym_core::vector::{Autoreset, Columns, VectorReset};
 use gym_core::{Error, Result, Value, VectorEnv};
 
 use crate::png::tile;
-use crate::record_video::check_mode;
+use crate::record_video::check_known_mode;
 use crate::recorder::not_frames;
 use crate::tape::{Tape, tape_options};
 
@@ -43,9 +43,11 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     ///
     /// # Errors
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// sub-environments has another render mode.
+    /// sub-environments has no render mode or one that gives no frames.
     pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
-        check_mode(envs.describe(), envs.spec().and_then(|spec| spec.env.render_mode))?;
+        if let Some(spec) = envs.spec() {
+            check_known_mode(envs.describe(), spec.env.render_mode)?;
+        }
         let tape = Tape::new(folder.as_ref(), envs.metadata().render_fps)?;
         Ok(Self { envs, tape, aspect_ratio: 1.0, first_only: false, reset_is_due: false })
     }

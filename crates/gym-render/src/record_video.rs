@@ -5,9 +5,7 @@ use std::path::Path;
 
 use gym_core::registry::WrapperRegistration;
 use gym_core::render::{Frame, RenderMode, Rendered};
-use gym_core::{
-    BoxEnv, Env, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory,
-};
+use gym_core::{BoxEnv, Env, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory};
 
 use crate::recorder::not_frames;
 use crate::tape::{Tape, tape_options};
@@ -48,7 +46,7 @@ inventory::submit! {
 /// # }
 /// ```
 #[derive(Clone)]
-pub struct RecordVideo<E: Env> {
+pub struct RecordVideo<E: Env = BoxEnv> {
     env: E,
     tape: Tape,
     /// Frames taken out of the environment's list, until `render` hands them over.
@@ -61,15 +59,25 @@ impl<E: Env> RecordVideo<E> {
     /// Records `env` to a folder, which is made if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// environment has another render mode.
+    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
+    /// without a render mode or with one that gives no frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        check_mode(env.describe(), env.spec().and_then(|spec| spec.render_mode))?;
+        check_mode(&env)?;
         let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
         Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
     }
 
     tape_options!();
+
+    /// The environment within.
+    pub fn get_ref(&self) -> &E {
+        &self.env
+    }
+
+    /// The environment within, to change it.
+    pub fn get_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     /// The environment within; a running recording ends.
     pub fn into_inner(mut self) -> E {
@@ -127,21 +135,37 @@ impl<E: Env> RecordVideo<E> {
     }
 }
 
-/// Fails for a known render mode that gives no frames.
-pub(crate) fn check_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
-    match mode {
-        Some(mode) if mode.single() != RenderMode::RgbArray => Err(Error::UnsupportedMode {
-            target,
-            mode: "frames to record".into(),
-            reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
-        }),
-        _ => Ok(()),
-    }
+/// Fails for an environment that will render no frames.
+pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
+    check_known_mode(env.describe(), env.render_mode())
 }
 
-impl<E: Env> Env for RecordVideo<E> {
+/// Fails unless the render mode gives frames.
+pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
+    let was = match mode {
+        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
+        Some(mode) => format!("its render mode is {mode}"),
+        None => "it has no render mode".into(),
+    };
+    Err(Error::UnsupportedMode {
+        target,
+        mode: "frames to record".into(),
+        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    })
+}
+
+impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
+    type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;
+
+    fn inner(&self) -> &E {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -160,12 +184,6 @@ impl<E: Env> Env for RecordVideo<E> {
         Ok(outcome)
     }
 
-    fn render(&mut self) -> Result<Rendered> {
-        let mut rendered = Rendered::Shown;
-        self.render_into(&mut rendered)?;
-        Ok(rendered)
-    }
-
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.env.render_into(rendered)?;
         if let Rendered::Frames(frames) = rendered {
@@ -181,7 +199,7 @@ impl<E: Env> Env for RecordVideo<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         if self.tape.episode_trigger.is_some() || self.tape.step_trigger.is_some() {
             return None;
         }
@@ -192,17 +210,13 @@ impl<E: Env> Env for RecordVideo<E> {
             .arg("name_prefix", self.tape.name_prefix.as_str())
             .arg("fps", self.tape.fps)
             .arg("extension", self.tape.extension.as_str());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        Some(wrapper)
     }
 
     fn close(&mut self) {
         self.tape.stop();
         self.env.close();
     }
-
-    gym_core::forward!(
-        env: observation_space, action_space, snapshot, info, metadata, draw, ansi, base, generator, describe
-    );
 }
 
 impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {

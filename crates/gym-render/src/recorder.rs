@@ -6,6 +6,7 @@ use gym_core::render::{Frame, Rendered};
 use gym_core::{Env, Error, Result};
 
 use crate::VideoWriter;
+use crate::record_video::check_mode;
 
 /// Records what an environment renders, over one episode or many, to one file.
 ///
@@ -48,8 +49,10 @@ impl Recorder {
     /// Starts a file that plays at the environment's own speed.
     ///
     /// # Errors
-    /// As [`VideoWriter::create`].
+    /// [`Error::UnsupportedMode`] if the environment was made without a render mode or with one that gives
+    /// no frames, and as [`VideoWriter::create`].
     pub fn new<E: Env>(path: impl AsRef<Path>, env: &E) -> Result<Self> {
+        check_mode(env)?;
         Self::with_fps(path, env.metadata().render_fps)
     }
 

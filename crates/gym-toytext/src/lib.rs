@@ -23,3 +23,8 @@ pub use blackjack::Blackjack;
 pub use cliff_walking::CliffWalking;
 pub use frozen_lake::FrozenLake;
 pub use taxi::Taxi;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -50,7 +50,7 @@ impl Dynamics for Corridor {
 gym::register!(Registration::new::<Stateful<Corridor>>("my_envs/Corridor-v0").max_episode_steps(50));
 
 fn main() -> Result<()> {
-    let findings = gym::conform::check(|| gym::make("my_envs/Corridor-v0"));
+    let findings = gym_conform::check(|| gym::make("my_envs/Corridor-v0"));
     println!("{} rules are broken", findings.len());
 
     let mut env = gym::make("my_envs/Corridor-v0")?;

@@ -29,8 +29,15 @@ pub use gym_atari as atari;
 pub use gym_box2d as box2d;
 #[cfg(feature = "classic")]
 pub use gym_classic as classic;
+#[cfg(feature = "conform")]
+pub use gym_conform as conform;
 pub use gym_core::*;
 #[cfg(feature = "render")]
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -110,8 +110,9 @@ impl Config {
             }
             _ => {}
         }
-        if let Some(mode) = self.mode.filter(|mode| !game.modes.contains(mode)) {
-            return invalid(format!("Invalid game mode requested: mode is {mode}, and the modes are {:?}", game.modes));
+        let modes: Vec<_> = game.modes.iter().map(|(number, _)| *number).collect();
+        if let Some(mode) = self.mode.filter(|mode| !modes.contains(mode)) {
+            return invalid(format!("Invalid game mode requested: mode is {mode}, and the modes are {modes:?}"));
         }
         if let Some(difficulty) = self.difficulty.filter(|difficulty| !game.difficulties.contains(difficulty)) {
             return invalid(format!(
@@ -119,11 +120,8 @@ impl Config {
                 game.difficulties
             ));
         }
-        if self.mode.is_some_and(|mode| mode != game.modes[0]) && game.mode.is_none() {
-            return invalid(format!(
-                "mode is {:?}: only the default mode, {}, of this game is supported",
-                self.mode, game.modes[0]
-            ));
+        if let Some(mode) = self.mode.filter(|mode| *mode != modes[0] && game.select_frames.is_none()) {
+            return invalid(format!("mode is {mode}: only the default mode, {}, of this game is supported", modes[0]));
         }
         if !self.repeat_action_probability.is_finite() || self.repeat_action_probability < 0.0 {
             return invalid(format!(

@@ -26,6 +26,9 @@ pub use config::{Config, Frameskip, ObsType};
 /// The frames per second that ale-py states.
 const FPS: u32 = 30;
 
+/// What it is called.
+const NAME: &str = "AtariEnv";
+
 /// A game of the Atari 2600 as a task.
 #[derive(Clone, Debug)]
 pub struct AtariEnv {
@@ -236,11 +239,11 @@ impl Env for AtariEnv {
             screen: self.ale.console().pictures(),
             episode: self.episode.clone(),
         };
-        Snapshot::with_config(&self.config, &Some(stored))
+        Snapshot::with_config(NAME, &self.config, &Some(stored))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let stored: Option<Stored> = snapshot.for_config("game of the Atari 2600", &self.config, |_| true)?;
+        let stored: Option<Stored> = snapshot.for_config(NAME, &self.config, |_| true)?;
         let not_a_state = || Error::Snapshot(format!("what it holds is not a state of {}", self.config.game));
         let Some(stored) = stored else { return Err(not_a_state()) };
         if stored.md5 != self.game().md5 {
@@ -273,7 +276,7 @@ impl Env for AtariEnv {
     }
 
     fn describe(&self) -> String {
-        "AtariEnv".to_owned()
+        NAME.to_owned()
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {

@@ -33,10 +33,10 @@ pub struct Game {
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
-    /// The modes that there are, under ale-py's numbers; the first is the default.
-    pub modes: &'static [u16],
-    /// The mode that the RAM shows, for a game whose modes can be chosen by SELECT.
-    pub mode: Option<fn(&Ram<'_>) -> i32>,
+    /// The modes that there are, under ale-py's numbers, and how often SELECT is pressed for each; the first is the default.
+    pub modes: &'static [(u16, u16)],
+    /// For how many frames SELECT is held when it is pressed; `None` where only the default mode was found to be exact.
+    pub select_frames: Option<u8>,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
     /// The points, from RAM.
@@ -62,8 +62,8 @@ const DEFAULT: Game = Game {
     reset_frames: 8,
     start: &[],
     minimal: &Action::ALL,
-    modes: &[0],
-    mode: None,
+    modes: &[(0, 0)],
+    select_frames: None,
     difficulties: &[0],
     score: |_| 0,
     rewards: Rewards::Difference,

@@ -439,7 +439,7 @@ impl Env for CarRacing {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.config, &self.episode)
+        Snapshot::with_config("CarRacing", &self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -483,7 +483,7 @@ impl Configure for CarRacing {
     }
 }
 
-/// Exceptions to the checks of `gym_core::conform`.
+/// Exceptions to the checks of gym-conform.
 const EXCEPTIONS: &[(&str, &str)] =
     &[("no-allocation", "the observation is a picture, and the rasteriser allocates its paths")];
 

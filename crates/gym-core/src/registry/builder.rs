@@ -21,11 +21,13 @@ pub fn make(id: &str) -> Result<BoxEnv> {
 
 /// Makes an environment with arguments, a render mode or another stack of wrappers.
 ///
-/// ```text
-/// let env = gym::builder("FrozenLake-v1")
-///     .arg("map_name", "8x8")
-///     .render_mode(RenderMode::RgbArrayList)
-///     .build()?;
+/// ```no_run
+/// # fn main() -> gym_core::Result<()> {
+/// use gym_core::{builder, render::RenderMode};
+///
+/// let env = builder("FrozenLake-v1").arg("map_name", "8x8").render_mode(RenderMode::RgbArrayList).build()?;
+/// # Ok(())
+/// # }
 /// ```
 pub fn builder(id: &str) -> EnvBuilder {
     EnvBuilder { source: Source::Id(id.to_owned()), ..EnvBuilder::default() }

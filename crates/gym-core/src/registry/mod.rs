@@ -153,7 +153,7 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
         }
         version => Error::VersionNotFound {
             name: id.unversioned(),
-            version: version.unwrap_or_default(),
+            version,
             available: versions.iter().map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", "),
         },
     }

@@ -6,9 +6,9 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
-use super::stack::stack;
+use super::stack::{Renders, stack};
+use crate::render::RenderMode;
 use crate::vector::{Autoreset, VectorEnv};
-
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -24,6 +24,22 @@ pub trait Configure: Env {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn configure(config: Self::Config) -> Result<Self>;
+
+    /// The environment that renders by itself in a mode, where [`render_into`](Env::render_into) is its own: `make`
+    /// then puts no [`Render`](crate::wrappers::Render) around it. `None`, by default, for those that are drawn.
+    ///
+    /// # Errors
+    /// As [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
+    fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
+        let _ = (config, mode);
+        Ok(None)
+    }
+
+    /// The arguments with what was left to chance decided, such as a map that the constructor drew: the
+    /// spec then rebuilds this environment and no other. `None` where nothing is left to chance.
+    fn config(&self) -> Option<&Self::Config> {
+        None
+    }
 }
 
 /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
@@ -36,6 +52,10 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
     fn configure(config: D::Config) -> Result<Self> {
         Self::new(config)
+    }
+
+    fn config(&self) -> Option<&D::Config> {
+        Some(self.dynamics().config())
     }
 }
 
@@ -136,7 +156,7 @@ impl Registration {
         self
     }
 
-    /// Checks of [`conform`](crate::conform) that this id may fail, each with the reason.
+    /// Checks of the crate gym-conform that this id may fail, each with the reason.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
         self.exceptions = exceptions;
@@ -175,8 +195,8 @@ impl Registration {
         self.description
     }
 
-    /// The checks of [`conform`](crate::conform) that this id may fail, each with the reason.
-    pub(crate) fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
+    /// The checks of the crate gym-conform that this id may fail, each with the reason.
+    pub fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
         self.exceptions
     }
 
@@ -258,17 +278,58 @@ fn defaults<E: Configure>() -> Json {
 }
 
 fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
-    let invalid = |error: serde_json::Error| Error::argument(format!("`{}`", spec.id), error.to_string());
-    let config = serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)?;
-    stack(E::configure(config)?, spec)
+    let invalid = |error: serde_json::Error| {
+        let mut reason = error.to_string();
+        if reason.contains("invalid type: null") {
+            reason += " (null is also what becomes of a number that is NaN or infinite: give a finite one)";
+        }
+        Error::argument(format!("`{}`", spec.id), reason)
+    };
+    let config = || -> Result<E::Config> {
+        serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)
+    };
+    if let Some(mode) = spec.render_mode
+        && let Some(env) = E::configure_to_render(config()?, mode.single())?
+    {
+        return stack(env, Renders::Itself, spec);
+    }
+    let config = config()?;
+    let asked = serde_json::to_value(&config).map_err(invalid)?;
+    let env = E::configure(config)?;
+    let mut spec = spec.clone();
+    if let Some(Json::Object(decided)) =
+        env.config().map(serde_json::to_value).transpose().map_err(invalid)?
+    {
+        let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
+        spec.kwargs.extend(by_chance);
+    }
+    stack(env, Renders::Drawings, &spec)
 }
 
 /// Registers an environment when its crate is linked.
 ///
-/// ```text
-/// gym_core::register!(
-///     Registration::new::<CartPole>("CartPole-v1").max_episode_steps(500).reward_threshold(475.0)
-/// );
+/// ```
+/// use gym_core::{Registration, register};
+/// # use gym_core::{Configure, Env, NoArguments, Outcome, Reset, Result, Space};
+/// # #[derive(Clone)]
+/// # struct Corridor;
+/// # impl Env for Corridor {
+/// #     type Observation = i64;
+/// #     type Action = i64;
+/// #     fn observation_space(&self) -> Space { Space::discrete(5) }
+/// #     fn action_space(&self) -> Space { Space::discrete(2) }
+/// #     fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> { *observation = 0; Ok(()) }
+/// #     fn step_into(&mut self, _: &i64, _: &mut i64) -> Result<Outcome> { Ok(Outcome::default()) }
+/// # }
+/// # impl Configure for Corridor {
+/// #     type Config = NoArguments;
+/// #     fn configure(_: NoArguments) -> Result<Self> { Ok(Self) }
+/// # }
+///
+/// register!(Registration::new::<Corridor>("my_envs/Corridor-v0").max_episode_steps(500).reward_threshold(0.9));
+/// # fn main() {
+/// assert!(gym_core::make("my_envs/Corridor-v0").is_ok());
+/// # }
 /// ```
 ///
 /// A crate that is a dependency but is never named is not linked, and its environments are then

@@ -66,6 +66,11 @@ impl EnvSpec {
     /// The spec of this environment in one more wrapper.
     #[must_use]
     pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
+        // a list mode stands for a `RenderCollection` around all other wrappers; now it is within this one
+        if let Some(mode) = self.render_mode.filter(|mode| mode.is_list()) {
+            self.render_mode = Some(mode.single());
+            self.additional_wrappers.push(WrapperSpec::new("RenderCollection"));
+        }
         self.additional_wrappers.push(wrapper);
         self
     }

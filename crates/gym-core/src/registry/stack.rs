@@ -6,13 +6,29 @@ use super::EnvSpec;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
+/// Who makes an environment's pictures.
+pub(super) enum Renders {
+    /// The environment.
+    Itself,
+    /// The wrapper `Render`, from what the environment draws.
+    Drawings,
+}
+
 /// The environment of a spec in its stack, from the inside: `Render` if there is a render mode,
 /// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
-pub(super) fn stack<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
+pub(super) fn stack<E: Env>(env: E, renders: Renders, spec: &EnvSpec) -> Result<BoxEnv> {
     // the wrappers add themselves to the spec again
-    let bare = EnvSpec { additional_wrappers: Vec::new(), ..spec.clone() };
+    let bare = EnvSpec {
+        max_episode_steps: None,
+        order_enforce: false,
+        disable_env_checker: true,
+        render_mode: None,
+        render_size: None,
+        additional_wrappers: Vec::new(),
+        ..spec.clone()
+    };
     let env = Registered { env, spec: Arc::new(bare) };
-    let Some(mode) = spec.render_mode else { return guarded(env, spec) };
+    let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else { return guarded(env, spec) };
     let mut render = Render::new(env, mode.single())?;
     if let Some((width, height)) = spec.render_size {
         render = render.with_size(width, height)?;
@@ -52,9 +68,18 @@ struct Registered<E> {
     spec: Arc<EnvSpec>,
 }
 
-impl<E: Env> Env for Registered<E> {
+impl<E: Env> crate::Wrapper for Registered<E> {
+    type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;
+
+    fn inner(&self) -> &E {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)
@@ -72,9 +97,4 @@ impl<E: Env> Env for Registered<E> {
     fn describe(&self) -> String {
         format!("{}<{}>", self.env.describe(), self.spec.id)
     }
-
-    crate::forward!(
-        env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
-        generator, close
-    );
 }

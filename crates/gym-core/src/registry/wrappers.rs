@@ -9,9 +9,12 @@ use crate::{BoxEnv, DType, Env, Error, Kwargs, Result, WrapperSpec};
 /// A wrapper that specs can name. A crate with a wrapper of its own submits one at link time, and then
 /// stacks with it can be rebuilt from JSON as well:
 ///
-/// ```text
+/// ```
+/// use gym_core::registry::WrapperRegistration;
+/// use gym_core::{BoxEnv, wrappers::Autoreset};
+///
 /// gym_core::inventory::submit! {
-///     WrapperRegistration { name: "my_envs/Mirror", wrap: |env, _kwargs| Ok(BoxEnv::new(Mirror::new(env))) }
+///     WrapperRegistration { name: "my_envs/Endless", wrap: |env, _kwargs| Ok(BoxEnv::new(Autoreset::new(env))) }
 /// }
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +95,7 @@ const BUILT_IN: &[WrapperRegistration] = &[
     wrapper!("Autoreset", |env| Autoreset::new(env)),
     wrapper!("PassiveEnvChecker", |env| PassiveEnvChecker::new(env)),
     wrapper!("OrderEnforcing", |env| OrderEnforcing::new(env)),
+    wrapper!("RenderCollection", |env| RenderCollection::new(env)),
     wrapper!("RecordEpisodeStatistics", |env, buffer_length: Option<usize>, stats_key: Option<String>| {
         RecordEpisodeStatistics::new(env)
             .with_buffer_length(buffer_length.unwrap_or(100))?
@@ -128,9 +132,10 @@ const BUILT_IN: &[WrapperRegistration] = &[
     wrapper!("TimeAwareObservation", |env,
                                       flatten: Option<bool>,
                                       normalize_time: Option<bool>,
-                                      dict_time_key: Option<String>| {
+                                      dict_time_key: Option<String>,
+                                      max_timesteps: Option<u32>| {
         let (flatten, normalize) = (flatten.unwrap_or(true), normalize_time.unwrap_or(false));
-        TimeAwareObservation::build_with(env, flatten, normalize, dict_time_key)?
+        TimeAwareObservation::build_with(env, flatten, normalize, dict_time_key, max_timesteps)?
     }),
     wrapper!("FrameStackObservation", |env, stack_size: usize, padding_type: Option<Json>| {
         let padding = match padding_type {
@@ -141,9 +146,11 @@ const BUILT_IN: &[WrapperRegistration] = &[
         };
         FrameStackObservation::new(env, stack_size)?.with_padding(padding)?
     }),
-    wrapper!("NormalizeObservation", |env, epsilon: Option<f64>| {
+    wrapper!("NormalizeObservation", |env, epsilon: Option<f64>, update_running_mean: Option<bool>| {
         let default = NormalizeObservation::<BoxEnv>::EPSILON;
-        NormalizeObservation::new(env)?.with_epsilon(epsilon.unwrap_or(default))?
+        let mut env = NormalizeObservation::new(env)?.with_epsilon(epsilon.unwrap_or(default))?;
+        env.update_running_mean(update_running_mean.unwrap_or(true));
+        env
     }),
     wrapper!("MaxAndSkipObservation", |env, skip: Option<u32>| {
         MaxAndSkipObservation::new(env, skip.unwrap_or(4))?
@@ -171,11 +178,16 @@ const BUILT_IN: &[WrapperRegistration] = &[
     wrapper!("ClipReward", |env, min_reward: Option<Json>, max_reward: Option<Json>| {
         ClipReward::new(env, bound("min_reward", min_reward)?, bound("max_reward", max_reward)?)?
     }),
-    wrapper!("NormalizeReward", |env, gamma: Option<f64>, epsilon: Option<f64>| {
+    wrapper!("NormalizeReward", |env,
+                                 gamma: Option<f64>,
+                                 epsilon: Option<f64>,
+                                 update_running_mean: Option<bool>| {
         let (gamma_default, epsilon_default) =
             (NormalizeReward::<BoxEnv>::GAMMA, NormalizeReward::<BoxEnv>::EPSILON);
-        NormalizeReward::new(env, gamma.unwrap_or(gamma_default))?
-            .with_epsilon(epsilon.unwrap_or(epsilon_default))?
+        let mut env = NormalizeReward::new(env, gamma.unwrap_or(gamma_default))?
+            .with_epsilon(epsilon.unwrap_or(epsilon_default))?;
+        env.update_running_mean(update_running_mean.unwrap_or(true));
+        env
     }),
     wrapper!("AddWhiteNoise", |env,
                                probability_of_noise_per_pixel: f64,

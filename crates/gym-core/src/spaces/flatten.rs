@@ -237,7 +237,7 @@ impl Space {
             }
             (Self::Graph(space), Self::Graph(from), Self::Graph(to)) => {
                 let Value::Graph(graph) = value else { return Err(refuse(Fault::kind("a graph", value))) };
-                let rows = |space: &Self, from: &Self, to: &Self, rows: &Array| {
+                let rows = |space: &Self, from: &Self, to: &Self, rows: &Array| -> Result<Array> {
                     let rows = iterate_array(from, rows).map_err(refuse)?;
                     let rows = rows.iter().map(|row| map(space, row)).collect::<Result<Vec<_>>>()?;
                     let rows = concatenate(to, &rows.iter().collect::<Vec<_>>()).map_err(refuse)?;

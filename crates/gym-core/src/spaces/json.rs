@@ -298,8 +298,7 @@ mod tests {
     };
 
     fn refused(space: impl Into<Space>, json: impl Borrow<Json>) -> String {
-        let text = space.into().from_json(json.borrow()).unwrap_err().to_string();
-        text.rsplit_once("is not an element of ").unwrap().1.to_owned()
+        space.into().from_json(json.borrow()).unwrap_err().to_string()
     }
 
     #[test]
@@ -333,14 +332,14 @@ mod tests {
         let rounded = Space::from(float()).from_json(&json!([0.1])).unwrap();
         assert_eq!(rounded, Value::Array([0.1f32].into()));
         assert!(Space::from(float()).from_json(&json!([7])).is_ok());
-        assert!(refused(float(), json!([1e39])).ends_with("[0]: 1e39 is no number of type float32"));
+        assert!(refused(float(), json!([1e39])).starts_with("[0]: 1e39 is no number of type float32"));
         assert!(refused(float(), json!([null])).contains("expected a number"));
-        assert!(refused(float(), json!([0.0, 0.0])).ends_with("the list has 2 items and should have 1"));
-        assert!(refused(float(), json!(0.0)).ends_with("expected a list"));
+        assert!(refused(float(), json!([0.0, 0.0])).starts_with("the list has 2 items and should have 1"));
+        assert!(refused(float(), json!(0.0)).starts_with("expected a list"));
 
         let whole = || BoxSpace::uniform(0.0, 9.0, [], DType::U8).unwrap();
-        assert!(refused(whole(), json!(1.5)).ends_with("1.5 is no number of type uint8"));
-        assert!(refused(whole(), json!(256)).ends_with("256 is no number of type uint8"));
+        assert!(refused(whole(), json!(1.5)).starts_with("1.5 is no number of type uint8"));
+        assert!(refused(whole(), json!(256)).starts_with("256 is no number of type uint8"));
         assert!(Space::from(whole()).from_json(&json!(3.0)).is_ok());
         let largest = BoxSpace::new([0], [u64::MAX]).unwrap();
         let json = json!([u64::MAX]);
@@ -348,7 +347,7 @@ mod tests {
         assert_eq!(value, Value::Array([u64::MAX].into()));
         assert_eq!(Space::from(largest).to_json(&value).unwrap(), json);
 
-        assert!(refused(Space::discrete(3), json!(1.5)).ends_with("1.5 is no number of type int64"));
+        assert!(refused(Space::discrete(3), json!(1.5)).starts_with("1.5 is no number of type int64"));
         assert_eq!(Space::discrete(3).from_json(&json!(7)).unwrap(), Value::Int(7));
         assert!(
             refused(Discrete::new(3).unwrap().with_dtype(DType::I8).unwrap(), json!(200)).contains("int8")
@@ -364,26 +363,26 @@ mod tests {
         assert_eq!(json, json!(["inf", "-inf"]));
         assert_eq!(space.from_json(&json).unwrap(), value);
         let text = space.to_json(&Value::Array([0.0, f32::NAN].into())).unwrap_err().to_string();
-        assert!(text.ends_with("[1]: NaN has no form in JSON"));
+        assert!(text.starts_with("[1]: NaN has no form in JSON"));
     }
 
     #[test]
     fn other_forms_are_refused() {
         let pair = || TupleSpace::new([Space::discrete(3), TextSpace::new(0, 3).unwrap().into()]);
-        assert!(refused(pair(), json!([1])).ends_with("the list has 1 items and should have 2"));
-        assert!(refused(pair(), json!([1, 2])).ends_with("[1]: expected a string"));
+        assert!(refused(pair(), json!([1])).starts_with("the list has 1 items and should have 2"));
+        assert!(refused(pair(), json!([1, 2])).starts_with("[1]: expected a string"));
         let dict = || DictSpace::new([("a", pair().into())]).unwrap();
-        assert!(refused(dict(), json!({})).ends_with("the key \"a\" is missing"));
+        assert!(refused(dict(), json!({})).starts_with("the key \"a\" is missing"));
         assert!(
             refused(dict(), json!({"a": [1, ""], "b": 1}))
-                .ends_with("the key \"b\" is not one of the space's")
+                .starts_with("the key \"b\" is not one of the space's")
         );
-        assert!(refused(dict(), json!([])).ends_with("expected an object"));
+        assert!(refused(dict(), json!([])).starts_with("expected an object"));
         let one_of = || OneOfSpace::new([Space::discrete(3)]).unwrap();
-        assert!(refused(one_of(), json!([1, 0])).ends_with("[0]: there is no space of this index"));
-        assert!(refused(one_of(), json!([0])).ends_with("expected a list of an index and a value"));
+        assert!(refused(one_of(), json!([1, 0])).starts_with("[0]: there is no space of this index"));
+        assert!(refused(one_of(), json!([0])).starts_with("expected a list of an index and a value"));
         let graph = GraphSpace::new(Space::discrete(3), None).unwrap();
-        assert!(refused(graph, json!({})).ends_with("the key \"nodes\" is missing"));
+        assert!(refused(graph, json!({})).starts_with("the key \"nodes\" is missing"));
         assert!(Space::from(pair()).to_json(&Value::Tuple(vec![])).is_err());
         assert!(Space::discrete(3).to_json(&Value::Null).is_err());
         assert!(Space::discrete(3).to_json(&Value::Int(7)).is_ok());

@@ -35,6 +35,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::array::Array;
+use crate::error::shortened;
 use crate::{DType, Error, Result, Seed, Value};
 
 pub use box_space::BoxSpace;
@@ -166,8 +167,8 @@ impl Space {
     /// let error = space.check(&Value::Tuple(vec![Value::Array([0.5f32, 2.0].into())])).unwrap_err();
     /// assert_eq!(
     ///     error.to_string(),
-    ///     "([0.5 2.0]) is not an element of Tuple(Box(0.0, 1.0, (2,), float32)): \
-    ///      [0][1]: 2.0 is not between 0.0 and 1.0"
+    ///     "[0][1]: 2.0 is not between 0.0 and 1.0: \
+    ///      ([0.5 2.0]) is not an element of Tuple(Box(0.0, 1.0, (2,), float32))"
     /// );
     /// ```
     ///
@@ -187,6 +188,18 @@ impl Space {
     /// [`Error::NotInSpace`], with the start of a long value.
     fn refuse(&self, value: &impl fmt::Display, fault: &Fault) -> Error {
         not_in(value, self, fault)
+    }
+
+    /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this space.
+    pub(crate) fn refuse_action(&self, action: &Value) -> Error {
+        let hint = match (self.check_value(action), action, self.dtype()) {
+            (Err(fault), ..) => fault.to_string(),
+            (Ok(()), Value::Array(array), Some(dtype)) if array.dtype() != dtype => {
+                format!("the numbers are {} and should be {dtype}: convert them first", array.dtype())
+            }
+            (Ok(()), ..) => String::new(),
+        };
+        Error::InvalidAction { action: action.to_string(), space: self.to_string(), hint }
     }
 
     /// Random elements, by Gymnasium's `seed` and `sample`.
@@ -260,15 +273,10 @@ impl fmt::Display for Space {
     }
 }
 
-/// [`Error::NotInSpace`], with the start of a long value.
+/// [`Error::NotInSpace`], with the start of a long value or space.
 fn not_in(value: &impl fmt::Display, space: &impl fmt::Display, fault: &Fault) -> Error {
-    const MAX_LENGTH: usize = 200;
-    let mut value = value.to_string();
-    if let Some((end, _)) = value.char_indices().nth(MAX_LENGTH) {
-        value.truncate(end);
-        value.push_str("...");
-    }
-    Error::NotInSpace { value, space: space.to_string(), reason: fault.to_string() }
+    let [value, space] = [value.to_string(), space.to_string()].map(|text| shortened(&text).into_owned());
+    Error::NotInSpace { value, space, reason: fault.to_string() }
 }
 
 fn invalid<T>(reason: impl Into<String>) -> Result<T> {

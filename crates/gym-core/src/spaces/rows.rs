@@ -333,7 +333,7 @@ mod tests {
             Space::discrete(3).check_batch(&Value::Array([0.0f32].into()), 1).unwrap_err().to_string();
         assert_eq!(
             error,
-            "[0.0] is not an element of a batch of Discrete(3): the numbers are float32 and should be int64"
+            "the numbers are float32 and should be int64: [0.0] is not an element of a batch of Discrete(3)"
         );
     }
 }

@@ -37,6 +37,21 @@ pub struct Sampler<A: Element = Value> {
     element: PhantomData<fn() -> A>,
 }
 
+/// Random elements without end: [`sample`](Sampler::sample) again and again.
+///
+/// ```
+/// use gym_core::{Space, Value};
+/// let actions: Vec<Value> = Space::discrete(5).sampler(42).take(3).collect();
+/// assert_eq!(actions[..2], [Value::Int(0), Value::Int(3)]);
+/// ```
+impl<A: Element> Iterator for Sampler<A> {
+    type Item = A;
+
+    fn next(&mut self) -> Option<A> {
+        Some(self.sample())
+    }
+}
+
 impl Sampler<Value> {
     pub(super) fn new(space: Space, seed: &Seed) -> Self {
         let streams = Streams::new(&space, seed);

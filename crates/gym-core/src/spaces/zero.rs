@@ -40,7 +40,7 @@ impl Space {
             Self::Sequence(space) if space.is_stacked() => space.feature_space().batch(0)?.zero()?,
             Self::Sequence(_) => Value::Tuple(Vec::new()),
             Self::Graph(space) => {
-                let row = |space: &Self| {
+                let row = |space: &Self| -> Result<Array> {
                     let zero = space.batch(1)?.zero()?;
                     Ok(zero.as_array().cloned().unwrap_or_default())
                 };

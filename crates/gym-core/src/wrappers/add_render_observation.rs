@@ -1,12 +1,12 @@
 use crate::render::{Frame, Rendered};
 use crate::spaces::{BoxSpace, DictSpace, array_of};
-use crate::{DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
 /// Observes the rendered picture, alone or beside the observation.
 ///
 /// A picture is drawn, and memory for it allocated, at each reset and step.
 #[derive(Clone, Debug)]
-pub struct AddRenderObservation<E> {
+pub struct AddRenderObservation<E = BoxEnv> {
     env: E,
     space: Space,
     shape: Vec<usize>,
@@ -17,6 +17,8 @@ pub struct AddRenderObservation<E> {
     extends_dict: bool,
     inner: Value,
 }
+
+super::reach!(AddRenderObservation<E>);
 
 impl<E: Env> AddRenderObservation<E> {
     /// Gymnasium's default key of the picture.
@@ -73,11 +75,6 @@ impl<E: Env> AddRenderObservation<E> {
         Ok(Self { env, space, shape, render_key, obs_key, extends_dict, inner: Value::Null })
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     fn observe(&mut self, out: &mut Value) -> Result<()> {
         let frame = frame(&mut self.env)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
@@ -122,9 +119,11 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
     }
 }
 
-impl<E: Env> Env for AddRenderObservation<E> {
+impl<E: Env> crate::Wrapper for AddRenderObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -143,15 +142,12 @@ impl<E: Env> Env for AddRenderObservation<E> {
         Ok(outcome)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("AddRenderObservation")
-            .arg("render_only", self.obs_key.is_none())
-            .arg("render_key", self.render_key.as_str())
-            .arg("obs_key", self.obs_key.as_deref().unwrap_or(Self::OBS_KEY));
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("AddRenderObservation")
+                .arg("render_only", self.obs_key.is_none())
+                .arg("render_key", self.render_key.as_str())
+                .arg("obs_key", self.obs_key.as_deref().unwrap_or(Self::OBS_KEY)),
+        )
     }
-
-    crate::forward!(
-        env: action_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

@@ -1,7 +1,7 @@
 use crate::render::Rendered;
-use crate::{Env, EnvSpec, Error, Result, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, WrapperSpec};
 
-use super::noise;
+use crate::transform::noise;
 
 /// Replaces random pixels of rendered pictures with white noise; around it,
 /// [`AddRenderObservation`](super::AddRenderObservation) observes them.
@@ -9,11 +9,13 @@ use super::noise;
 /// The draws come from the environment's own [generator](Env::generator), as in Gymnasium: rendering
 /// then shifts what the environment draws.
 #[derive(Clone, Debug)]
-pub struct AddWhiteNoise<E> {
+pub struct AddWhiteNoise<E = BoxEnv> {
     env: E,
     probability: f64,
     is_grayscale: bool,
 }
+
+super::reach!(AddWhiteNoise<E>);
 
 impl<E: Env> AddWhiteNoise<E> {
     /// Replaces each pixel with that probability, by grey noise or by coloured.
@@ -28,34 +30,36 @@ impl<E: Env> AddWhiteNoise<E> {
         }
         Ok(Self { env, probability, is_grayscale: is_noise_grayscale })
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for AddWhiteNoise<E> {
+impl<E: Env> crate::Wrapper for AddWhiteNoise<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn render(&mut self) -> Result<Rendered> {
-        let mut frame = noise::expect_frame("AddWhiteNoise", self.env.render()?)?;
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        self.env.step_into(action, observation)
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.env.render_into(rendered)?;
+        let frame = noise::expect_frame("AddWhiteNoise", rendered)?;
         let rng = super::lend(&mut self.env, "AddWhiteNoise")?;
-        let white = noise::white(rng, &frame, self.is_grayscale);
-        noise::cover(&mut frame, &white, |_| rng.random() < self.probability);
-        Ok(Rendered::Frame(frame))
+        let white = noise::white(rng, frame, self.is_grayscale);
+        noise::cover(frame, &white, |_| rng.random() < self.probability);
+        Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("AddWhiteNoise")
-            .arg("probability_of_noise_per_pixel", self.probability)
-            .arg("is_noise_grayscale", self.is_grayscale);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("AddWhiteNoise")
+                .arg("probability_of_noise_per_pixel", self.probability)
+                .arg("is_noise_grayscale", self.is_grayscale),
+        )
     }
-
-    crate::forward!(
-        env: reset_into, step_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator,
-        close, describe
-    );
 }

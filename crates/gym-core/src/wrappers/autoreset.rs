@@ -1,28 +1,27 @@
-use crate::{Env, EnvSpec, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Resets by itself: the step after one that ended an episode ignores its action, starts the next
 /// episode and gives its first observation, with a reward of 0 and no flag set.
 #[derive(Clone, Debug)]
-pub struct Autoreset<E> {
+pub struct Autoreset<E = BoxEnv> {
     env: E,
     reset_is_due: bool,
 }
+
+super::reach!(Autoreset<E>);
 
 impl<E: Env> Autoreset<E> {
     /// Resets `env` where its episodes end.
     pub fn new(env: E) -> Self {
         Self { env, reset_is_due: false }
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for Autoreset<E> {
+impl<E: Env> crate::Wrapper for Autoreset<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -32,7 +31,7 @@ impl<E: Env> Env for Autoreset<E> {
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         if self.reset_is_due {
-            self.reset_into(&Reset::default(), observation)?;
+            Env::reset_into(self, &Reset::default(), observation)?;
             return Ok(Outcome::default());
         }
         let outcome = self.env.step_into(action, observation)?;
@@ -51,11 +50,7 @@ impl<E: Env> Env for Autoreset<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| spec.wrapped(WrapperSpec::new("Autoreset")))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("Autoreset"))
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

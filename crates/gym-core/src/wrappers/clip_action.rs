@@ -1,16 +1,18 @@
 use crate::spaces::BoxSpace;
-use crate::spaces::number::with_type;
-use crate::{Array, Env, EnvSpec, Outcome, Result, Space, Value, WrapperSpec};
+use crate::transform::clip::clip;
+use crate::{BoxEnv, Env, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
 /// Clips actions to the bounds of the environment's `Box`, and so takes any numbers: its own action
 /// space is unbounded.
 #[derive(Clone, Debug)]
-pub struct ClipAction<E> {
+pub struct ClipAction<E = BoxEnv> {
     env: E,
     space: Space,
     bounds: BoxSpace,
     inner: Value,
 }
+
+super::reach!(ClipAction<E>);
 
 impl<E: Env> ClipAction<E> {
     /// Clips the actions for `env`.
@@ -25,16 +27,17 @@ impl<E: Env> ClipAction<E> {
         let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?.into();
         Ok(Self { env, space, bounds, inner: Value::Null })
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for ClipAction<E> {
+impl<E: Env> crate::Wrapper for ClipAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn action_space(&self) -> Space {
         self.space.clone()
@@ -49,31 +52,7 @@ impl<E: Env> Env for ClipAction<E> {
         super::act(env, inner, observation)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| spec.wrapped(WrapperSpec::new("ClipAction")))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("ClipAction"))
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
-        describe
-    );
-}
-
-/// Clips an array, or each row of a batch, to the bounds of a box.
-pub(crate) fn clip(array: &mut Array, bounds: &BoxSpace) {
-    with_type!(bounds.dtype(), T => {
-        let numbers = array.as_mut_slice::<T>().unwrap_or_default();
-        let low = bounds.low().as_slice::<T>().unwrap_or_default();
-        let high = bounds.high().as_slice::<T>().unwrap_or_default();
-        for row in numbers.chunks_exact_mut(low.len().max(1)) {
-            for (x, (low, high)) in row.iter_mut().zip(low.iter().zip(high)) {
-                // comparisons that NaN fails, so that it stays
-                if *x < *low {
-                    *x = *low;
-                } else if *x > *high {
-                    *x = *high;
-                }
-            }
-        }
-    });
 }

@@ -1,11 +1,11 @@
 use serde_json::Value as Json;
 
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Gives each observation some steps late. Until the first arrives, observations are zeros (or what
 /// the space has nearest to zero).
 #[derive(Clone, Debug)]
-pub struct DelayObservation<E: Env> {
+pub struct DelayObservation<E: Env = BoxEnv> {
     env: E,
     zero: E::Observation,
     /// The observations on their way, as a ring.
@@ -13,6 +13,8 @@ pub struct DelayObservation<E: Env> {
     /// Where in the ring the oldest is.
     oldest: usize,
 }
+
+super::reach!(DelayObservation<E: Env>);
 
 impl<E: Env> DelayObservation<E> {
     /// Delays the observations of `env` by `delay` steps.
@@ -38,11 +40,6 @@ impl<E: Env> DelayObservation<E> {
         self.ring.len()
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     /// Exchanges the newest observation for the oldest.
     fn exchange(&mut self, observation: &mut E::Observation) {
         if let Some(oldest) = self.ring.get_mut(self.oldest) {
@@ -52,9 +49,11 @@ impl<E: Env> DelayObservation<E> {
     }
 }
 
-impl<E: Env> Env for DelayObservation<E> {
+impl<E: Env> crate::Wrapper for DelayObservation<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -89,12 +88,7 @@ impl<E: Env> Env for DelayObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("DelayObservation").arg("delay", self.delay());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("DelayObservation").arg("delay", self.delay()))
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

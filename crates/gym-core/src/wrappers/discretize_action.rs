@@ -1,11 +1,11 @@
-use crate::{Array, Element, Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
+use crate::{Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
-use super::bins::{Bins, Grid};
+use crate::transform::bins::{Bins, Grid};
 
 /// Cuts a bounded `Box` of actions into uniform bins and takes the bin, as one integer or as one for
 /// each element; the environment gets its middle.
 #[derive(Clone, Debug)]
-pub struct DiscretizeAction<E> {
+pub struct DiscretizeAction<E = BoxEnv> {
     env: E,
     space: Space,
     bins: Bins,
@@ -13,6 +13,8 @@ pub struct DiscretizeAction<E> {
     grid: Grid,
     inner: Value,
 }
+
+super::reach!(DiscretizeAction<E>);
 
 impl<E: Env> DiscretizeAction<E> {
     /// Cuts each element of the actions of `env` into bins: `5` for all, `[5, 9]` for each. The integer
@@ -38,7 +40,7 @@ impl<E: Env> DiscretizeAction<E> {
     pub fn revert_action(&self, action: &E::Action) -> Result<Value> {
         let action = action.to_value();
         let Some(array) = action.as_array().filter(|array| array.len() == self.grid.len()) else {
-            return Err(super::invalid_action(&action, &self.env.action_space()));
+            return Err(self.env.action_space().refuse_action(&action));
         };
         let nearest = |i: usize| {
             let distance = |bin: &i64| (self.grid.center(i, *bin) - array.data().get_f64(i)).abs();
@@ -48,16 +50,17 @@ impl<E: Env> DiscretizeAction<E> {
         self.grid.join(nearest, &self.space, &mut out);
         Ok(out)
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for DiscretizeAction<E> {
+impl<E: Env> crate::Wrapper for DiscretizeAction<E> {
     type Observation = E::Observation;
     type Action = Value;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn action_space(&self) -> Space {
         self.space.clone()
@@ -66,7 +69,7 @@ impl<E: Env> Env for DiscretizeAction<E> {
     fn step_into(&mut self, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, space, grid, inner, .. } = self;
         if !space.contains(action) {
-            return Err(super::invalid_action(action, space));
+            return Err(space.refuse_action(action));
         }
         if let Value::Array(array) = inner {
             grid.split(action, |i, bin| array.set_f64(i, grid.center(i, bin)));
@@ -74,15 +77,11 @@ impl<E: Env> Env for DiscretizeAction<E> {
         super::act(env, inner, observation)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("DiscretizeAction")
-            .arg("bins", serde_json::to_value(&self.bins).unwrap_or_default())
-            .arg("multidiscrete", self.multidiscrete);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("DiscretizeAction")
+                .arg("bins", serde_json::to_value(&self.bins).unwrap_or_default())
+                .arg("multidiscrete", self.multidiscrete),
+        )
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
-        describe
-    );
 }

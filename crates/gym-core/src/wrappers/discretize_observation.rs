@@ -1,12 +1,13 @@
-use crate::{Array, Data, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{Array, BoxEnv, Data, Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::bins::{Bins, Grid};
 use super::observation_wrapper;
+use crate::transform::bins::{Bins, Grid};
 
 /// Cuts a bounded `Box` of observations into uniform bins and gives the bin, as one integer or as one
 /// for each element.
 #[derive(Clone, Debug)]
-pub struct DiscretizeObservation<E> {
+pub struct DiscretizeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     bins: Bins,
@@ -52,15 +53,15 @@ impl<E: Env> DiscretizeObservation<E> {
                 self.grid.join(|i| self.grid.index(i, array.data().get_f64(i)), &self.space, out);
                 Ok(())
             }
-            other => Err(super::not_an_array(other)),
+            other => Err(not_an_array(other)),
         }
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("DiscretizeObservation")
             .arg("bins", serde_json::to_value(&self.bins).unwrap_or_default())
             .arg("multidiscrete", self.multidiscrete)
     }
 }
 
-observation_wrapper!(DiscretizeObservation: Value);
+observation_wrapper!(DiscretizeObservation);

@@ -1,11 +1,12 @@
 use crate::spaces::{BoxSpace, MultiDiscrete, array_of};
-use crate::{Array, DType, Data, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{Array, BoxEnv, DType, Data, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
 /// Casts array and integer observations to another type of number, as numpy's `astype`.
 #[derive(Clone, Debug)]
-pub struct DtypeObservation<E> {
+pub struct DtypeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     dtype: DType,
@@ -56,11 +57,11 @@ impl<E: Env> DtypeObservation<E> {
                 array.fill_int(*i);
                 Ok(())
             }
-            other => Err(super::not_an_array(other)),
+            other => Err(not_an_array(other)),
         }
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("DtypeObservation").arg("dtype", self.dtype.name())
     }
 }
@@ -73,4 +74,4 @@ fn cast_bound(bound: &Array, dtype: DType) -> Result<Array> {
     Array::new(bound.shape(), Data::from_f64(DType::F64, bound.iter_f64().map(f64::trunc)))
 }
 
-observation_wrapper!(DtypeObservation: Value);
+observation_wrapper!(DtypeObservation);

@@ -1,13 +1,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::spaces::{DictSpace, TupleSpace};
-use crate::{Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
 /// Keeps some members of dict or tuple observations.
 #[derive(Clone, Debug)]
-pub struct FilterObservation<E> {
+pub struct FilterObservation<E = BoxEnv> {
     env: E,
     space: Space,
     keys: FilterKeys,
@@ -106,7 +106,7 @@ impl<E: Env> FilterObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         let keys = serde_json::to_value(&self.keys).unwrap_or_default();
         WrapperSpec::new("FilterObservation").arg("filter_keys", keys)
     }
@@ -117,4 +117,4 @@ pub(super) fn is_sorted(space: &DictSpace) -> bool {
     space.spaces().is_sorted_by(|(a, _), (b, _)| a <= b)
 }
 
-observation_wrapper!(FilterObservation: Value);
+observation_wrapper!(FilterObservation);

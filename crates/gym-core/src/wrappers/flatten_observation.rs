@@ -1,11 +1,11 @@
 use crate::spaces::array_of;
-use crate::{Env, Error, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
 /// Flattens observations to one row of numbers: [`Space::flatten`].
 #[derive(Clone, Debug)]
-pub struct FlattenObservation<E> {
+pub struct FlattenObservation<E = BoxEnv> {
     env: E,
     space: Space,
     inner_space: Space,
@@ -31,9 +31,9 @@ impl<E: Env> FlattenObservation<E> {
         self.inner_space.flatten_into(&self.inner, array).map_err(|error| Error::Contract(error.to_string()))
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("FlattenObservation")
     }
 }
 
-observation_wrapper!(FlattenObservation: Value);
+observation_wrapper!(FlattenObservation);

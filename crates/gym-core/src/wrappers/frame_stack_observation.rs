@@ -1,13 +1,14 @@
 use serde_json::Value as Json;
 
 use crate::spaces::number::{Number, Numeric, with_type};
+use crate::transform::not_an_array;
 use crate::{
-    Array, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
 /// Observes the last few observations at once, the newest last, along a new first axis.
 #[derive(Clone, Debug)]
-pub struct FrameStackObservation<E> {
+pub struct FrameStackObservation<E = BoxEnv> {
     env: E,
     space: Space,
     inner_space: Space,
@@ -29,6 +30,8 @@ pub enum Padding {
     /// This element of the space.
     Custom(Value),
 }
+
+super::reach!(FrameStackObservation<E>);
 
 impl<E: Env> FrameStackObservation<E> {
     /// Stacks the last `stack_size` observations of `env`; the first fills the stack.
@@ -67,16 +70,13 @@ impl<E: Env> FrameStackObservation<E> {
     pub fn padding(&self) -> &Padding {
         &self.padding
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for FrameStackObservation<E> {
+impl<E: Env> crate::Wrapper for FrameStackObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -118,21 +118,22 @@ impl<E: Env> Env for FrameStackObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let padding = match &self.padding {
             Padding::Reset => Json::from("reset"),
             Padding::Zero => Json::from("zero"),
-            Padding::Custom(value) => self.inner_space.to_json(value).ok()?,
+            Padding::Custom(value) => match self.inner_space.to_json(value).ok()? {
+                // this text would be read as one of the other two
+                text if text == "reset" || text == "zero" => return None,
+                json => json,
+            },
         };
-        let wrapper = WrapperSpec::new("FrameStackObservation")
-            .arg("stack_size", self.stack_size)
-            .arg("padding_type", padding);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        Some(
+            WrapperSpec::new("FrameStackObservation")
+                .arg("stack_size", self.stack_size)
+                .arg("padding_type", padding),
+        )
     }
-
-    crate::forward!(
-        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }
 
 /// A stack of `n` zeros.
@@ -173,7 +174,7 @@ fn push(space: &Space, stack: &mut Value, item: &Value) -> Result<()> {
                     let last = stack.len() - item.len();
                     stack[last..].copy_from_slice(item);
                 }
-                _ => return Err(super::not_an_array(&Value::Array(item.clone()))),
+                _ => return Err(not_an_array(&Value::Array(item.clone()))),
             }
         }),
         (_, Value::Array(stack), Value::Int(i)) => with_type!(stack.dtype(), T => {

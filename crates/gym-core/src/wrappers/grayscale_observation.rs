@@ -1,5 +1,6 @@
 use crate::spaces::{BoxSpace, array_of};
-use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{BoxEnv, DType, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
@@ -9,7 +10,7 @@ const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 
 /// Turns colour pictures `(height, width, 3)` into grey ones `(height, width)`.
 #[derive(Clone, Debug)]
-pub struct GrayscaleObservation<E> {
+pub struct GrayscaleObservation<E = BoxEnv> {
     env: E,
     space: Space,
     keep_dim: bool,
@@ -34,7 +35,7 @@ impl<E: Env> GrayscaleObservation<E> {
     }
 
     fn observe(&self, out: &mut Value) -> Result<()> {
-        let pixels = self.inner.as_slice::<u8>().ok_or_else(|| super::not_an_array(&self.inner))?;
+        let pixels = self.inner.as_slice::<u8>().ok_or_else(|| not_an_array(&self.inner))?;
         let array = array_of(out, DType::U8, self.space.shape().unwrap_or_default());
         let grey = array.as_mut_slice::<u8>().unwrap_or_default();
         for (grey, pixel) in grey.iter_mut().zip(pixels.chunks_exact(3)) {
@@ -44,9 +45,9 @@ impl<E: Env> GrayscaleObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("GrayscaleObservation").arg("keep_dim", self.keep_dim)
     }
 }
 
-observation_wrapper!(GrayscaleObservation: Value);
+observation_wrapper!(GrayscaleObservation);

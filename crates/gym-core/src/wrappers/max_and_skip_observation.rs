@@ -2,7 +2,7 @@ use serde_json::Value as Json;
 
 use crate::spaces::number::with_type;
 use crate::{
-    Array, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
 /// Takes each action for several steps, adds up the rewards, and observes the larger of each element
@@ -11,13 +11,15 @@ use crate::{
 /// Where an episode ends before the last step of a series, the observation is still made of the two
 /// that were last kept, as in Gymnasium.
 #[derive(Clone, Debug)]
-pub struct MaxAndSkipObservation<E> {
+pub struct MaxAndSkipObservation<E = BoxEnv> {
     env: E,
     skip: u32,
     /// The observations of the last step but one and of the last.
     last: [Value; 2],
     inner: Value,
 }
+
+super::reach!(MaxAndSkipObservation<E>);
 
 impl<E: Env> MaxAndSkipObservation<E> {
     /// Takes each action for `skip` steps.
@@ -42,16 +44,13 @@ impl<E: Env> MaxAndSkipObservation<E> {
     pub fn skip(&self) -> u32 {
         self.skip
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for MaxAndSkipObservation<E> {
+impl<E: Env> crate::Wrapper for MaxAndSkipObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         E::Observation::fill(observation, |observation| self.env.reset_into(reset, observation))
@@ -93,14 +92,9 @@ impl<E: Env> Env for MaxAndSkipObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("MaxAndSkipObservation").arg("skip", self.skip);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("MaxAndSkipObservation").arg("skip", self.skip))
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }
 
 /// numpy's `maximum`, in which NaN wins, into the first.

@@ -4,10 +4,7 @@
 
 mod add_render_observation;
 mod add_white_noise;
-pub(crate) mod affine;
-mod area;
 mod autoreset;
-mod bins;
 pub(crate) mod clip_action;
 pub(crate) mod clip_reward;
 mod delay_observation;
@@ -19,8 +16,6 @@ mod flatten_observation;
 mod frame_stack_observation;
 mod grayscale_observation;
 mod max_and_skip_observation;
-pub(crate) mod moments;
-mod noise;
 mod normalize_observation;
 pub(crate) mod normalize_reward;
 mod obstruct_view;
@@ -34,7 +29,6 @@ pub(crate) mod rescale_action;
 mod rescale_observation;
 mod reshape_observation;
 mod resize_observation;
-pub(crate) mod running;
 mod sticky_action;
 mod time_aware_observation;
 mod time_limit;
@@ -45,9 +39,9 @@ mod wrap;
 
 pub use add_render_observation::AddRenderObservation;
 pub use add_white_noise::AddWhiteNoise;
-pub use affine::Bound;
+
 pub use autoreset::Autoreset;
-pub use bins::Bins;
+
 pub use clip_action::ClipAction;
 pub use clip_reward::ClipReward;
 pub use delay_observation::DelayObservation;
@@ -81,26 +75,64 @@ pub use transform_observation::TransformObservation;
 pub use transform_reward::TransformReward;
 pub use wrap::Wrap;
 
+pub use crate::transform::{Bins, Bound};
+
 use serde_json::Value as Json;
 
 use crate::spaces::BoxSpace;
 use crate::{Element, Env, Error, Generator, Outcome, Result, Space, Value};
 
-/// `Env` for a wrapper that changes observations by a function without state. The wrapper has the
-/// fields `env`, `space` and `inner` (a kept [`Value`](crate::Value) for the observation within), a
-/// method `observe(&self, out: &mut Output) -> Result<()>` that reads `inner`, and `wrapper_spec`.
-macro_rules! observation_wrapper {
-    ($name:ident: $output:ty) => {
-        impl<E: $crate::Env> $name<E> {
+/// Where the inner environment of a [`Wrapper`](crate::Wrapper) is: in its field `env`, of type `$inner`.
+macro_rules! within {
+    ($inner:ident) => {
+        type Inner = $inner;
+
+        fn inner(&self) -> &$inner {
+            &self.env
+        }
+
+        fn inner_mut(&mut self) -> &mut $inner {
+            &mut self.env
+        }
+    };
+}
+use within;
+
+/// `get_ref`, `get_mut` and `into_inner` of a wrapper with a field `env`.
+macro_rules! reach {
+    ($name:ident<$env:ident $(: $bound:path)? $(, $parameter:ident)*>) => {
+        impl<$env $(: $bound)? $(, $parameter)*> $name<$env $(, $parameter)*> {
             /// The environment within.
-            pub fn into_inner(self) -> E {
+            pub fn get_ref(&self) -> &$env {
+                &self.env
+            }
+
+            /// The environment within, to change it. What the wrapper keeps of it does not follow.
+            pub fn get_mut(&mut self) -> &mut $env {
+                &mut self.env
+            }
+
+            /// The environment within, without the wrapper.
+            pub fn into_inner(self) -> $env {
                 self.env
             }
         }
+    };
+}
+use reach;
 
-        impl<E: $crate::Env> $crate::Env for $name<E> {
-            type Observation = $output;
+/// `Wrapper` for a wrapper that changes observations by a function without state. It has the
+/// fields `env`, `space` and `inner` (a kept [`Value`](crate::Value) for the observation within), and the
+/// methods `observe(&self, out: &mut Value) -> Result<()>`, which reads `inner`, and `stored`.
+macro_rules! observation_wrapper {
+    ($name:ident) => {
+        super::reach!($name<E>);
+
+        impl<E: $crate::Env> $crate::Wrapper for $name<E> {
+            type Observation = $crate::Value;
             type Action = E::Action;
+
+            super::within!(E);
 
             fn observation_space(&self) -> $crate::Space {
                 self.space.clone()
@@ -109,7 +141,7 @@ macro_rules! observation_wrapper {
             fn reset_into(
                 &mut self,
                 reset: &$crate::Reset,
-                observation: &mut $output,
+                observation: &mut $crate::Value,
             ) -> $crate::Result<()> {
                 let Self { env, inner, .. } = self;
                 <E::Observation as $crate::Element>::fill(inner, |inner| env.reset_into(reset, inner))?;
@@ -119,7 +151,7 @@ macro_rules! observation_wrapper {
             fn step_into(
                 &mut self,
                 action: &E::Action,
-                observation: &mut $output,
+                observation: &mut $crate::Value,
             ) -> $crate::Result<$crate::Outcome> {
                 let Self { env, inner, .. } = self;
                 let outcome =
@@ -128,14 +160,9 @@ macro_rules! observation_wrapper {
                 Ok(outcome)
             }
 
-            fn spec(&self) -> Option<$crate::EnvSpec> {
-                self.env.spec().map(|spec| spec.wrapped(self.wrapper_spec()))
+            fn wrapper_spec(&self) -> Option<$crate::WrapperSpec> {
+                Some(self.stored())
             }
-
-            $crate::forward!(
-                env: action_space, snapshot, restore, info, metadata, draw, ansi, base, generator, close, describe,
-                render
-            );
         }
     };
 }
@@ -157,18 +184,6 @@ fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
     T::from_value(&value).ok_or_else(|| Error::Snapshot(format!("{value} has the wrong type")))
 }
 
-/// A number as JSON, where infinity is a string as in the stored form of spaces.
-fn number_to_json(number: impl Into<Option<f64>>) -> Json {
-    match number.into() {
-        Some(x) if x.is_infinite() => Json::from(if x > 0.0 { "inf" } else { "-inf" }),
-        number => Json::from(number),
-    }
-}
-
-fn not_an_array(value: &Value) -> Error {
-    Error::Contract(format!("{value} should be an array of the space's type"))
-}
-
 /// Leaves an action in `inner` if it has the form of the space; its bounds are not checked.
 fn expect_action<A: Element>(space: &Space, action: &A, inner: &mut Value) -> Result<()> {
     action.write(inner);
@@ -178,18 +193,13 @@ fn expect_action<A: Element>(space: &Space, action: &A, inner: &mut Value) -> Re
         }
         _ => false,
     };
-    if has_form { Ok(()) } else { Err(invalid_action(&action.to_value(), space)) }
-}
-
-fn invalid_action(action: &Value, space: &Space) -> Error {
-    let hint = String::new();
-    Error::InvalidAction { action: action.to_string(), space: space.to_string(), hint }
+    if has_form { Ok(()) } else { Err(space.refuse_action(&action.to_value())) }
 }
 
 /// Takes a step with the typed form of an action.
 fn act<E: Env>(env: &mut E, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
     E::Action::with(action, |action| env.step_into(action, observation))
-        .unwrap_or_else(|| Err(invalid_action(action, &env.action_space())))
+        .unwrap_or_else(|| Err(env.action_space().refuse_action(action)))
 }
 
 /// The box that a wrapper needs for a space.
@@ -210,87 +220,4 @@ fn expect_picture<'a>(wrapper: &str, space: &'a Space) -> Result<&'a BoxSpace> {
         return Ok(space);
     }
     Err(Error::argument(wrapper, format!("it needs uint8 observations from 0 to 255, and these are {space}")))
-}
-
-/// Implements methods of [`Env`](crate::Env) by calling the same method of a field.
-///
-/// ```text
-/// gym_core::forward!(env: observation_space, action_space, info, metadata, draw, ansi, render, base, close);
-/// ```
-#[macro_export]
-macro_rules! forward {
-    ($field:tt: $($method:ident),+ $(,)?) => { $($crate::forward!(@ $field $method);)+ };
-    (@ $field:tt observation_space) => {
-        fn observation_space(&self) -> $crate::Space { self.$field.observation_space() }
-    };
-    (@ $field:tt action_space) => {
-        fn action_space(&self) -> $crate::Space { self.$field.action_space() }
-    };
-    (@ $field:tt reset_into) => {
-        fn reset_into(
-            &mut self,
-            reset: &$crate::Reset,
-            observation: &mut Self::Observation,
-        ) -> $crate::Result<()> {
-            self.$field.reset_into(reset, observation)
-        }
-    };
-    (@ $field:tt step_into) => {
-        fn step_into(
-            &mut self,
-            action: &Self::Action,
-            observation: &mut Self::Observation,
-        ) -> $crate::Result<$crate::Outcome> {
-            self.$field.step_into(action, observation)
-        }
-    };
-    (@ $field:tt snapshot) => {
-        fn snapshot(&self) -> $crate::Result<$crate::Snapshot> { self.$field.snapshot() }
-    };
-    (@ $field:tt restore) => {
-        fn restore(&mut self, snapshot: &$crate::Snapshot) -> $crate::Result<()> {
-            self.$field.restore(snapshot)
-        }
-    };
-    (@ $field:tt info) => {
-        fn info(&self, visit: &mut dyn FnMut(&str, $crate::Value)) { self.$field.info(visit); }
-    };
-    (@ $field:tt metadata) => {
-        fn metadata(&self) -> $crate::render::Metadata { self.$field.metadata() }
-    };
-    (@ $field:tt draw) => {
-        fn draw(&self, canvas: &mut dyn $crate::canvas::Canvas) { self.$field.draw(canvas); }
-    };
-    (@ $field:tt ansi) => {
-        fn ansi(&self) -> Option<String> { self.$field.ansi() }
-    };
-    (@ $field:tt render) => {
-        fn render(&mut self) -> $crate::Result<$crate::render::Rendered> { self.$field.render() }
-        fn render_into(&mut self, rendered: &mut $crate::render::Rendered) -> $crate::Result<()> {
-            self.$field.render_into(rendered)
-        }
-    };
-    (@ $field:tt spec) => {
-        fn spec(&self) -> Option<$crate::EnvSpec> { self.$field.spec() }
-    };
-    (@ $field:tt base) => {
-        fn base(&self) -> &dyn ::std::any::Any { self.$field.base() }
-    };
-    (@ $field:tt generator) => {
-        fn generator(&mut self) -> Option<&mut $crate::Generator> { self.$field.generator() }
-    };
-    (@ $field:tt close) => {
-        fn close(&mut self) { self.$field.close(); }
-    };
-    (@ $field:tt describe) => {
-        fn describe(&self) -> String { $crate::wrappers::describe(self, &self.$field) }
-    };
-}
-
-/// `<Wrapper<inner>>`, as Gymnasium prints a stack.
-#[doc(hidden)]
-pub fn describe<W, E: crate::Env>(_wrapper: &W, inner: &E) -> String {
-    let inner = inner.describe();
-    let inner = inner.strip_prefix('<').and_then(|s| s.strip_suffix('>')).unwrap_or(&inner);
-    format!("<{}<{inner}>>", crate::env::short_type_name::<W>())
 }

@@ -1,22 +1,25 @@
 use crate::spaces::{BoxSpace, array_of};
+use crate::transform::not_an_array;
 use crate::{
-    DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
-use super::running::{RunningMeanStd, check_epsilon};
+use crate::statistics::{RunningMeanStd, check_epsilon};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`.
 ///
 /// The estimate is made of every observation since the wrapper was made; resets do not clear it.
 #[derive(Clone, Debug)]
-pub struct NormalizeObservation<E> {
+pub struct NormalizeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     epsilon: f64,
     update_running_mean: bool,
-    running: RunningMeanStd,
+    statistics: RunningMeanStd,
     inner: Value,
 }
+
+super::reach!(NormalizeObservation<E>);
 
 impl<E: Env> NormalizeObservation<E> {
     /// Gymnasium's default for what is added to the variance.
@@ -33,14 +36,14 @@ impl<E: Env> NormalizeObservation<E> {
             return Err(Error::argument("NormalizeObservation", reason));
         };
         let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, DType::F32)?;
-        let running = RunningMeanStd::new(space.low().len());
+        let statistics = RunningMeanStd::new(space.low().len());
         let space = space.into();
         Ok(Self {
             env,
             space,
             epsilon: Self::EPSILON,
             update_running_mean: true,
-            running,
+            statistics,
             inner: Value::Null,
         })
     }
@@ -60,9 +63,19 @@ impl<E: Env> NormalizeObservation<E> {
         self.update_running_mean = update;
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
+    /// Mean, variance and count of each number of an observation.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.statistics
+    }
+
+    /// Goes on from other statistics, such as those of a training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if they are of another number of numbers.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(self.statistics.len())?;
+        self.statistics = statistics;
+        Ok(())
     }
 
     fn observe(&mut self, out: &mut Value) -> Result<()> {
@@ -71,26 +84,28 @@ impl<E: Env> NormalizeObservation<E> {
         match &self.inner {
             Value::Array(array) if array.len() == out.len() => {
                 if self.update_running_mean {
-                    self.running.update(array.dtype(), array.iter_f64());
+                    self.statistics.update_row(array.dtype(), array.iter_f64());
                 }
-                self.running.normalize(array.dtype(), array.iter_f64(), self.epsilon, out);
+                self.statistics.normalize(array.dtype(), array.iter_f64(), self.epsilon, out);
             }
             Value::Int(i) if out.len() == 1 => {
                 let x = *i as f64;
                 if self.update_running_mean {
-                    self.running.update(DType::I64, std::iter::once(x));
+                    self.statistics.update_row(DType::I64, std::iter::once(x));
                 }
-                self.running.normalize(DType::I64, std::iter::once(x), self.epsilon, out);
+                self.statistics.normalize(DType::I64, std::iter::once(x), self.epsilon, out);
             }
-            other => return Err(super::not_an_array(other)),
+            other => return Err(not_an_array(other)),
         }
         Ok(())
     }
 }
 
-impl<E: Env> Env for NormalizeObservation<E> {
+impl<E: Env> crate::Wrapper for NormalizeObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -110,26 +125,22 @@ impl<E: Env> Env for NormalizeObservation<E> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.env.snapshot()?, &self.running, self.update_running_mean))
+        Snapshot::of(&(self.env.snapshot()?, &self.statistics, self.update_running_mean))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (env, running, update): (_, RunningMeanStd, bool) = snapshot.get()?;
-        let len = self.space.shape().unwrap_or_default().iter().product();
-        if !running.is_valid(len) {
-            return Err(Error::Snapshot(format!("it does not hold the statistics of {len} numbers")));
-        }
+        let (env, statistics, update): (_, RunningMeanStd, bool) = snapshot.get()?;
+        statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.env.restore(&env)?;
-        (self.running, self.update_running_mean) = (running, update);
+        (self.statistics, self.update_running_mean) = (statistics, update);
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let wrapper = WrapperSpec::new("NormalizeObservation").arg("epsilon", self.epsilon);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        Some(match self.update_running_mean {
+            true => wrapper,
+            false => wrapper.arg("update_running_mean", false),
+        })
     }
-
-    crate::forward!(
-        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

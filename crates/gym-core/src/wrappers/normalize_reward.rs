@@ -1,28 +1,21 @@
-use serde::{Deserialize, Serialize};
-
-use super::moments::Batch;
-use crate::{Env, EnvSpec, Error, Outcome, Result, Snapshot, WrapperSpec};
+use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
+use crate::{BoxEnv, DType, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes.
 ///
 /// As in Gymnasium, the discounted sum starts anew after a step that terminates, not after one that
 /// truncates; the mean is not subtracted.
 #[derive(Clone, Debug)]
-pub struct NormalizeReward<E> {
+pub struct NormalizeReward<E = BoxEnv> {
     env: E,
     gamma: f64,
     epsilon: f64,
     update_running_mean: bool,
-    estimate: Estimate,
+    discounted_reward: f64,
+    statistics: RunningMeanStd,
 }
 
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Estimate {
-    discounted_reward: f64,
-    mean: f64,
-    var: f64,
-    count: f64,
-}
+super::reach!(NormalizeReward<E>);
 
 impl<E: Env> NormalizeReward<E> {
     /// The discount factor that [`Wrap::normalize_reward`](super::Wrap::normalize_reward) and specs
@@ -37,9 +30,14 @@ impl<E: Env> NormalizeReward<E> {
     /// [`Error::InvalidArgument`] for a `gamma` outside `[0, 1]`.
     pub fn new(env: E, gamma: f64) -> Result<Self> {
         check_gamma(gamma)?;
-        let estimate =
-            Estimate { discounted_reward: 0.0, mean: 0.0, var: 1.0, count: super::running::INITIAL_COUNT };
-        Ok(Self { env, gamma, epsilon: Self::EPSILON, update_running_mean: true, estimate })
+        Ok(Self {
+            env,
+            gamma,
+            epsilon: Self::EPSILON,
+            update_running_mean: true,
+            discounted_reward: 0.0,
+            statistics: RunningMeanStd::new_f64(1),
+        })
     }
 
     /// Adds another number to the variance than 1e-8.
@@ -47,7 +45,7 @@ impl<E: Env> NormalizeReward<E> {
     /// # Errors
     /// [`Error::InvalidArgument`] unless it is above 0.
     pub fn with_epsilon(self, epsilon: f64) -> Result<Self> {
-        super::running::check_epsilon("NormalizeReward", epsilon)?;
+        check_epsilon("NormalizeReward", epsilon)?;
         Ok(Self { epsilon, ..self })
     }
 
@@ -57,59 +55,63 @@ impl<E: Env> NormalizeReward<E> {
         self.update_running_mean = update;
     }
 
-    /// The estimated variance of the discounted return.
-    pub fn variance(&self) -> f64 {
-        self.estimate.var
+    /// Mean, variance and count of the discounted return.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.statistics
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
+    /// Goes on from other statistics, such as those of a training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if they are of more than one number.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(1)?;
+        self.statistics = statistics;
+        Ok(())
     }
 }
 
-impl<E: Env> Env for NormalizeReward<E> {
+impl<E: Env> crate::Wrapper for NormalizeReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
-        let Estimate { discounted_reward, mean, var, count } = &mut self.estimate;
         let keep = f64::from(!outcome.terminated);
-        *discounted_reward = *discounted_reward * self.gamma * keep + outcome.reward;
+        self.discounted_reward = self.discounted_reward * self.gamma * keep + outcome.reward;
         if self.update_running_mean {
-            let batch = Batch::of_one(*discounted_reward);
-            super::running::update_f64(mean, var, *var * *count, *count, batch);
-            *count += 1.0;
+            self.statistics.update_row(DType::F64, std::iter::once(self.discounted_reward));
         }
-        Ok(Outcome { reward: outcome.reward / (*var + self.epsilon).sqrt(), ..outcome })
+        let std = (self.statistics.scalar_variance() + self.epsilon).sqrt();
+        Ok(Outcome { reward: outcome.reward / std, ..outcome })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.env.snapshot()?, self.estimate, self.update_running_mean))
+        let Self { discounted_reward, statistics, update_running_mean, .. } = self;
+        Snapshot::of(&(self.env.snapshot()?, discounted_reward, statistics, update_running_mean))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (env, estimate, update) = snapshot.get()?;
+        let (env, discounted_reward, statistics, update): (_, _, RunningMeanStd, _) = snapshot.get()?;
+        statistics.expect_len(1).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.env.restore(&env)?;
-        (self.estimate, self.update_running_mean) = (estimate, update);
+        (self.discounted_reward, self.statistics, self.update_running_mean) =
+            (discounted_reward, statistics, update);
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let wrapper =
             WrapperSpec::new("NormalizeReward").arg("gamma", self.gamma).arg("epsilon", self.epsilon);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
-    }
-
-    crate::forward!(
-        env: reset_into, observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
-}
-
-pub(crate) fn check_gamma(gamma: f64) -> Result<()> {
-    match (0.0..=1.0).contains(&gamma) {
-        true => Ok(()),
-        false => Err(Error::argument("NormalizeReward", format!("gamma is {gamma}: it must be in [0, 1]"))),
+        Some(match self.update_running_mean {
+            true => wrapper,
+            false => wrapper.arg("update_running_mean", false),
+        })
     }
 }

@@ -1,7 +1,7 @@
 use crate::render::Rendered;
-use crate::{Env, EnvSpec, Error, Result, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, WrapperSpec};
 
-use super::noise;
+use crate::transform::noise;
 
 /// Covers rendered pictures with square patches of white noise at random places; around it,
 /// [`AddRenderObservation`](super::AddRenderObservation) observes them.
@@ -9,12 +9,14 @@ use super::noise;
 /// The draws come from the environment's own [generator](Env::generator), as in Gymnasium: rendering
 /// then shifts what the environment draws.
 #[derive(Clone, Debug)]
-pub struct ObstructView<E> {
+pub struct ObstructView<E = BoxEnv> {
     env: E,
     ratio: f64,
     width: u32,
     is_grayscale: bool,
 }
+
+super::reach!(ObstructView<E>);
 
 impl<E: Env> ObstructView<E> {
     /// Covers about that share of the pixels with patches of that width, of grey noise or of coloured.
@@ -37,19 +39,25 @@ impl<E: Env> ObstructView<E> {
         }
         Ok(Self { env, ratio, width, is_grayscale: is_noise_grayscale })
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for ObstructView<E> {
+impl<E: Env> crate::Wrapper for ObstructView<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn render(&mut self) -> Result<Rendered> {
-        let mut frame = noise::expect_frame("ObstructView", self.env.render()?)?;
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        self.env.step_into(action, observation)
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.env.render_into(rendered)?;
+        let frame = noise::expect_frame("ObstructView", rendered)?;
         let rng = super::lend(&mut self.env, "ObstructView")?;
         let (rows, columns) = (frame.height() as usize, frame.width() as usize);
         let mut mask = vec![false; rows * columns];
@@ -65,21 +73,17 @@ impl<E: Env> Env for ObstructView<E> {
                 mask[y * columns..][columns_covered].fill(true);
             }
         }
-        let white = noise::white(rng, &frame, self.is_grayscale);
-        noise::cover(&mut frame, &white, |i| mask[i]);
-        Ok(Rendered::Frame(frame))
+        let white = noise::white(rng, frame, self.is_grayscale);
+        noise::cover(frame, &white, |i| mask[i]);
+        Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("ObstructView")
-            .arg("obstructed_pixels_ratio", self.ratio)
-            .arg("obstruction_width", self.width)
-            .arg("is_noise_grayscale", self.is_grayscale);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("ObstructView")
+                .arg("obstructed_pixels_ratio", self.ratio)
+                .arg("obstruction_width", self.width)
+                .arg("is_noise_grayscale", self.is_grayscale),
+        )
     }
-
-    crate::forward!(
-        env: reset_into, step_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator,
-        close, describe
-    );
 }

@@ -1,10 +1,10 @@
 use crate::render::Rendered;
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
-/// Refuses to step or render before the first reset and after `close`, whatever the environment
-/// would do.
+/// Refuses to step or render before the first reset, and everything after `close`, whatever the
+/// environment would do.
 #[derive(Clone, Debug)]
-pub struct OrderEnforcing<E> {
+pub struct OrderEnforcing<E = BoxEnv> {
     env: E,
     stage: Stage,
 }
@@ -13,8 +13,12 @@ pub struct OrderEnforcing<E> {
 enum Stage {
     Made,
     Reset,
+    /// Never in a snapshot, so that none can close an environment.
+    #[serde(skip)]
     Closed,
 }
+
+super::reach!(OrderEnforcing<E>);
 
 impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
@@ -22,9 +26,8 @@ impl<E: Env> OrderEnforcing<E> {
         Self { env, stage: Stage::Made }
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
+    fn check_open(&self, call: &'static str) -> Result<()> {
+        if self.stage == Stage::Closed { Err(Error::Closed(call)) } else { Ok(()) }
     }
 
     fn check(&self, call: &'static str) -> Result<()> {
@@ -36,14 +39,14 @@ impl<E: Env> OrderEnforcing<E> {
     }
 }
 
-impl<E: Env> Env for OrderEnforcing<E> {
+impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
+    super::within!(E);
+
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        if self.stage == Stage::Closed {
-            return Err(Error::Closed("reset"));
-        }
+        self.check_open("reset")?;
         self.env.reset_into(reset, observation)?;
         self.stage = Stage::Reset;
         Ok(())
@@ -54,21 +57,18 @@ impl<E: Env> Env for OrderEnforcing<E> {
         self.env.step_into(action, observation)
     }
 
-    fn render(&mut self) -> Result<Rendered> {
-        self.check("render")?;
-        self.env.render()
-    }
-
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.check("render")?;
         self.env.render_into(rendered)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
+        self.check_open("snapshot")?;
         Snapshot::of(&(self.env.snapshot()?, self.stage))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.check_open("restore")?;
         let (env, stage) = snapshot.get()?;
         self.env.restore(&env)?;
         self.stage = stage;
@@ -81,8 +81,10 @@ impl<E: Env> Env for OrderEnforcing<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| EnvSpec { order_enforce: true, ..spec })
+        // inside all other wrappers it is the one of `make`; further out, one more of them
+        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+            true => EnvSpec { order_enforce: true, ..spec },
+            false => spec.wrapped(WrapperSpec::new("OrderEnforcing")),
+        })
     }
-
-    crate::forward!(env: observation_space, action_space, info, metadata, draw, ansi, base, generator, describe);
 }

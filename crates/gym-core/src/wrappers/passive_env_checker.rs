@@ -1,14 +1,14 @@
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space};
+use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, WrapperSpec};
 
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
 ///
-/// This is the cheap part of [`conform`](crate::conform), left on in [`make`](crate::make) by
+/// This is the cheap part of the crate gym-conform, left on in [`make`](crate::make) by
 /// default so that a mistake in a new environment shows at once. An episode that was started with
 /// options is not checked: they may ask for states beyond the space. What the checker saw is no part
 /// of a snapshot.
 #[derive(Clone, Debug)]
-pub struct PassiveEnvChecker<E> {
+pub struct PassiveEnvChecker<E = BoxEnv> {
     env: E,
     checked_reset: bool,
     checked_step: bool,
@@ -16,15 +16,12 @@ pub struct PassiveEnvChecker<E> {
     has_options: bool,
 }
 
+super::reach!(PassiveEnvChecker<E>);
+
 impl<E: Env> PassiveEnvChecker<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
         Self { env, checked_reset: false, checked_step: false, has_options: false }
-    }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
     }
 
     fn check_observation(&self, call: &str, observation: &E::Observation) -> Result<()> {
@@ -35,9 +32,11 @@ impl<E: Env> PassiveEnvChecker<E> {
     }
 }
 
-impl<E: Env> Env for PassiveEnvChecker<E> {
+impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -61,19 +60,11 @@ impl<E: Env> Env for PassiveEnvChecker<E> {
         Ok(outcome)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
-        self.env.snapshot()
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.env.restore(snapshot)
-    }
-
     fn spec(&self) -> Option<EnvSpec> {
-        self.env.spec().map(|spec| EnvSpec { disable_env_checker: false, ..spec })
+        // inside all other wrappers it is the one of `make`; further out, one more of them
+        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+            true => EnvSpec { disable_env_checker: false, ..spec },
+            false => spec.wrapped(WrapperSpec::new("PassiveEnvChecker")),
+        })
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

@@ -3,7 +3,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
 
 /// Keeps the return, length and duration of each episode.
 ///
@@ -12,7 +12,7 @@ use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Value, Wrappe
 /// `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
 /// are kept in [`episodes`](Self::episodes).
 #[derive(Clone, Debug)]
-pub struct RecordEpisodeStatistics<E> {
+pub struct RecordEpisodeStatistics<E = BoxEnv> {
     env: E,
     buffer_length: usize,
     stats_key: String,
@@ -34,6 +34,8 @@ pub struct EpisodeStatistics {
     #[serde(rename = "t")]
     pub seconds: f64,
 }
+
+super::reach!(RecordEpisodeStatistics<E>);
 
 impl EpisodeStatistics {
     /// The entry of `info`.
@@ -68,13 +70,15 @@ impl<E: Env> RecordEpisodeStatistics<E> {
         }
     }
 
-    /// Records the last `buffer_length` episodes instead.
+    /// Records the last `buffer_length` episodes instead; of those recorded already, the last stay.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a length of 0, or one beyond the memory.
     pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        episode_buffer(buffer_length)?;
-        Ok(Self { buffer_length, ..self })
+        let mut episodes = episode_buffer(buffer_length)?;
+        let Self { record, .. } = &self;
+        episodes.extend(record.episodes.iter().skip(record.episodes.len().saturating_sub(buffer_length)));
+        Ok(Self { buffer_length, record: Record { episodes, ..self.record }, ..self })
     }
 
     /// Names the entry of `info`: Gymnasium's `stats_key`, for a stack with two of these wrappers.
@@ -92,16 +96,13 @@ impl<E: Env> RecordEpisodeStatistics<E> {
     pub fn episode_count(&self) -> u64 {
         self.record.episode_count
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for RecordEpisodeStatistics<E> {
+impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -124,7 +125,7 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         record.just_ended = outcome.done();
         if record.just_ended {
             record.episode_count += 1;
-            if record.episodes.len() == self.buffer_length {
+            while record.episodes.len() >= self.buffer_length {
                 record.episodes.pop_front();
             }
             let seconds = self.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
@@ -159,16 +160,13 @@ impl<E: Env> Env for RecordEpisodeStatistics<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("RecordEpisodeStatistics")
-            .arg("buffer_length", self.buffer_length)
-            .arg("stats_key", self.stats_key.as_str());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("RecordEpisodeStatistics")
+                .arg("buffer_length", self.buffer_length)
+                .arg("stats_key", self.stats_key.as_str()),
+        )
     }
-
-    crate::forward!(
-        env: observation_space, action_space, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }
 
 /// An empty buffer for so many episodes.

@@ -2,7 +2,7 @@ use std::fmt;
 
 use crate::canvas::Canvas;
 use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 
 /// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
 /// what [`render`](Env::render) returns, one picture or text at a time.
@@ -10,7 +10,7 @@ use crate::{Env, EnvSpec, Error, Outcome, Reset, Result};
 /// In the mode `human` each reset and step shows a picture in a window, no faster than the
 /// environment's frames per second. The window opens at the first reset. Once it is closed, nothing
 /// is drawn any more and steps take no longer than without it. A clone opens no window.
-pub struct Render<E> {
+pub struct Render<E = BoxEnv> {
     env: E,
     mode: RenderMode,
     size: (u32, u32),
@@ -27,6 +27,8 @@ enum Window {
     /// It is open, and the frame is what it shows.
     Open(Box<dyn Screen>, Frame),
 }
+
+super::reach!(Render<E>);
 
 impl<E: Env> Render<E> {
     /// Renders `env` in a mode of single items; [`RenderCollection`](super::RenderCollection)
@@ -84,11 +86,6 @@ impl<E: Env> Render<E> {
         Ok(Self { size: (width, height), ..self })
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     /// Shows the picture in the window, if there is one.
     fn show(&mut self) -> Result<()> {
         if let Window::Wanted = self.window
@@ -109,9 +106,11 @@ impl<E: Env> Render<E> {
     }
 }
 
-impl<E: Env> Env for Render<E> {
+impl<E: Env> crate::Wrapper for Render<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -124,10 +123,8 @@ impl<E: Env> Env for Render<E> {
         Ok(outcome)
     }
 
-    fn render(&mut self) -> Result<Rendered> {
-        let mut rendered = Rendered::Shown;
-        self.render_into(&mut rendered)?;
-        Ok(rendered)
+    fn render_mode(&self) -> Option<RenderMode> {
+        Some(self.mode)
     }
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
@@ -155,7 +152,13 @@ impl<E: Env> Env for Render<E> {
 
     fn spec(&self) -> Option<EnvSpec> {
         let size = (self.size != self.env.metadata().render_size).then_some(self.size);
-        self.env.spec().map(|spec| EnvSpec { render_mode: Some(self.mode), render_size: size, ..spec })
+        let spec = self.env.spec()?;
+        // a spec has one render mode, inside all wrappers
+        (spec.render_mode.is_none() && spec.additional_wrappers.is_empty()).then(|| EnvSpec {
+            render_mode: Some(self.mode),
+            render_size: size,
+            ..spec
+        })
     }
 
     fn describe(&self) -> String {
@@ -166,8 +169,6 @@ impl<E: Env> Env for Render<E> {
         self.window = Window::None;
         self.env.close();
     }
-
-    crate::forward!(env: observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, base, generator);
 }
 
 impl<E: Clone> Clone for Render<E> {

@@ -1,31 +1,30 @@
 use crate::render::{RenderMode, Rendered};
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
 /// Gathers what the environment within renders after each reset and step; `render` hands over the
 /// list and clears it. An episode of `T` steps gives `T + 1` items.
 ///
 /// A reset drops what was not asked for.
 #[derive(Clone, Debug)]
-pub struct RenderCollection<E> {
+pub struct RenderCollection<E = BoxEnv> {
     env: E,
     items: Vec<Rendered>,
 }
+
+super::reach!(RenderCollection<E>);
 
 impl<E: Env> RenderCollection<E> {
     /// Gathers what `env` renders.
     pub fn new(env: E) -> Self {
         Self { env, items: Vec::new() }
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for RenderCollection<E> {
+impl<E: Env> crate::Wrapper for RenderCollection<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -40,7 +39,15 @@ impl<E: Env> Env for RenderCollection<E> {
         Ok(outcome)
     }
 
-    fn render(&mut self) -> Result<Rendered> {
+    fn render_mode(&self) -> Option<RenderMode> {
+        match self.env.render_mode()? {
+            RenderMode::RgbArray => Some(RenderMode::RgbArrayList),
+            RenderMode::Ansi => Some(RenderMode::AnsiList),
+            mode => Some(mode),
+        }
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         let mut frames = Vec::new();
         let mut texts = Vec::new();
         for item in self.items.drain(..) {
@@ -52,11 +59,8 @@ impl<E: Env> Env for RenderCollection<E> {
                 }
             }
         }
-        Ok(if texts.is_empty() { Rendered::Frames(frames) } else { Rendered::Texts(texts) })
-    }
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        self.env.snapshot()
+        *rendered = if texts.is_empty() { Rendered::Frames(frames) } else { Rendered::Texts(texts) };
+        Ok(())
     }
 
     /// The frames gathered so far belong to the history that is left; they are dropped.
@@ -67,15 +71,12 @@ impl<E: Env> Env for RenderCollection<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        let list = |mode| match mode {
+        let spec = self.env.spec()?;
+        let list = match spec.render_mode? {
             RenderMode::RgbArray => RenderMode::RgbArrayList,
             RenderMode::Ansi => RenderMode::AnsiList,
-            other => other,
+            _ => return None,
         };
-        self.env.spec().map(|spec| EnvSpec { render_mode: spec.render_mode.map(list), ..spec })
+        Some(EnvSpec { render_mode: Some(list), ..spec })
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, base, generator, close, describe
-    );
 }

@@ -1,12 +1,14 @@
-use crate::{Env, EnvSpec, Error, Outcome, Result, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, WrapperSpec};
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the
 /// repetition.
 #[derive(Clone, Debug)]
-pub struct RepeatAction<E> {
+pub struct RepeatAction<E = BoxEnv> {
     env: E,
     num_repeats: u32,
 }
+
+super::reach!(RepeatAction<E>);
 
 impl<E: Env> RepeatAction<E> {
     /// Takes each action `num_repeats` times.
@@ -24,16 +26,17 @@ impl<E: Env> RepeatAction<E> {
     pub fn num_repeats(&self) -> u32 {
         self.num_repeats
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for RepeatAction<E> {
+impl<E: Env> crate::Wrapper for RepeatAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let mut total = Outcome::default();
@@ -47,13 +50,7 @@ impl<E: Env> Env for RepeatAction<E> {
         Ok(total)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("RepeatAction").arg("num_repeats", self.num_repeats);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(WrapperSpec::new("RepeatAction").arg("num_repeats", self.num_repeats))
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
-        generator, close, describe
-    );
 }

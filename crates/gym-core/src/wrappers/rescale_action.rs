@@ -1,11 +1,11 @@
 use crate::spaces::BoxSpace;
-use crate::{Env, EnvSpec, Error, Outcome, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
-use super::affine::{Affine, Bound};
+use crate::transform::affine::{Affine, Bound};
 
 /// Maps actions linearly from other bounds to those of the environment's `Box`.
 #[derive(Clone, Debug)]
-pub struct RescaleAction<E> {
+pub struct RescaleAction<E = BoxEnv> {
     env: E,
     space: Space,
     min_action: Bound,
@@ -13,6 +13,8 @@ pub struct RescaleAction<E> {
     map: Affine,
     inner: Value,
 }
+
+super::reach!(RescaleAction<E>);
 
 impl<E: Env> RescaleAction<E> {
     /// Takes actions between the new bounds, as in `RescaleAction::new(env, -1.0, 1.0)`.
@@ -25,16 +27,17 @@ impl<E: Env> RescaleAction<E> {
         let (map, space) = affine_map(&env.action_space(), &min_action, &max_action)?;
         Ok(Self { env, space: space.into(), min_action, max_action, map, inner: Value::Null })
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for RescaleAction<E> {
+impl<E: Env> crate::Wrapper for RescaleAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn action_space(&self) -> Space {
         self.space.clone()
@@ -49,17 +52,13 @@ impl<E: Env> Env for RescaleAction<E> {
         super::act(env, inner, observation)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
-        let wrapper = WrapperSpec::new("RescaleAction")
-            .arg("min_action", self.min_action.to_json())
-            .arg("max_action", self.max_action.to_json());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(
+            WrapperSpec::new("RescaleAction")
+                .arg("min_action", self.min_action.to_json())
+                .arg("max_action", self.max_action.to_json()),
+        )
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
-        describe
-    );
 }
 
 /// The map from an action space to the box between new bounds, and that box.

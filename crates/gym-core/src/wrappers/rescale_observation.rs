@@ -1,12 +1,13 @@
 use crate::spaces::array_of;
-use crate::{Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::affine::{Affine, Bound};
 use super::observation_wrapper;
+use crate::transform::affine::{Affine, Bound};
 
 /// Maps observations linearly from the bounds of their `Box` to others.
 #[derive(Clone, Debug)]
-pub struct RescaleObservation<E> {
+pub struct RescaleObservation<E = BoxEnv> {
     env: E,
     space: Space,
     min_obs: Bound,
@@ -31,7 +32,7 @@ impl<E: Env> RescaleObservation<E> {
 
     fn observe(&self, out: &mut Value) -> Result<()> {
         let (Some(inner), Space::Box(space)) = (self.inner.as_array(), &self.space) else {
-            return Err(super::not_an_array(&self.inner));
+            return Err(not_an_array(&self.inner));
         };
         let array = array_of(out, space.dtype(), space.shape());
         array.assign_cast(inner)?;
@@ -39,11 +40,11 @@ impl<E: Env> RescaleObservation<E> {
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("RescaleObservation")
             .arg("min_obs", self.min_obs.to_json())
             .arg("max_obs", self.max_obs.to_json())
     }
 }
 
-observation_wrapper!(RescaleObservation: Value);
+observation_wrapper!(RescaleObservation);

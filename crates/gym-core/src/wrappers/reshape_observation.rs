@@ -1,11 +1,12 @@
 use crate::spaces::{BoxSpace, array_of};
-use crate::{Array, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{Array, BoxEnv, Env, Error, Result, Space, Value, WrapperSpec};
 
 use super::observation_wrapper;
 
 /// Gives array observations another shape of as many elements.
 #[derive(Clone, Debug)]
-pub struct ReshapeObservation<E> {
+pub struct ReshapeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     inner: Value,
@@ -31,14 +32,14 @@ impl<E: Env> ReshapeObservation<E> {
 
     fn observe(&self, out: &mut Value) -> Result<()> {
         let (Some(inner), Space::Box(space)) = (self.inner.as_array(), &self.space) else {
-            return Err(super::not_an_array(&self.inner));
+            return Err(not_an_array(&self.inner));
         };
         array_of(out, space.dtype(), space.shape()).assign_cast(inner)
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("ReshapeObservation").arg("shape", self.space.shape().unwrap_or_default())
     }
 }
 
-observation_wrapper!(ReshapeObservation: Value);
+observation_wrapper!(ReshapeObservation);

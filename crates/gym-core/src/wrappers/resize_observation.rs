@@ -1,13 +1,14 @@
 use crate::spaces::{BoxSpace, array_of};
-use crate::{DType, Env, Error, Result, Space, Value, WrapperSpec};
+use crate::transform::not_an_array;
+use crate::{BoxEnv, DType, Env, Error, Result, Space, Value, WrapperSpec};
 
-use super::area::AreaResize;
 use super::observation_wrapper;
+use crate::transform::area::AreaResize;
 
 /// Resizes pictures as OpenCV does with its area filter: the mean over what each new pixel covers
 /// where the picture shrinks, linear between pixels where it grows.
 #[derive(Clone, Debug)]
-pub struct ResizeObservation<E> {
+pub struct ResizeObservation<E = BoxEnv> {
     env: E,
     space: Space,
     size: (usize, usize),
@@ -44,14 +45,14 @@ impl<E: Env> ResizeObservation<E> {
     fn observe(&self, out: &mut Value) -> Result<()> {
         let array = array_of(out, DType::U8, self.space.shape().unwrap_or_default());
         let source = self.inner.as_slice::<u8>().filter(|source| self.filter.fits(source));
-        let source = source.ok_or_else(|| super::not_an_array(&self.inner))?;
+        let source = source.ok_or_else(|| not_an_array(&self.inner))?;
         self.filter.resize(source, array.as_mut_slice::<u8>().unwrap_or_default());
         Ok(())
     }
 
-    fn wrapper_spec(&self) -> WrapperSpec {
+    fn stored(&self) -> WrapperSpec {
         WrapperSpec::new("ResizeObservation").arg("shape", vec![self.size.0, self.size.1])
     }
 }
 
-observation_wrapper!(ResizeObservation: Value);
+observation_wrapper!(ResizeObservation);

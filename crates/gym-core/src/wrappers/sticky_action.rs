@@ -2,7 +2,7 @@ use std::ops::RangeInclusive;
 
 use serde_json::Value as Json;
 
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// At random repeats the last action in place of the one that was asked for, by
 /// [Machado et al., 2018](https://arxiv.org/abs/1709.06009), section 5.2.
@@ -10,7 +10,7 @@ use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Wrap
 /// The draws come from the environment's own [generator](Env::generator), as in Gymnasium, so they
 /// shift what the environment draws.
 #[derive(Clone, Debug)]
-pub struct StickyAction<E: Env> {
+pub struct StickyAction<E: Env = BoxEnv> {
     env: E,
     probability: f64,
     duration: RangeInclusive<u32>,
@@ -26,6 +26,8 @@ struct Stickiness {
     num_repeats: u32,
     repeats_taken: u32,
 }
+
+super::reach!(StickyAction<E: Env>);
 
 impl<E: Env> StickyAction<E> {
     /// Repeats the last action with that probability, for one step.
@@ -73,11 +75,6 @@ impl<E: Env> StickyAction<E> {
         self.duration.clone()
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     /// Whether the next step repeats the last action, and the state after it.
     fn draw(&mut self) -> Result<(bool, Stickiness)> {
         let mut state = self.state;
@@ -101,9 +98,11 @@ impl<E: Env> StickyAction<E> {
     }
 }
 
-impl<E: Env> Env for StickyAction<E> {
+impl<E: Env> crate::Wrapper for StickyAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -154,16 +153,13 @@ impl<E: Env> Env for StickyAction<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let (low, high) = (*self.duration.start(), *self.duration.end());
         let duration = if low == high { Json::from(low) } else { Json::from(vec![low, high]) };
-        let wrapper = WrapperSpec::new("StickyAction")
-            .arg("repeat_action_probability", self.probability)
-            .arg("repeat_action_duration", duration);
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        Some(
+            WrapperSpec::new("StickyAction")
+                .arg("repeat_action_probability", self.probability)
+                .arg("repeat_action_duration", duration),
+        )
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

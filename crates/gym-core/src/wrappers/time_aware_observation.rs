@@ -1,6 +1,6 @@
 use crate::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
 use crate::{
-    Array, DType, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    Array, BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
 
 /// Adds the number of steps taken in the episode to the observation.
@@ -8,7 +8,7 @@ use crate::{
 /// To a dict it is added under a key, to a tuple as its last member; anything else becomes a dict of
 /// `obs` and `time`. All this is then flattened to one row of numbers, unless told otherwise.
 #[derive(Clone, Debug)]
-pub struct TimeAwareObservation<E> {
+pub struct TimeAwareObservation<E = BoxEnv> {
     env: E,
     max_timesteps: u32,
     timesteps: u32,
@@ -27,6 +27,8 @@ struct Options {
     normalize_time: bool,
     dict_time_key: String,
 }
+
+super::reach!(TimeAwareObservation<E>);
 
 impl<E: Env> TimeAwareObservation<E> {
     /// Adds the time to the observations of `env`, which has a time limit in its [`spec`](Env::spec).
@@ -84,8 +86,10 @@ impl<E: Env> TimeAwareObservation<E> {
         flatten: bool,
         normalize_time: bool,
         dict_time_key: Option<String>,
+        max_timesteps: Option<u32>,
     ) -> Result<Self> {
-        let Some(limit) = env.spec().and_then(|spec| spec.time_limit()) else { return Self::new(env) };
+        let known = || env.spec().and_then(|spec| spec.time_limit());
+        let Some(limit) = max_timesteps.or_else(known) else { return Self::new(env) };
         let dict_time_key = dict_time_key.unwrap_or_else(|| "time".into());
         Self::build(env, limit, Options { flatten, normalize_time, dict_time_key })
     }
@@ -143,11 +147,6 @@ impl<E: Env> TimeAwareObservation<E> {
         self.max_timesteps
     }
 
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
-
     fn observe(&mut self, out: &mut Value) -> Result<()> {
         let time = f64::from(self.timesteps);
         let time = if self.options.normalize_time { time / f64::from(self.max_timesteps) } else { time };
@@ -195,9 +194,11 @@ impl<E: Env> TimeAwareObservation<E> {
     }
 }
 
-impl<E: Env> Env for TimeAwareObservation<E> {
+impl<E: Env> crate::Wrapper for TimeAwareObservation<E> {
     type Observation = Value;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone()
@@ -229,15 +230,15 @@ impl<E: Env> Env for TimeAwareObservation<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let wrapper = WrapperSpec::new("TimeAwareObservation")
             .arg("flatten", self.options.flatten)
             .arg("normalize_time", self.options.normalize_time)
             .arg("dict_time_key", self.options.dict_time_key.as_str());
-        self.env.spec().map(|spec| spec.wrapped(wrapper))
+        let known = self.env.spec().and_then(|spec| spec.time_limit());
+        Some(match known == Some(self.max_timesteps) {
+            true => wrapper,
+            false => wrapper.arg("max_timesteps", self.max_timesteps),
+        })
     }
-
-    crate::forward!(
-        env: action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

@@ -1,13 +1,15 @@
-use crate::{Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is left as it is:
 /// both can be set by the same step.
 #[derive(Clone, Debug)]
-pub struct TimeLimit<E> {
+pub struct TimeLimit<E = BoxEnv> {
     env: E,
     max_episode_steps: u32,
     elapsed_steps: u32,
 }
+
+super::reach!(TimeLimit<E>);
 
 impl<E: Env> TimeLimit<E> {
     /// Limits the episodes of `env`.
@@ -30,16 +32,13 @@ impl<E: Env> TimeLimit<E> {
     pub fn elapsed_steps(&self) -> u32 {
         self.elapsed_steps
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env> Env for TimeLimit<E> {
+impl<E: Env> crate::Wrapper for TimeLimit<E> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
@@ -77,8 +76,4 @@ impl<E: Env> Env for TimeLimit<E> {
             }
         })
     }
-
-    crate::forward!(
-        env: observation_space, action_space, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }

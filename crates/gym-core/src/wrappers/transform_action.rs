@@ -1,7 +1,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::{Element, Env, Outcome, Result, Space};
+use crate::{Element, Env, Outcome, Reset, Result, Space};
 
 /// Applies a function to each action, which may change its type, before the environment gets it.
 ///
@@ -14,6 +14,8 @@ pub struct TransformAction<E, F, A> {
     action: PhantomData<fn(A)>,
 }
 
+super::reach!(TransformAction<E, F, A>);
+
 impl<E, F, A> TransformAction<E, F, A>
 where
     E: Env,
@@ -25,14 +27,9 @@ where
     pub fn new(env: E, func: F, action_space: impl Into<Option<Space>>) -> Self {
         Self { env, func, space: action_space.into(), action: PhantomData }
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E, F, A> Env for TransformAction<E, F, A>
+impl<E, F, A> crate::Wrapper for TransformAction<E, F, A>
 where
     E: Env,
     F: Fn(&A) -> E::Action + Clone + Send + 'static,
@@ -41,6 +38,12 @@ where
     type Observation = E::Observation;
     type Action = A;
 
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
     fn action_space(&self) -> Space {
         self.space.clone().unwrap_or_else(|| self.env.action_space())
     }
@@ -48,11 +51,6 @@ where
     fn step_into(&mut self, action: &A, observation: &mut E::Observation) -> Result<Outcome> {
         self.env.step_into(&(self.func)(action), observation)
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close,
-        describe
-    );
 }
 
 impl<E: Clone, F: Clone, A> Clone for TransformAction<E, F, A> {

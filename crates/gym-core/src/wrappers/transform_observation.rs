@@ -14,6 +14,8 @@ pub struct TransformObservation<E: Env, F> {
     inner: E::Observation,
 }
 
+super::reach!(TransformObservation<E: Env, F>);
+
 impl<E: Env, F, O> TransformObservation<E, F>
 where
     F: Fn(&E::Observation) -> O + Clone + Send + 'static,
@@ -24,20 +26,17 @@ where
     pub fn new(env: E, func: F, observation_space: impl Into<Option<Space>>) -> Self {
         Self { env, func, space: observation_space.into(), inner: E::Observation::empty() }
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env, F, O> Env for TransformObservation<E, F>
+impl<E: Env, F, O> crate::Wrapper for TransformObservation<E, F>
 where
     F: Fn(&E::Observation) -> O + Clone + Send + 'static,
     O: Element,
 {
     type Observation = O;
     type Action = E::Action;
+
+    super::within!(E);
 
     fn observation_space(&self) -> Space {
         self.space.clone().unwrap_or_else(|| self.env.observation_space())
@@ -54,10 +53,6 @@ where
         *observation = (self.func)(&self.inner);
         Ok(outcome)
     }
-
-    crate::forward!(
-        env: action_space, snapshot, restore, info, metadata, draw, ansi, render, base, generator, close, describe
-    );
 }
 
 impl<E: Env + fmt::Debug, F> fmt::Debug for TransformObservation<E, F> {

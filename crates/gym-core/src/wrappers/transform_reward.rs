@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::{Env, Outcome, Result};
+use crate::{Env, Outcome, Reset, Result};
 
 /// Applies a function to each reward.
 ///
@@ -12,31 +12,29 @@ pub struct TransformReward<E, F> {
     func: F,
 }
 
+super::reach!(TransformReward<E, F>);
+
 impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> TransformReward<E, F> {
     /// Transforms the rewards of `env`, as in `TransformReward::new(env, |reward| 0.01 * reward)`.
     pub fn new(env: E, func: F) -> Self {
         Self { env, func }
     }
-
-    /// The environment within.
-    pub fn into_inner(self) -> E {
-        self.env
-    }
 }
 
-impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> Env for TransformReward<E, F> {
+impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> crate::Wrapper for TransformReward<E, F> {
     type Observation = E::Observation;
     type Action = E::Action;
+
+    super::within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         Ok(Outcome { reward: (self.func)(outcome.reward), ..outcome })
     }
-
-    crate::forward!(
-        env: reset_into, observation_space, action_space, snapshot, restore, info, metadata, draw, ansi, render, base,
-        generator, close, describe
-    );
 }
 
 impl<E: fmt::Debug, F> fmt::Debug for TransformReward<E, F> {

@@ -5,9 +5,12 @@ use crate::{DType, Env, Result, Space};
 
 /// Every wrapper as a method, for any environment, typed or erased.
 ///
-/// ```text
-/// use gym::{Env, Wrap};
-/// let env = gym::make("CartPole-v1")?.clip_reward(-1.0, 1.0)?.frame_stack(4)?.record_episode_statistics();
+/// ```
+/// use gym_core::{BoxEnv, Env, Result, Wrap};
+///
+/// fn preprocess(env: BoxEnv) -> Result<impl Env> {
+///     Ok(env.clip_reward(-1.0, 1.0)?.frame_stack(4)?.record_episode_statistics())
+/// }
 /// ```
 ///
 /// Methods take what Gymnasium's constructors require, and the wrappers themselves have methods for

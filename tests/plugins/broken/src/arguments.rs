@@ -1,4 +1,4 @@
-//! Arguments: one way to read them right, and two ways to read them wrong.
+//! Arguments: one way to read them right, and three ways to read them wrong.
 
 use gym_core::{Configure, Result};
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,22 @@ pub struct Renamed {
 pub struct Careless {
     /// How long a step is, in tenths.
     pub stride: u32,
+}
+
+/// Reads an argument and leaves it at that: breaks `arguments-matter`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ignored {
+    /// How long a step is, in tenths.
+    pub stride: u32,
+}
+
+impl Configure for Walk<Ignored> {
+    type Config = Ignored;
+
+    fn configure(_: Ignored) -> Result<Self> {
+        Self::new(Fault::None)
+    }
 }
 
 impl Configure for Walk<Config> {

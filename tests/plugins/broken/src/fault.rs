@@ -20,15 +20,24 @@ pub enum Fault {
     ActionValidatedOneNumber,
     AnyThread,
     CloneApart,
+    #[serde(rename = "clone-apart.late")]
+    CloneApartLate,
     CloneContinues,
     Constructs,
     Described,
+    DrawingFollows,
     DrawingPure,
     DrawingSound,
     #[serde(rename = "drawing-sound.at-the-end")]
     DrawingSoundAtTheEnd,
+    DrawingVisible,
+    #[serde(rename = "drawing-visible.off-the-canvas")]
+    DrawingVisibleOffTheCanvas,
     ExceptionsKnown,
     GeneratorLent,
+    InfoConstant,
+    #[serde(rename = "info-constant.type")]
+    InfoConstantType,
     InfoConsistent,
     #[serde(rename = "info-consistent.at-the-end")]
     InfoConsistentAtTheEnd,
@@ -62,13 +71,18 @@ pub enum Fault {
     #[serde(rename = "reward-finite.late")]
     RewardFiniteLate,
     SameSeedSameEpisode,
+    #[serde(rename = "same-seed-same-episode.late")]
+    SameSeedSameEpisodeLate,
     #[serde(rename = "same-seed-same-episode.interrupted")]
     SameSeedSameEpisodeInterrupted,
     SnapshotContinues,
+    #[serde(rename = "snapshot-continues.late")]
+    SnapshotContinuesLate,
     #[serde(rename = "snapshot-continues.used")]
     SnapshotContinuesUsed,
     #[serde(rename = "snapshot-continues.unused")]
     SnapshotContinuesUnused,
+    SnapshotLegal,
     SnapshotRefused,
     SpaceBounded,
     SpaceConstant,

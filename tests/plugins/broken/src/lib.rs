@@ -1,4 +1,4 @@
-//! One deliberately faulty environment for each check of `gym_core::conform`, named after it:
+//! One deliberately faulty environment for each check of gym-conform, named after it:
 //! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
 //! the same rule in another way.
 //!
@@ -8,7 +8,7 @@ mod arguments;
 mod fault;
 mod walk;
 
-pub use arguments::{Careless, Config, Renamed};
+pub use arguments::{Careless, Config, Ignored, Renamed};
 pub use fault::Fault;
 pub use walk::Walk;
 
@@ -53,10 +53,13 @@ register! {
     "reward-finite.late";
     "info-consistent";
     "info-consistent.at-the-end";
+    "info-constant";
+    "info-constant.type";
     "reset-needed";
     "time-limit";
     "same-seed-same-episode";
     "same-seed-same-episode.interrupted";
+    "same-seed-same-episode.late";
     "options-ignored";
     "reset-forgets";
     "other-seed-other-episode";
@@ -67,17 +70,23 @@ register! {
     "observation-whole";
     "refusal-changes-nothing";
     "clone-apart";
+    "clone-apart.late";
     "clone-continues";
     "snapshot-continues";
+    "snapshot-continues.late";
     "snapshot-continues.unused";
     "snapshot-continues.used";
     "snapshot-refused";
+    "snapshot-legal";
     "any-thread";
     "metadata-complete";
     "frame-rate";
     "drawing-sound";
     "drawing-sound.at-the-end";
     "drawing-pure";
+    "drawing-visible";
+    "drawing-visible.off-the-canvas";
+    "drawing-follows";
     "render-modes";
     "no-allocation";
     "no-panic";
@@ -86,6 +95,11 @@ register! {
 
 gym_core::register!(
     Registration::new::<Walk<Renamed>>("broken/arguments-round-trip-v0")
+        .description("Walk from the middle to either end.")
+        .max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk<Ignored>>("broken/arguments-matter-v0")
         .description("Walk from the middle to either end.")
         .max_episode_steps(12)
 );

@@ -26,6 +26,8 @@ pub struct Walk<C = Config> {
     state: Option<State>,
     /// The steps of an episode; where it is broken, those of its clones as well.
     shared: Arc<AtomicU64>,
+    /// The steps since the last seed.
+    age: u32,
     /// How often it was drawn.
     drawn: Cell<u32>,
     /// The number of this environment among all that were made.
@@ -53,6 +55,8 @@ const WIND: f64 = 0.1;
 const LIMIT: u32 = 12;
 /// Chance does not hold an action for so many steps.
 const LONG: u32 = 30;
+/// No short comparison plays so many steps.
+const LATE: u32 = 300;
 
 impl State {
     fn is_at_end(&self) -> bool {
@@ -91,6 +95,7 @@ impl<C> Walk<C> {
             action_space,
             state: None,
             shared: Arc::default(),
+            age: 0,
             drawn: Cell::new(0),
             number: COUNT.fetch_add(1, Ordering::Relaxed),
             arguments: PhantomData,
@@ -171,10 +176,16 @@ impl<C> Walk<C> {
     fn disturbance(&self) -> f64 {
         /// The first thread that walks.
         static FIRST: OnceLock<ThreadId> = OnceLock::new();
+        /// The steps of all environments.
+        static STEPS: AtomicU64 = AtomicU64::new(0);
         let unit = |n: u64| (n % 7) as f64 / 100.0;
+        let late = |n: u64| if n > LATE.into() { 0.01 } else { 0.0 };
         match self.fault {
             Fault::SameSeedSameEpisode => unit(self.number),
             Fault::CloneApart => unit(self.shared.fetch_add(1, Ordering::Relaxed)),
+            Fault::CloneApartLate => late(self.shared.fetch_add(1, Ordering::Relaxed)),
+            Fault::SameSeedSameEpisodeLate => late(STEPS.fetch_add(1, Ordering::Relaxed)),
+            Fault::SnapshotContinuesLate => late(self.age.into()),
             Fault::DrawingPure => unit(self.drawn.get().into()),
             Fault::AnyThread => {
                 let here = thread::current().id();
@@ -192,7 +203,7 @@ impl<C> Clone for Walk<C> {
             state.position = 0.0;
         }
         let shared = match self.fault {
-            Fault::CloneApart => Arc::clone(&self.shared),
+            Fault::CloneApart | Fault::CloneApartLate => Arc::clone(&self.shared),
             _ => Arc::new(self.shared.load(Ordering::Relaxed).into()),
         };
         Self {
@@ -201,6 +212,7 @@ impl<C> Clone for Walk<C> {
             action_space: self.action_space.clone(),
             state,
             shared,
+            age: self.age,
             drawn: self.drawn.clone(),
             number: self.number,
             arguments: PhantomData,
@@ -232,7 +244,12 @@ impl<C: 'static> Env for Walk<C> {
             return Err(Error::argument("reset", "there are no options"));
         }
         let last = self.state.take();
-        self.shared.store(0, Ordering::Relaxed);
+        if reset.seed.is_some() {
+            self.age = 0;
+        }
+        if reset.seed.is_some() || self.fault != Fault::CloneApartLate {
+            self.shared.store(0, Ordering::Relaxed);
+        }
         let seed = match (&reset.seed, &last) {
             (_, _) if self.fault == Fault::OtherSeedOtherEpisode && reset.seed.is_some() => {
                 Some(Seed::from(0))
@@ -290,10 +307,15 @@ impl<C: 'static> Env for Walk<C> {
         if self.fault == Fault::NoAllocation {
             drop(std::hint::black_box(vec![0u8; 8]));
         }
+        self.age = self.age.saturating_add(1);
         state.wind = state.rng.uniform(-1.0, 1.0);
         let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
         // as far as it goes, where the action is not checked
-        state.position = moved.clamp(-direction.abs().max(1.0), direction.abs().max(1.0));
+        let reach = match self.fault {
+            Fault::SnapshotLegal => state.position.abs().max(1.0),
+            _ => direction.abs().max(1.0),
+        };
+        state.position = moved.clamp(-reach, reach);
         state.held = if state.held.0 == direction { (direction, state.held.1 + 1) } else { (direction, 1) };
         state.steps = state.steps.saturating_add(1);
         let is_endless = matches!(self.fault, Fault::ActionAcceptedHeld | Fault::ObservationInSpaceHeld);
@@ -323,7 +345,8 @@ impl<C: 'static> Env for Walk<C> {
         }
         let state = state?;
         let on_the_line = |x: f64| (-1.0..=1.0).contains(&x);
-        if state.as_ref().is_some_and(|state| !(on_the_line(state.position) && on_the_line(state.wind))) {
+        let is_off = |state: &State| !(on_the_line(state.position) && on_the_line(state.wind));
+        if self.fault != Fault::SnapshotLegal && state.as_ref().is_some_and(is_off) {
             return Err(Error::Snapshot("it is off the line".into()));
         }
         let state = match (self.fault, &self.state, state) {
@@ -342,7 +365,15 @@ impl<C: 'static> Env for Walk<C> {
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         assert!(self.state.is_some() || self.fault != Fault::NoPanic, "info before reset");
         if let Some(state) = &self.state {
-            visit("steps", Value::Int(state.steps.into()));
+            match self.fault {
+                Fault::InfoConstantType if state.steps > 3 => {
+                    visit("steps", Value::Float(state.steps.into()))
+                }
+                _ => visit("steps", Value::Int(state.steps.into())),
+            }
+            if self.fault == Fault::InfoConstant && state.steps > 3 {
+                visit("late", Value::Bool(true));
+            }
             if self.fault == Fault::InfoConsistent
                 || self.fault == Fault::InfoConsistentAtTheEnd && state.is_at_end()
             {
@@ -367,9 +398,15 @@ impl<C: 'static> Env for Walk<C> {
         let Some(state) = &self.state else { return };
         self.drawn.set(self.drawn.get() + 1);
         canvas.clear(Color::WHITE);
-        canvas.push(Transform::translate(100.0, 20.0));
-        canvas.line([-100.0, 0.0], [100.0, 0.0], 2.0, Color::BLACK);
-        canvas.circle([state.position * 100.0, 0.0], 8.0, Color::rgb(200, 60, 60));
+        let (y, color) = match self.fault {
+            Fault::DrawingVisibleOffTheCanvas => (2000.0, Color::BLACK),
+            Fault::DrawingVisible => (20.0, Color::WHITE),
+            _ => (20.0, Color::BLACK),
+        };
+        canvas.push(Transform::translate(100.0, y));
+        canvas.line([-100.0, 0.0], [100.0, 0.0], 2.0, color);
+        let shown = if self.fault == Fault::DrawingFollows { 0.0 } else { state.position };
+        canvas.circle([shown * 100.0, 0.0], 8.0, color);
         match self.fault {
             Fault::DrawingSound => (),
             Fault::DrawingSoundAtTheEnd if state.is_at_end() => (),

@@ -2,4 +2,4 @@
 
 use gym_render as _; // draws, so that the render modes are checked as well
 
-gym_core::conform::suite!(sutton_envs);
+gym_conform::suite!(sutton_envs);

@@ -108,13 +108,14 @@ impl<D: Native> Step<'_, D> {
         results: &mut Results<D::Observation>,
     ) -> Result<()> {
         let reset = Reset::default();
-        let mut start = |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| {
-            let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
-            let state = state.map_err(|error| error.at_env(first + lane))?;
-            block.start(lane, &state);
-            results.observations[lane] = self.dynamics.observe(&state);
-            Ok(())
-        };
+        let mut start =
+            |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
+                let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
+                let state = state.map_err(|error| error.at_env(first + lane))?;
+                block.start(lane, &state);
+                results.observations[lane] = self.dynamics.observe(&state);
+                Ok(())
+            };
         match self.autoreset {
             Autoreset::NextStep => {
                 for lane in lanes(block.due) {

@@ -1,7 +1,8 @@
 use super::cast_actions;
 use crate::spaces::BoxSpace;
+use crate::transform::clip::clip;
 use crate::vector::{Columns, VectorEnv};
-use crate::wrappers::{clip_action::clip, expect_box};
+use crate::wrappers::expect_box;
 use crate::{Result, Space, Value};
 
 /// Clips actions to the bounds of the sub-environments' `Box`, and so takes any numbers: its own action

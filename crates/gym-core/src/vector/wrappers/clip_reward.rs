@@ -1,5 +1,5 @@
+use crate::transform::clip::RewardBounds;
 use crate::vector::{Columns, VectorEnv};
-use crate::wrappers::clip_reward::RewardBounds;
 use crate::{Result, Value};
 
 /// Clips rewards between bounds, either of which may be left out.

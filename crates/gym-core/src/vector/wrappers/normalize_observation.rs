@@ -1,8 +1,8 @@
 use super::Inner;
 use crate::spaces::BoxSpace;
+use crate::statistics::moments::Rows;
+use crate::statistics::{RunningMeanStd, check_epsilon};
 use crate::vector::{Columns, VectorEnv, VectorReset};
-use crate::wrappers::moments::Rows;
-use crate::wrappers::running::{RunningMeanStd, check_epsilon};
 use crate::{Array, DType, Error, Result, Space, Value, wrappers};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated over all sub-environments as it

@@ -1,6 +1,6 @@
+use crate::statistics::moments::{Batch, Samples};
+use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
 use crate::vector::{Autoreset, Columns, VectorEnv, VectorReset};
-use crate::wrappers::moments::{Batch, Samples};
-use crate::wrappers::running::{INITIAL_COUNT, check_epsilon, update_f64};
 use crate::{BoxEnv, Result, Value, wrappers};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated over all
@@ -18,9 +18,7 @@ pub struct NormalizeReward<V> {
     discounted_rewards: Vec<f32>,
     /// Where the next step is a reset: its reward counts for nothing.
     is_done: Vec<bool>,
-    mean: f64,
-    var: f64,
-    count: f64,
+    statistics: RunningMeanStd,
     samples: Samples<f32>,
 }
 
@@ -30,7 +28,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     /// # Errors
     /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a `gamma` outside `[0, 1]`.
     pub fn new(envs: V, gamma: f64) -> Result<Self> {
-        wrappers::normalize_reward::check_gamma(gamma)?;
+        check_gamma(gamma)?;
         let n = envs.num_envs();
         Ok(Self {
             envs,
@@ -39,9 +37,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
             update_running_mean: true,
             discounted_rewards: vec![0.0; n],
             is_done: vec![false; n],
-            mean: 0.0,
-            var: 1.0,
-            count: INITIAL_COUNT,
+            statistics: RunningMeanStd::new_f64(1),
             samples: Samples::default(),
         })
     }
@@ -63,7 +59,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
 
     /// The estimated variance of the discounted return.
     pub fn variance(&self) -> f64 {
-        self.var
+        self.statistics.scalar_variance()
     }
 
     /// The vector within.
@@ -74,10 +70,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     fn estimate(&mut self) {
         let n = self.samples.moments();
         for Batch { mean, m2, .. } in self.samples.batches() {
-            let batch = Batch { mean: mean.into(), m2: m2.into(), n };
-            let scaled = self.var * self.count;
-            update_f64(&mut self.mean, &mut self.var, scaled, self.count, batch);
-            self.count += n as f64;
+            self.statistics.update_batch(Batch { mean: mean.into(), m2: m2.into(), n });
         }
     }
 }
@@ -112,7 +105,7 @@ impl<V: VectorEnv> VectorEnv for NormalizeReward<V> {
             let done = self.is_done.iter().zip(&mut self.discounted_rewards).filter(|(done, _)| **done);
             done.for_each(|(_, discounted_reward)| *discounted_reward = 0.0);
         }
-        let std = (self.var + self.epsilon).sqrt();
+        let std = (self.statistics.scalar_variance() + self.epsilon).sqrt();
         columns.rewards.iter_mut().for_each(|reward| *reward /= std);
         Ok(())
     }

@@ -1,6 +1,6 @@
 use super::cast_actions;
+use crate::transform::affine::{Affine, Bound};
 use crate::vector::{Columns, VectorEnv};
-use crate::wrappers::affine::{Affine, Bound};
 use crate::wrappers::rescale_action::affine_map;
 use crate::{Result, Space, Value};
 

@@ -1,6 +1,6 @@
 use super::{Inner, observation_methods};
+use crate::transform::affine::{Affine, Bound};
 use crate::vector::{Columns, VectorEnv};
-use crate::wrappers::affine::{Affine, Bound};
 use crate::wrappers::expect_box;
 use crate::{Error, Result, Space, Value};
 

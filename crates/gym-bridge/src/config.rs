@@ -1,0 +1,75 @@
+use std::env;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use gym_core::{Error, Kwargs, Result};
+use serde::{Deserialize, Serialize};
+
+/// How a Python environment is made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The id in Python; `module:id` imports the module first.
+    pub env_id: Option<String>,
+    /// Keyword arguments of Python's `make`.
+    pub make_kwargs: Kwargs,
+    /// The library whose `make` is called: `gym` or `gymnasium`.
+    pub backend: Option<String>,
+    /// A module to import first, which registers the environment.
+    pub module: Option<String>,
+    /// The interpreter.
+    pub python: Option<PathBuf>,
+    /// Seconds to wait for an answer.
+    pub timeout: f64,
+    /// Whether snapshots are taken and restored, which runs code that the snapshot names.
+    pub allow_pickle: bool,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            env_id: None,
+            make_kwargs: Kwargs::new(),
+            backend: None,
+            module: None,
+            python: None,
+            timeout: 60.0,
+            allow_pickle: false,
+        }
+    }
+}
+
+impl Config {
+    /// The id, where all arguments are in range.
+    pub(crate) fn check(&self) -> Result<&str> {
+        /// A year.
+        const LONGEST: f64 = 3.2e7; // seconds
+        let wrong = |reason: &str| Err(Error::argument("`GymV26Environment-v0`", reason));
+        let Some(env_id) = self.env_id.as_deref().filter(|id| !id.is_empty()) else {
+            return wrong(
+                "`env_id` is missing: add `.arg(\"env_id\", \"CartPole-v1\")`, the id of the environment in Python",
+            );
+        };
+        if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
+            return wrong(&format!("`timeout` is {}: it is a number of seconds above 0", self.timeout));
+        }
+        match self.backend.as_deref() {
+            None | Some("gym" | "gymnasium") => Ok(env_id),
+            Some(other) => wrong(&format!("`backend` is {other:?}: there are \"gym\" and \"gymnasium\"")),
+        }
+    }
+
+    pub(crate) fn timeout(&self) -> Duration {
+        Duration::from_secs_f64(self.timeout)
+    }
+
+    /// The interpreter that is asked for, that of the virtual environment, or the system's.
+    pub(crate) fn python(&self) -> PathBuf {
+        let of_venv = |venv| {
+            let folder = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
+            Some(Path::new(&venv).join(folder)).filter(|python| python.exists())
+        };
+        let python = self.python.clone().or_else(|| env::var_os("VIRTUAL_ENV").and_then(of_venv));
+        python.unwrap_or_else(|| if cfg!(windows) { "python" } else { "python3" }.into())
+    }
+}

@@ -1,0 +1,351 @@
+use std::sync::{Mutex, PoisonError};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
+use gym_core::{Configure, Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space, Value};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::Config;
+use crate::spaces;
+use crate::wire::{Reader, write};
+use crate::worker::{Request, Worker, malformed};
+
+/// An environment that runs in Python.
+#[derive(Debug)]
+pub struct PythonEnv {
+    config: Config,
+    render_mode: Option<RenderMode>,
+    name: String,
+    spaces: (Space, Space),
+    metadata: Metadata,
+    /// The entries of the last `info`.
+    info: Value,
+    has_reset: bool,
+    worker: State,
+}
+
+/// Whether there is a worker to ask.
+#[derive(Debug)]
+enum State {
+    /// Asked by clones and snapshots too, which only borrow it.
+    Alive(Mutex<Worker>),
+    /// A clone that could not be made, and why.
+    Broken(String),
+    Closed,
+}
+
+/// What a snapshot holds.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    config: Config,
+    /// The environment, pickled, in base64.
+    pickle: String,
+    /// The last `info` as the worker wrote it, in base64.
+    info: String,
+    has_reset: bool,
+}
+
+impl PythonEnv {
+    fn start(config: Config, render_mode: Option<RenderMode>) -> Result<Self> {
+        let name = config.check()?.to_owned();
+        let mut worker = Worker::start(&config, &name)?;
+        let Config { env_id, make_kwargs, backend, module, .. } = &config;
+        let request = json!({
+            "env_id": env_id,
+            "make_kwargs": make_kwargs,
+            "backend": backend,
+            "module": module,
+            "render_mode": render_mode.map(RenderMode::name),
+        });
+        let request = Value::Text(request.to_string());
+        let about = worker.ask(Request::Make, &[&request])?.value();
+        let about = about.ok_or_else(|| malformed(&name, Request::Make))?;
+        Self::described(config, render_mode, worker, &about)
+    }
+
+    /// With what the worker says about the environment that it has made.
+    fn described(
+        config: Config,
+        render_mode: Option<RenderMode>,
+        worker: Worker,
+        about: &Value,
+    ) -> Result<Self> {
+        let get = |key: &str| about.get(key).ok_or_else(|| malformed("env", Request::Make));
+        let spaces = spaces::pair(get("spaces")?)?;
+        let modes = get("render_modes")?.as_tuple().unwrap_or_default();
+        let modes = modes
+            .iter()
+            .filter_map(|mode| mode.as_text()?.parse().ok())
+            .filter(|mode: &RenderMode| !mode.is_list());
+        let render_fps = get("render_fps")?.as_int().and_then(|fps| u32::try_from(fps).ok()).unwrap_or(30);
+        let metadata = Metadata { render_modes: among(modes), render_fps, ..Metadata::default() };
+        let name = get("name")?.as_text().unwrap_or_default().to_owned();
+        let worker = State::Alive(Mutex::new(worker));
+        let (info, has_reset) = (Value::Dict(Vec::new()), false);
+        Ok(Self { config, render_mode, name, spaces, metadata, info, has_reset, worker })
+    }
+
+    fn worker(&mut self, call: &'static str) -> Result<&mut Worker> {
+        match &mut self.worker {
+            State::Alive(worker) => Ok(worker.get_mut().unwrap_or_else(PoisonError::into_inner)),
+            State::Broken(why) => Err(Error::custom(why.clone())),
+            State::Closed => Err(Error::Closed(call)),
+        }
+    }
+
+    /// The environment as `pickle` writes it.
+    fn dump(&self) -> Result<Value> {
+        let worker = match &self.worker {
+            State::Alive(worker) => worker,
+            State::Broken(why) => return Err(Error::custom(why.clone())),
+            State::Closed => return Err(Error::Closed("snapshot")),
+        };
+        let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
+        let pickle = worker.ask(Request::Dump, &[])?.value();
+        pickle.ok_or_else(|| malformed(&self.name, Request::Dump))
+    }
+
+    /// Another worker with this environment.
+    fn load(config: Config, render_mode: Option<RenderMode>, pickle: &Value) -> Result<Self> {
+        let name = config.check()?.to_owned();
+        let mut worker = Worker::start(&config, &name)?;
+        let module = config.module.clone().map_or(Value::Null, Value::Text);
+        let about = worker.ask(Request::Load, &[&module, pickle])?.value();
+        let about = about.ok_or_else(|| malformed(&name, Request::Load))?;
+        Self::described(config, render_mode, worker, &about)
+    }
+
+    /// Whether Python is asked to take an action: it has the form of the space, and is finite.
+    fn check_action(&self, action: &Value) -> Result<()> {
+        let space = &self.spaces.1;
+        let fits = match (space, action) {
+            // numbers beyond the bounds are Python's to clip or to refuse
+            (Space::Box(space), Value::Array(array)) => {
+                array.dtype() == space.dtype() && array.shape() == space.shape() && array.is_finite()
+            }
+            (space, action) => space.contains(action),
+        };
+        if fits { Ok(()) } else { Err(Error::action(action, space)) }
+    }
+}
+
+/// The modes among these, as metadata holds them.
+fn among(modes: impl Iterator<Item = RenderMode>) -> &'static [RenderMode] {
+    use RenderMode::{Ansi, Human, RgbArray};
+    let (mut human, mut ansi, mut rgb_array) = (false, false, false);
+    modes.for_each(|mode| match mode {
+        Human => human = true,
+        Ansi => ansi = true,
+        RgbArray => rgb_array = true,
+        _ => (),
+    });
+    match (human, ansi, rgb_array) {
+        (false, false, false) => &[],
+        (false, false, true) => &[RgbArray],
+        (false, true, false) => &[Ansi],
+        (false, true, true) => &[Ansi, RgbArray],
+        (true, false, false) => &[Human],
+        (true, false, true) => &[Human, RgbArray],
+        (true, true, false) => &[Human, Ansi],
+        (true, true, true) => &[Human, Ansi, RgbArray],
+    }
+}
+
+impl Configure for PythonEnv {
+    type Config = Config;
+
+    fn configure(config: Config) -> Result<Self> {
+        Self::start(config, None)
+    }
+
+    fn configure_to_render(config: Config, mode: RenderMode) -> Result<Option<Self>> {
+        Self::start(config, Some(mode)).map(Some)
+    }
+}
+
+/// Another worker reads the environment; where that fails, the calls of the clone say so.
+impl Clone for PythonEnv {
+    fn clone(&self) -> Self {
+        let (config, mode) = (self.config.clone(), self.render_mode);
+        let copy = self.dump().and_then(|pickle| Self::load(config.clone(), mode, &pickle));
+        let worker = match (&self.worker, copy) {
+            (State::Closed, _) => State::Closed,
+            (State::Broken(why), _) => State::Broken(why.clone()),
+            (_, Ok(copy)) => copy.worker,
+            (_, Err(error)) => {
+                State::Broken(format!("this clone of `{}` could not be made: {error}", self.name))
+            }
+        };
+        Self {
+            config,
+            render_mode: mode,
+            name: self.name.clone(),
+            spaces: self.spaces.clone(),
+            metadata: self.metadata.clone(),
+            info: self.info.clone(),
+            has_reset: self.has_reset,
+            worker,
+        }
+    }
+}
+
+impl Env for PythonEnv {
+    type Observation = Value;
+    type Action = Value;
+
+    fn observation_space(&self) -> Space {
+        self.spaces.0.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.spaces.1.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        let seed = reset.seed.as_ref().map_or(Value::Null, |seed| Value::Text(seed.to_string()));
+        let options = Value::Text(serde_json::Value::Object(reset.options.clone()).to_string());
+        let mut reader = self.worker("reset")?.ask(Request::Reset, &[&seed, &options])?;
+        let (mut read, mut info) = (Value::Null, Value::Null);
+        let changed = (|| {
+            let changed = reader.value()?;
+            reader.value_into(&mut read)?;
+            reader.value_into(&mut info)?;
+            Some(changed)
+        })();
+        let changed = changed.ok_or_else(|| malformed(&self.name, Request::Reset))?;
+        if changed != Value::Null {
+            let spaces = spaces::pair(&changed)?;
+            if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
+                let (before, after) = (&self.spaces, &spaces);
+                return Err(Error::Contract(format!(
+                    "the spaces of `{}` are {} and {} after the reset, and were {} and {}",
+                    self.name, after.0, after.1, before.0, before.1
+                )));
+            }
+            self.spaces = spaces;
+        }
+        (*observation, self.info, self.has_reset) = (read, info, true);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        if let State::Alive(_) = self.worker {
+            if !self.has_reset {
+                return Err(Error::ResetNeeded("step"));
+            }
+            self.check_action(action)?;
+        }
+        let mut info = std::mem::take(&mut self.info);
+        let mut read = |mut reader: Reader<'_>| {
+            let (reward, terminated, truncated) = (reader.float()?, reader.byte()?, reader.byte()?);
+            reader.value_into(observation)?;
+            reader.value_into(&mut info)?;
+            Some(Outcome { reward, terminated: terminated != 0, truncated: truncated != 0 })
+        };
+        let outcome =
+            self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action]).map(&mut read));
+        self.info = info;
+        outcome?.ok_or_else(|| malformed(&self.name, Request::Step))
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        if !self.config.allow_pickle {
+            return Err(refused(&self.name));
+        }
+        let pickle = self.dump()?;
+        let (mut info, has_reset) = (Vec::new(), self.has_reset);
+        write(&self.info, &mut info);
+        let pickle = BASE64.encode(pickle.as_slice::<u8>().unwrap_or_default());
+        Snapshot::of(&Stored { config: self.config.clone(), pickle, info: BASE64.encode(info), has_reset })
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        if !self.config.allow_pickle {
+            return Err(refused(&self.name));
+        }
+        if let State::Closed = self.worker {
+            return Err(Error::Closed("restore"));
+        }
+        let Stored { config, pickle, info, has_reset } = snapshot.get()?;
+        if config != self.config {
+            return Err(Error::Snapshot(format!("it was taken from a `{}` with other arguments", self.name)));
+        }
+        let decode = |text: &str| BASE64.decode(text).map_err(|error| Error::Snapshot(error.to_string()));
+        let info = Reader::new(&decode(&info)?)
+            .value()
+            .ok_or_else(|| Error::Snapshot("its info is damaged".into()))?;
+        let pickle = Value::Array(decode(&pickle)?.into());
+        let restored = Self::load(config, self.render_mode, &pickle)
+            .map_err(|error| Error::Snapshot(error.to_string()))?;
+        *self = Self { info, has_reset, ..restored };
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        if let Value::Dict(entries) = &self.info {
+            entries.iter().for_each(|(key, value)| visit(key, value.clone()));
+        }
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.metadata.clone()
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        if self.render_mode.is_none() {
+            return Err(Error::UnsupportedMode {
+                target: self.describe(),
+                mode: "anything".into(),
+                reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`".into(),
+            });
+        }
+        let mut reader = self.worker("render")?.ask(Request::Render, &[])?;
+        let picture = reader.value().ok_or_else(|| malformed(&self.name, Request::Render))?;
+        *rendered = match picture {
+            Value::Text(text) => Rendered::Text(text),
+            Value::Array(array) => Rendered::Frame(frame(&array).ok_or_else(|| {
+                let shape = array.shape();
+                Error::Contract(format!(
+                    "`{}` renders an array of {} with shape {shape:?}",
+                    self.name,
+                    array.dtype()
+                ))
+            })?),
+            _ => Rendered::Shown,
+        };
+        Ok(())
+    }
+
+    fn describe(&self) -> String {
+        self.name.clone()
+    }
+
+    fn close(&mut self) {
+        self.worker = State::Closed;
+    }
+}
+
+fn refused(name: &str) -> Error {
+    Error::Snapshot(format!(
+        "`{name}` is stored by Python's pickle, and restoring runs code that the snapshot names: add \
+         `.arg(\"allow_pickle\", true)` where snapshots come from you alone"
+    ))
+}
+
+/// A picture of shape (height, width, 3), of bytes.
+fn frame(array: &gym_core::Array) -> Option<Frame> {
+    let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else { return None };
+    let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?);
+    frame.pixels_mut().copy_from_slice(pixels);
+    Some(frame)
+}
+
+gym_core::register!(
+    Registration::new::<PythonEnv>("GymV26Environment-v0")
+        .description(
+            "Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process."
+        )
+        .needs("the argument `env_id`, and Python", || false)
+);

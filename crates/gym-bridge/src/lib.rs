@@ -1,0 +1,43 @@
+//! Any Python environment from Rust: Gymnasium's `GymV26Environment-v0`.
+//!
+//! ```no_run
+//! use gym_bridge as _;
+//! use gym_core::{Env, builder};
+//!
+//! # fn main() -> gym_core::Result<()> {
+//! let mut env = builder("GymV26Environment-v0").arg("env_id", "CartPole-v1").build()?;
+//! env.reset(42)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The environment lives in a Python process of its own, the *worker*. Nothing of Python is linked, environments run in
+//! parallel, and a crash or a hang of the worker is an `Err`. The worker ends with its environment, and with this process,
+//! however that ends.
+//!
+//! | argument | default | meaning |
+//! |---|---|---|
+//! | `env_id` | none, it is required | the id in Python; `module:id` imports the module first |
+//! | `make_kwargs` | `{}` | keyword arguments of Python's `make`; `disable_env_checker` is true unless it is given |
+//! | `backend` | `gym` if it is installed, else `gymnasium` | the library whose `make` is called |
+//! | `module` | none | a module to import first, which registers the environment |
+//! | `python` | `$VIRTUAL_ENV`'s, else `python3` | the interpreter |
+//! | `timeout` | 60 | seconds to wait for an answer |
+//! | `allow_pickle` | `false` | whether snapshots are taken and restored, by `pickle`: **restoring runs code that the snapshot names** |
+//!
+//! - The render mode goes to Python, which draws: `rgb_array`, `ansi`, their `_list` forms, and `human` in Python's own window.
+//! - All ten kinds of spaces are converted, and spaces of texts such as minigrid's. Spaces may change at a reset, as
+//!   highway-env's do, if the form of their elements stays.
+//! - `info` holds numbers, texts, arrays, lists and dicts; other objects are left out.
+//! - The generator lives in Python, so wrappers that draw from [`Env::generator`](gym_core::Env::generator) refuse.
+//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); where that fails, the calls of the
+//!   clone are errors that say so.
+
+mod config;
+mod env;
+mod spaces;
+mod wire;
+mod worker;
+
+pub use config::Config;
+pub use env::PythonEnv;

@@ -1,0 +1,457 @@
+"""Serves one Python environment over the pipes that the Rust side opened: requests on file 0, replies on file 1.
+
+A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a reply
+is 0 and values, or 1 and a dict that tells an exception. Values are written as `wire.rs` says.
+"""
+import importlib
+import json
+import os
+import struct
+import sys
+import threading
+
+NULL, FALSE, TRUE, INT, FLOAT, TEXT, ARRAY, TUPLE, DICT, GRAPH, ONE_OF = range(11)
+MAKE, RESET, STEP, RENDER, DUMP, LOAD, CLOSE = range(7)
+DTYPES = ["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float32", "float64"]
+U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
+
+
+class Refused(Exception):
+    """What this worker itself has to say: no traceback belongs to it."""
+
+
+class NoForm(Exception):
+    """A Python object that has no form among the values."""
+
+
+# ---- frames -----------------------------------------------------------------------------------------------------------
+
+
+def take_pipes():
+    """The pipes, away from where `print` and `input` reach."""
+    requests, replies = os.dup(0), os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(2, 1)
+    return requests, replies
+
+
+def read_exactly(file, count):
+    data = bytearray()
+    while len(data) < count:
+        part = os.read(file, count - len(data))
+        if not part:
+            os._exit(0)  # the other side is gone
+        data += part
+    return bytes(data)
+
+
+def write_all(file, data):
+    view = memoryview(data)
+    while view:
+        view = view[os.write(file, view) :]
+
+
+def watch(requests):
+    """Ends this process when the other side is gone, even in the middle of a step."""
+    import select
+
+    if hasattr(select, "POLLRDHUP"):
+        poll = select.poll()
+        poll.register(requests, select.POLLRDHUP)
+        poll.poll()
+        os._exit(0)
+
+
+# ---- values -----------------------------------------------------------------------------------------------------------
+
+
+class Reader:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, count):
+        self.at += count
+        return self.data[self.at - count : self.at]
+
+    def number(self, form):
+        return form.unpack(self.take(form.size))[0]
+
+    def text(self):
+        return self.take(self.number(U32)).decode()
+
+    def value(self):
+        tag = self.take(1)[0]
+        if tag == NULL:
+            return None
+        if tag in (FALSE, TRUE):
+            return tag == TRUE
+        if tag == INT:
+            return self.number(I64)
+        if tag == FLOAT:
+            return self.number(F64)
+        if tag == TEXT:
+            return self.text()
+        if tag == ARRAY:
+            dtype = np.dtype(DTYPES[self.take(1)[0]]).newbyteorder("<")
+            shape = [self.number(U32) for _ in range(self.take(1)[0])]
+            count = int(np.prod(shape, dtype=np.int64))
+            return np.frombuffer(self.take(count * dtype.itemsize), dtype).reshape(shape).copy()
+        if tag == TUPLE:
+            return tuple(self.value() for _ in range(self.number(U32)))
+        if tag == DICT:
+            return {self.text(): self.value() for _ in range(self.number(U32))}
+        if tag == GRAPH:
+            return (GRAPH, self.value(), self.value(), self.value())
+        return (self.number(U32), self.value())
+
+
+def text(out, value):
+    data = value.encode("utf-8", "replace")
+    out += U32.pack(len(data))
+    out += data
+
+
+def array(out, value):
+    value = np.asarray(value)
+    if value.dtype == bool:
+        value = value.astype(np.int8)
+    if value.dtype.name not in DTYPES:
+        raise NoForm(f"an array of {value.dtype}")
+    out += bytes((ARRAY, DTYPES.index(value.dtype.name), value.ndim))
+    for length in value.shape:
+        out += U32.pack(length)
+    out += np.ascontiguousarray(value, value.dtype.newbyteorder("<")).tobytes()
+
+
+def integer(out, value):
+    value = int(value)
+    if not -(2**63) <= value < 2**63:
+        raise NoForm("an integer beyond 64 bits")
+    out.append(INT)
+    out += I64.pack(value)
+
+
+def plain(out, value, depth=0):
+    """Writes what stands in `info`: numbers, texts, arrays, and lists and dicts of them."""
+    if depth > 32:
+        raise NoForm("nested too deeply")
+    if value is None:
+        out.append(NULL)
+    elif isinstance(value, (bool, np.bool_)):
+        out.append(TRUE if value else FALSE)
+    elif isinstance(value, (int, np.integer)):
+        integer(out, value)
+    elif isinstance(value, (float, np.floating)):
+        out.append(FLOAT)
+        out += F64.pack(float(value))
+    elif isinstance(value, str):
+        out.append(TEXT)
+        text(out, value)
+    elif isinstance(value, np.ndarray):
+        array(out, value)
+    elif isinstance(value, (list, tuple)):
+        out.append(TUPLE)
+        out += U32.pack(len(value))
+        for item in value:
+            plain(out, item, depth + 1)
+    elif isinstance(value, dict):
+        entries = bytearray()
+        count = 0
+        for key, item in value.items():
+            entry = bytearray()
+            try:
+                text(entry, str(key))
+                plain(entry, item, depth + 1)
+            except NoForm:
+                continue  # an object that only Python knows is left out
+            entries += entry
+            count += 1
+        out.append(DICT)
+        out += U32.pack(count)
+        out += entries
+    else:
+        raise NoForm(type(value).__name__)
+
+
+# ---- spaces -----------------------------------------------------------------------------------------------------------
+
+
+def kind_of(space):
+    """The kind of a space, by name: gym's, Gymnasium's and those derived from them are alike."""
+    kinds = ("Box", "Discrete", "MultiDiscrete", "MultiBinary", "Text", "Tuple", "Dict", "Sequence", "Graph", "OneOf")
+    for base in type(space).__mro__:
+        if base.__name__ in kinds:
+            return base.__name__
+    if isinstance(space.sample(), str):
+        return "AnyText"
+    raise Refused(f"the space {space!r} has no counterpart: its class is {type(space).__module__}.{type(space).__name__}")
+
+
+def describe(space):
+    kind = kind_of(space)
+    if kind == "Box":
+        return {"kind": kind, "low": space.low, "high": space.high}
+    if kind == "Discrete":
+        return {"kind": kind, "n": int(space.n), "start": int(getattr(space, "start", 0))}
+    if kind == "MultiDiscrete":
+        nvec = np.asarray(space.nvec)
+        start = np.asarray(getattr(space, "start", np.zeros_like(nvec)))
+        return {"kind": kind, "nvec": nvec.astype(np.int64), "start": start.astype(np.int64), "dtype": np.dtype(space.dtype).name}
+    if kind == "MultiBinary":
+        return {"kind": kind, "shape": [int(length) for length in space.shape]}
+    if kind == "Text":
+        return {"kind": kind, "min": space.min_length, "max": space.max_length, "charset": space.characters}
+    if kind == "AnyText":
+        return {"kind": kind}
+    if kind == "Tuple":
+        return {"kind": kind, "spaces": [describe(member) for member in space.spaces]}
+    if kind == "Dict":
+        return {"kind": kind, "keys": list(space.spaces), "spaces": [describe(member) for member in space.spaces.values()]}
+    if kind == "Sequence":
+        return {"kind": kind, "feature": describe(space.feature_space), "stack": bool(getattr(space, "stack", False))}
+    if kind == "Graph":
+        edges = None if space.edge_space is None else describe(space.edge_space)
+        return {"kind": kind, "nodes": describe(space.node_space), "edges": edges}
+    return {"kind": kind, "spaces": [describe(member) for member in space.spaces]}
+
+
+def element(out, space, kind, value):
+    """Writes an element of a space in the type that the space names."""
+    if kind == "Box" or kind == "MultiDiscrete" or kind == "MultiBinary":
+        value = np.asarray(value, space.dtype)
+        if value.shape != space.shape:
+            raise Refused(f"an observation has the shape {value.shape} and its space the shape {space.shape}")
+        array(out, value)
+    elif kind == "Discrete":
+        integer(out, value)
+    elif kind == "Text" or kind == "AnyText":
+        out.append(TEXT)
+        text(out, str(value))
+    elif kind == "Tuple":
+        out.append(TUPLE)
+        out += U32.pack(len(space.spaces))
+        for member, item in zip(space.spaces, value):
+            element(out, member, kind_of(member), item)
+    elif kind == "Dict":
+        out.append(DICT)
+        out += U32.pack(len(space.spaces))
+        for key, member in space.spaces.items():
+            text(out, key)
+            element(out, member, kind_of(member), value[key])
+    elif kind == "Sequence":
+        if getattr(space, "stack", False):
+            plain(out, value)
+        else:
+            out.append(TUPLE)
+            out += U32.pack(len(value))
+            feature = kind_of(space.feature_space)
+            for item in value:
+                element(out, space.feature_space, feature, item)
+    elif kind == "Graph":
+        out.append(GRAPH)
+        for part in (value.nodes, value.edges, value.edge_links):
+            plain(out, part)
+    else:
+        index, item = value
+        out.append(ONE_OF)
+        out += U32.pack(int(index))
+        element(out, space.spaces[index], kind_of(space.spaces[index]), item)
+
+
+def action_of(space, value):
+    """The Python form of an action that was read."""
+    kind = kind_of(space)
+    if kind == "Discrete":
+        return np.int64(value)
+    if kind in ("Box", "MultiDiscrete", "MultiBinary"):
+        return np.asarray(value, space.dtype)
+    if kind == "Tuple":
+        return tuple(action_of(member, item) for member, item in zip(space.spaces, value))
+    if kind == "Dict":
+        return {key: action_of(member, value[key]) for key, member in space.spaces.items()}
+    if kind == "Sequence" and not getattr(space, "stack", False):
+        return tuple(action_of(space.feature_space, item) for item in value)
+    if kind == "Graph":
+        instance = importlib.import_module(type(space).__module__).GraphInstance
+        return instance(*value[1:])
+    if kind == "OneOf":
+        index, item = value
+        return (np.int64(index), action_of(space.spaces[index], item))
+    return value
+
+
+# ---- the environment --------------------------------------------------------------------------------------------------
+
+
+def load_module(name):
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        missing = (getattr(error, "name", None) or name).split(".")[0]
+        package = missing.replace("_", "-")
+        raise Refused(f"{error}: `{sys.executable} -m pip install {package}` installs it") from None
+
+
+def library(name):
+    """gym or Gymnasium: the one that is named, or gym, or else Gymnasium."""
+    if name is not None:
+        return load_module(name)
+    for name in ("gym", "gymnasium"):
+        try:
+            return importlib.import_module(name)
+        except ImportError:
+            pass
+    raise Refused(f"neither gym nor gymnasium is installed: `{sys.executable} -m pip install gymnasium` installs one")
+
+
+class Server:
+    def __init__(self):
+        self.env = None
+        self.spaces = None
+
+    def look(self):
+        """The spaces as they are now; highway-env makes its own anew in each reset."""
+        self.observation_space, self.action_space = self.env.observation_space, self.env.action_space
+        self.kind = kind_of(self.observation_space)
+        return [describe(self.observation_space), describe(self.action_space)]
+
+    def make(self, out, config):
+        if config["module"] is not None:
+            load_module(config["module"])
+        env_id = config["env_id"]
+        if ":" in env_id:
+            module, env_id = env_id.split(":", 1)
+            load_module(module)
+        backend = library(config["backend"])
+        # gym 0.26's checker asks numpy for a name that numpy 2 has no more
+        kwargs = {"disable_env_checker": True, **config["make_kwargs"]}
+        if config["render_mode"] is not None:
+            kwargs["render_mode"] = config["render_mode"]
+        self.env = backend.make(env_id, **kwargs)
+        self.describe(out, backend)
+
+    def describe(self, out, backend=None):
+        self.spaces = self.look()
+        metadata = self.env.metadata or {}
+        modes = [str(mode) for mode in metadata.get("render_modes") or []]
+        about = {"name": type(self.env.unwrapped).__name__, "spaces": self.spaces, "render_modes": modes}
+        fps = metadata.get("render_fps")
+        about["render_fps"] = int(fps) if fps else 30
+        plain(out, about)
+
+    def reset(self, out, seed, options):
+        keywords = {"seed": None if seed is None else int(seed)}
+        if options:
+            keywords["options"] = options
+        observation, info = self.env.reset(**keywords)
+        spaces = self.look()
+        changed = bytearray()
+        plain(changed, spaces)
+        before = bytearray()
+        plain(before, self.spaces)
+        self.spaces = spaces
+        if changed != before:
+            out += changed
+        else:
+            out.append(NULL)
+        element(out, self.observation_space, self.kind, observation)
+        plain(out, info if isinstance(info, dict) else {})
+
+    def step(self, out, action):
+        observation, reward, terminated, truncated, info = self.env.step(action_of(self.action_space, action))
+        out += F64.pack(float(reward))
+        out += bytes((bool(terminated), bool(truncated)))
+        element(out, self.observation_space, self.kind, observation)
+        plain(out, info if isinstance(info, dict) else {})
+
+    def render(self, out):
+        picture = self.env.render()
+        if hasattr(picture, "getvalue"):
+            picture = picture.getvalue()  # StringIO
+        if isinstance(picture, list):
+            picture = picture[-1] if picture else None
+        plain(out, picture if picture is None or isinstance(picture, str) else np.asarray(picture))
+
+    def pickler(self):
+        import pickle
+
+        try:
+            import cloudpickle
+        except ImportError:
+            cloudpickle = pickle
+        return pickle, cloudpickle
+
+    def dump(self, out):
+        pickle, cloudpickle = self.pickler()
+        try:
+            data = pickle.dumps(self.env)
+        except Exception:
+            data = cloudpickle.dumps(self.env)
+        plain(out, np.frombuffer(data, np.uint8))
+
+    def load(self, out, module, data):
+        if module is not None:
+            load_module(module)
+        pickle, _ = self.pickler()
+        env = pickle.loads(data.tobytes())
+        self.env = env
+        self.describe(out)
+
+    def answer(self, request):
+        reader, out = Reader(request), bytearray(b"\0")
+        operation = reader.take(1)[0]
+        if operation == STEP:
+            self.step(out, reader.value())
+        elif operation == RESET:
+            self.reset(out, reader.value(), json.loads(reader.value()))
+        elif operation == RENDER:
+            self.render(out)
+        elif operation == MAKE:
+            self.make(out, json.loads(reader.value()))
+        elif operation == DUMP:
+            self.dump(out)
+        elif operation == LOAD:
+            self.load(out, reader.value(), reader.value())
+        elif operation == CLOSE and self.env is not None:
+            self.env.close()
+        return out
+
+
+def failure(error):
+    """The exception as a reply: its type, its message, and the line that raised it."""
+    out = bytearray(b"\1")
+    place = None
+    if not isinstance(error, Refused):
+        frames = error.__traceback__
+        while frames is not None:
+            place = f"{frames.tb_frame.f_code.co_filename}:{frames.tb_lineno}"
+            frames = frames.tb_next
+    name = None if isinstance(error, Refused) else type(error).__name__
+    plain(out, {"type": name, "message": str(error), "place": place})
+    return out
+
+
+def main():
+    requests, replies = take_pipes()
+    threading.Thread(target=watch, args=(requests,), daemon=True).start()
+    global np
+    server = Server()
+    while True:
+        request = read_exactly(requests, U32.unpack(read_exactly(requests, 4))[0])
+        try:
+            try:
+                import numpy as np
+            except ImportError:
+                sys.stderr.write(f"numpy is missing: `{sys.executable} -m pip install numpy` installs it\n")
+                os._exit(3)
+            out = server.answer(request)
+        except Exception as error:
+            out = failure(error)
+        except SystemExit as error:
+            out = failure(RuntimeError(f"the environment called sys.exit({error.code!r})"))
+        write_all(replies, U32.pack(len(out)) + out)
+        if request[0] == CLOSE:
+            os._exit(0)
+
+
+main()

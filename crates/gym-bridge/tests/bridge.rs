@@ -1,0 +1,363 @@
+//! Environments of a real Python, where there is one with gymnasium: that of `GYM_BRIDGE_PYTHON`, else `python3`.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use gym_bridge as _;
+use gym_core::registry::EnvBuilder;
+use gym_core::render::{RenderMode, Rendered};
+use gym_core::vector::{Columns, VectorKind};
+use gym_core::{BoxEnv, Env, Reset, Value, builder};
+
+const MODULE: &str = "tests.python.envs";
+
+fn python() -> String {
+    std::env::var("GYM_BRIDGE_PYTHON").unwrap_or_else(|_| "python3".into())
+}
+
+/// Whether Python can import all of these; where not, a test says so and ends.
+fn has(modules: &[&str]) -> bool {
+    let import = format!("import {}", modules.join(", "));
+    let there = Command::new(python())
+        .args(["-W", "ignore", "-c", &import])
+        .output()
+        .is_ok_and(|output| output.status.success());
+    if !there {
+        println!("SKIPPED: `{}` has not all of {}", python(), modules.join(", "));
+    }
+    there
+}
+
+fn bridge(env_id: &str) -> EnvBuilder {
+    builder("GymV26Environment-v0").arg("env_id", env_id).arg("python", python()).arg("backend", "gymnasium")
+}
+
+fn bad() -> EnvBuilder {
+    bridge("bridge/Bad-v0").arg("module", MODULE)
+}
+
+fn echo(kind: &str) -> EnvBuilder {
+    bridge("bridge/Echo-v0").arg("module", MODULE).arg("make_kwargs", serde_json::json!({"kind": kind}))
+}
+
+fn is_running(pid: i64) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    status.lines().any(|line| line.starts_with("State:") && !line.contains('Z'))
+}
+
+/// The process of an environment of the kind `Bad`.
+fn pid(env: &BoxEnv) -> i64 {
+    env.info_map()["pid"].as_int().expect("a number")
+}
+
+#[test]
+fn what_is_missing_is_told() {
+    let error = |builder: EnvBuilder| builder.build().expect_err("it cannot be made").to_string();
+    let make = || builder("GymV26Environment-v0");
+    assert!(error(make()).contains("`env_id` is missing"), "{}", error(make()));
+    let no_python = error(make().arg("env_id", "CartPole-v1").arg("python", "/nonexistent/python"));
+    assert!(
+        no_python.contains("`/nonexistent/python` cannot be run") && no_python.contains("install Python"),
+        "{no_python}"
+    );
+    let backend = error(make().arg("env_id", "CartPole-v1").arg("backend", "jym"));
+    assert!(backend.contains("there are \"gym\" and \"gymnasium\""), "{backend}");
+    let timeout = error(make().arg("env_id", "CartPole-v1").arg("timeout", -1.0));
+    assert!(timeout.contains("`timeout` is -1"), "{timeout}");
+    if has(&["numpy"]) {
+        let module =
+            error(make().arg("env_id", "X-v0").arg("python", python()).arg("module", "no_such_module"));
+        assert!(module.contains("pip install no-such-module"), "{module}");
+    }
+    if has(&["gymnasium"]) {
+        let unknown = error(bridge("NoSuchEnv-v0"));
+        assert!(
+            unknown.contains("raised NameNotFound in `make`") && unknown.contains("NoSuchEnv"),
+            "{unknown}"
+        );
+    }
+}
+
+#[test]
+fn elements_of_every_space_go_there_and_come_back() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for kind in [
+        "box",
+        "discrete",
+        "multi_discrete",
+        "multi_binary",
+        "text",
+        "tuple",
+        "dict",
+        "sequence",
+        "graph",
+        "one_of",
+    ] {
+        let mut env = echo(kind).build().unwrap_or_else(|error| panic!("{kind}: {error}"));
+        // the same sampler gives the same first element there and here
+        let first = env.reset(42).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let mut actions = env.action_sampler(42).unwrap();
+        if kind != "graph" {
+            assert_eq!(first, actions.sample(), "{kind}");
+        }
+        for _ in 0..20 {
+            let action = actions.sample();
+            let step = env.step(&action).unwrap_or_else(|error| panic!("{kind}, {action:?}: {error}"));
+            assert_eq!(step.observation, action, "{kind}");
+            assert_eq!((step.reward, step.terminated, step.truncated), (0.5, false, false));
+        }
+        let info = env.info_map();
+        let list = Value::Tuple(vec![Value::Int(1), Value::Float(2.5), Value::Null]);
+        assert_eq!(info["nested"], Value::Dict(vec![("list".into(), list)]));
+        let array = info["array"].as_array().expect("an array");
+        assert_eq!((array.shape(), array.as_slice::<f64>()), (&[2, 2][..], Some(&[1.0, 0.0, 0.0, 1.0][..])));
+    }
+}
+
+#[test]
+fn seeds_and_options_arrive_whole() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = echo("discrete").build().unwrap();
+    let seed = 1u128 << 100;
+    env.reset(Reset::seed(gym_core::Seed::from_u128(seed)).option("low", vec![1, 2])).unwrap();
+    let info = env.info_map();
+    assert_eq!(info["options"], Value::Text("{'low': [1, 2]}".into()));
+    assert!(
+        !info.contains_key("object") && !info.contains_key("seed"),
+        "what has no form is left out: {info:?}"
+    );
+    assert!(matches!(env.step(&Value::Int(9)), Err(gym_core::Error::InvalidAction { .. })));
+}
+
+#[test]
+fn python_draws() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = echo("discrete").render_mode(RenderMode::RgbArray).build().unwrap();
+    assert_eq!(env.metadata().render_fps, 7);
+    env.reset(0).unwrap();
+    let Rendered::Frame(frame) = env.render().unwrap() else { panic!("a frame") };
+    assert_eq!((frame.width(), frame.height(), frame.pixels()[0]), (6, 4, 9));
+    let mut env = echo("discrete").render_mode(RenderMode::Ansi).build().unwrap();
+    env.reset(0).unwrap();
+    assert!(matches!(env.render().unwrap(), Rendered::Text(text) if text == "a text"));
+    let mut env = echo("discrete").render_mode(RenderMode::RgbArrayList).build().unwrap();
+    env.reset(0).unwrap();
+    env.step(&Value::Int(0)).unwrap();
+    assert_eq!(env.render().unwrap().into_frames().map(|frames| frames.len()), Some(2));
+    let error = echo("discrete").build().unwrap().render().unwrap_err().to_string();
+    assert!(error.contains("made without a render mode"), "{error}");
+}
+
+#[test]
+fn what_goes_wrong_in_python_is_an_error() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = bad().build().unwrap();
+    assert!(matches!(env.step(&Value::Int(0)), Err(gym_core::Error::ResetNeeded(_))));
+    env.reset(0).unwrap();
+    let raised = env.step(&Value::Int(1)).unwrap_err().to_string();
+    assert!(
+        raised.contains("raised ValueError in `step`: it does not like 1") && raised.contains("envs.py:"),
+        "{raised}"
+    );
+    assert!(env.step(&Value::Int(4)).unwrap_err().to_string().contains("sys.exit(1)"));
+    assert_eq!(env.step(&Value::Int(0)).unwrap().observation, Value::Int(0), "after an exception it goes on");
+    let grown = env.reset(Reset::default().option("grow", true)).unwrap_err().to_string();
+    assert!(
+        grown.contains("Box(0.0, 1.0, (3,), float32)") && grown.contains("and were Discrete(2)"),
+        "{grown}"
+    );
+
+    for (action, expected) in [(2, "exit status: 7"), (5, "signal: 11")] {
+        let mut env = bad().build().unwrap();
+        env.reset(0).unwrap();
+        for _ in 0..2 {
+            let ended = env.step(&Value::Int(action)).unwrap_err().to_string();
+            assert!(ended.contains("the worker of `bridge/Bad-v0` ended during `step`"), "{ended}");
+            assert!(ended.contains(expected) && ended.contains("make the environment anew"), "{ended}");
+        }
+    }
+}
+
+#[test]
+fn a_worker_that_hangs_is_ended() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = bad().arg("timeout", 10.0).build().unwrap();
+    env.reset(0).unwrap();
+    let worker = pid(&env);
+    let start = Instant::now();
+    let error = env.step(&Value::Int(3)).unwrap_err().to_string();
+    assert!(error.contains("did not answer `step` within 10 s") && error.contains("`timeout`"), "{error}");
+    assert!(start.elapsed() < Duration::from_secs(60));
+    assert!(!is_running(worker));
+}
+
+#[test]
+fn no_worker_outlives_its_environment() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = bad().build().unwrap();
+    env.reset(0).unwrap();
+    let mut clone = env.clone();
+    clone.reset(0).unwrap();
+    let (first, second) = (pid(&env), pid(&clone));
+    assert_ne!(first, second, "a clone is a process of its own");
+    assert!(is_running(first) && is_running(second));
+    env.close();
+    assert!(!is_running(first) && is_running(second));
+    assert!(matches!(
+        env.step(&Value::Int(0)),
+        Err(gym_core::Error::Closed(_) | gym_core::Error::ResetNeeded(_))
+    ));
+    drop(clone);
+    assert!(!is_running(second));
+}
+
+#[test]
+fn clones_and_snapshots_continue() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let make = || bridge("CartPole-v1").arg("allow_pickle", true).build().unwrap();
+    let mut env = make();
+    env.reset(7).unwrap();
+    env.step(&Value::Int(1)).unwrap();
+    let (mut clone, snapshot) = (env.clone(), env.snapshot().unwrap());
+    let mut restored = make();
+    restored.restore(&snapshot).unwrap();
+    for action in [0, 1, 1, 0, 1] {
+        let step = env.step(&Value::Int(action)).unwrap();
+        assert_eq!(clone.step(&Value::Int(action)).unwrap(), step);
+        assert_eq!(restored.step(&Value::Int(action)).unwrap(), step);
+    }
+    let refused = bridge("CartPole-v1").build().unwrap().snapshot().unwrap_err().to_string();
+    assert!(refused.contains("restoring runs code") && refused.contains("allow_pickle"), "{refused}");
+}
+
+#[test]
+fn vectors_run_in_parallel() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for kind in [VectorKind::Sync, VectorKind::Async] {
+        let mut envs = bridge("CartPole-v1").vector(3).kind(kind).build().unwrap();
+        let mut columns = Columns::default();
+        envs.reset_into(&5.into(), &mut columns).unwrap();
+        let mut alone = bridge("CartPole-v1").build().unwrap();
+        let first = alone.reset(6).unwrap();
+        let second_row = envs.single_observation_space().iterate(&columns.observations).unwrap().nth(1);
+        assert_eq!(second_row, Some(first));
+    }
+}
+
+/// Episodes of gym 0.26, minigrid, highway-env and ale-py, as they were recorded in Python.
+#[test]
+fn recorded_episodes_come_out_equal() {
+    if !has(&["numpy"]) {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference");
+    let mut compared = 0;
+    for entry in std::fs::read_dir(folder).expect("the recordings") {
+        let path = entry.expect("readable").path();
+        let trace: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let text = |key: &str| trace[key].as_str().map(str::to_owned);
+        let backend = text("backend").expect("a library");
+        let modules: Vec<String> = [Some(backend.clone()), text("module")].into_iter().flatten().collect();
+        if !has(&modules.iter().map(String::as_str).collect::<Vec<_>>()) {
+            continue;
+        }
+        let mut env = builder("GymV26Environment-v0")
+            .arg("env_id", text("id"))
+            .arg("make_kwargs", trace["kwargs"].clone())
+            .arg("backend", backend)
+            .arg("module", trace["module"].clone())
+            .arg("python", python())
+            .build()
+            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        for (i, event) in trace["events"].as_array().expect("events").iter().enumerate() {
+            let place = format!("{}, event {i}", path.display());
+            let observation = match event.get("step") {
+                None => env
+                    .reset(event["reset"]["seed"].as_u64())
+                    .unwrap_or_else(|error| panic!("{place}: {error}")),
+                Some(action) => {
+                    let action = env.action_space().from_json(action).unwrap();
+                    let step = env.step(&action).unwrap_or_else(|error| panic!("{place}: {error}"));
+                    assert_eq!(Some(step.reward), event["reward"].as_f64(), "{place}");
+                    assert_eq!(Some(step.terminated), event["terminated"].as_bool(), "{place}");
+                    assert_eq!(Some(step.truncated), event["truncated"].as_bool(), "{place}");
+                    step.observation
+                }
+            };
+            assert!(is_recorded(&event["observation"], &observation), "{place}: {observation:?}");
+            let recorded = event["info"].as_object().expect("info");
+            let info = env.info_map();
+            for (key, value) in
+                recorded.iter().filter(|(key, _)| trace["info_same_twice"] == true || *key != "action")
+            {
+                let ours = info.get(key).unwrap_or_else(|| panic!("{place}: info has no {key}"));
+                assert!(is_recorded(value, ours), "{place}, info {key}: {ours:?} for {value}");
+            }
+            assert_eq!(info.len(), recorded.len(), "{place}: {info:?}");
+        }
+        compared += 1;
+    }
+    println!("{compared} recorded environments compared");
+}
+
+/// Whether a value is what was recorded of it: numbers, or for large arrays their checksum.
+fn is_recorded(recorded: &serde_json::Value, value: &Value) -> bool {
+    use serde_json::Value as Json;
+    match (recorded, value) {
+        (Json::Object(map), Value::Array(array)) => {
+            let bytes = array.as_slice::<u8>().expect("only pictures are large");
+            map["crc32"].as_u64() == Some(crc32fast::hash(bytes).into())
+        }
+        (Json::Object(map), Value::Dict(entries)) => {
+            map.len() == entries.len()
+                && entries
+                    .iter()
+                    .all(|(key, value)| map.get(key).is_some_and(|json| is_recorded(json, value)))
+        }
+        (Json::Array(items), Value::Tuple(values)) => {
+            items.len() == values.len()
+                && items.iter().zip(values).all(|(item, value)| is_recorded(item, value))
+        }
+        (Json::Array(_), Value::Array(array)) => {
+            let mut flat = Vec::new();
+            flatten(recorded, &mut flat);
+            flat.len() == array.len()
+                && flat.iter().zip(array.iter_f64()).all(|(a, b)| a.to_bits() == b.to_bits())
+        }
+        (Json::Bool(a), Value::Bool(b)) => a == b,
+        (Json::Bool(a), Value::Int(b)) => i64::from(*a) == *b,
+        (Json::Number(a), Value::Int(b)) => a.as_i64() == Some(*b),
+        (Json::Number(a), Value::Float(b)) => a.as_f64().map(f64::to_bits) == Some(b.to_bits()),
+        (Json::String(a), Value::Text(b)) => a == b,
+        (Json::Null, Value::Null) => true,
+        _ => false,
+    }
+}
+
+fn flatten(json: &serde_json::Value, out: &mut Vec<f64>) {
+    match json.as_array() {
+        Some(items) => items.iter().for_each(|item| flatten(item, out)),
+        None => out.extend(json.as_f64().or(match json.as_str() {
+            Some("inf") => Some(f64::INFINITY),
+            Some("-inf") => Some(f64::NEG_INFINITY),
+            _ => None,
+        })),
+    }
+}

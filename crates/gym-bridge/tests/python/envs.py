@@ -1,0 +1,72 @@
+"""Environments for the tests of the bridge: one of every kind of space, and some that misbehave."""
+import os
+import time
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+SPACES = {
+    "box": spaces.Box(-1.0, 2.0, (2, 3), np.float64),
+    "discrete": spaces.Discrete(5, start=-2),
+    "multi_discrete": spaces.MultiDiscrete([3, 4]),
+    "multi_binary": spaces.MultiBinary((2, 2)),
+    "text": spaces.Text(5),
+    "tuple": spaces.Tuple((spaces.Discrete(3), spaces.Box(0, 255, (2,), np.uint8))),
+    "dict": spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Box(0.0, 1.0, (1,), np.float32)}),
+    "sequence": spaces.Sequence(spaces.Discrete(4)),
+    "graph": spaces.Graph(spaces.Box(0.0, 1.0, (2,), np.float32), spaces.Discrete(3)),
+    "one_of": spaces.OneOf((spaces.Discrete(2), spaces.Box(0.0, 1.0, (2,), np.float32))),
+}
+
+
+class Echo(gymnasium.Env):
+    """Observes the last action, whatever its space is."""
+
+    metadata = {"render_modes": ["rgb_array", "ansi"], "render_fps": 7}
+
+    def __init__(self, kind="discrete", render_mode=None):
+        self.observation_space = self.action_space = SPACES[kind]
+        self.render_mode = render_mode
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.action_space.seed(seed)
+        return self.action_space.sample(), {"options": str(options), "object": object(), "seed": seed}
+
+    def step(self, action):
+        print("this does not disturb the pipes")
+        return action, np.float32(0.5), np.bool_(False), False, {"nested": {"list": [1, 2.5, None]}, "array": np.eye(2)}
+
+    def render(self):
+        return "a text" if self.render_mode == "ansi" else np.full((4, 6, 3), 9, np.uint8)
+
+
+class Bad(gymnasium.Env):
+    """Does what its action says."""
+
+    observation_space = spaces.Discrete(2)
+    action_space = spaces.Discrete(6)
+
+    def reset(self, *, seed=None, options=None):
+        if options and "grow" in options:
+            self.observation_space = spaces.Box(0.0, 1.0, (3,))
+            return np.zeros(3, np.float32), {}
+        return 0, {"pid": os.getpid()}
+
+    def step(self, action):
+        if action == 1:
+            raise ValueError("it does not like 1")
+        if action == 2:
+            os._exit(7)
+        if action == 3:
+            time.sleep(3600)
+        if action == 4:
+            raise SystemExit(1)
+        if action == 5:
+            os.kill(os.getpid(), 11)
+        return 0, 0.0, False, False, {}
+
+
+gymnasium.register("bridge/Echo-v0", Echo)
+gymnasium.register("bridge/Bad-v0", Bad)

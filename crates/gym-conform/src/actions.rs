@@ -1,0 +1,50 @@
+//! Checks of what `step` takes and what it refuses.
+
+use crate::inputs::{corners, invalid};
+use crate::subject::{SEEDS, Subject, carry_on, same};
+use crate::verdict::{Trouble, Verdict, broken};
+use gym_core::Env;
+
+pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.reset(0)?;
+    let space = env.action_space();
+    let mut samples = space.sampler(0);
+    let corners = corners(&space);
+    let samples = std::iter::repeat_with(|| samples.sample()).take(100);
+    for action in corners.into_iter().chain(samples) {
+        match env.step(&action) {
+            Ok(step) if step.done() => drop(env.reset(0)?),
+            Ok(_) => (),
+            Err(error) => return broken(format!("`step` refuses {action}, an element of {space}: {error}")),
+        }
+    }
+    subject.long_runs()?.refused()
+}
+
+pub(crate) fn validated(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.reset(0)?;
+    let space = env.action_space();
+    let valid = env.action_sampler(0)?.sample();
+    for action in invalid(&space, &valid) {
+        if env.step(&action).is_ok() {
+            return broken(format!("`step` accepts {action:?}, which is not in {space}"));
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
+    for seed in SEEDS {
+        let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+        let space = env.action_space();
+        let valid = env.action_sampler(0)?.sample();
+        for action in invalid(&space, &valid) {
+            if env.step(&action).is_ok() {
+                return Err(Trouble::Error(gym_core::Error::custom("an invalid action is accepted")));
+            }
+        }
+        let what = "after refused actions an episode";
+        same(&carry_on(&mut other, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,380 @@
+//! The list of all checks.
+
+use crate::finding::Severity;
+use crate::subject::Subject;
+use crate::verdict::{Verdict, broken, skipped};
+use crate::{
+    actions, allocations, arguments, copies, drawing, episodes, info, observations, panics, pictures,
+    registered, seeding, spaces, threads,
+};
+
+/// One rule.
+#[derive(Debug)]
+pub struct Check {
+    /// A short name.
+    pub name: &'static str,
+    /// How bad it is to break it.
+    pub severity: Severity,
+    /// Why it matters to those who use the environment.
+    pub why: &'static str,
+    /// How to mend an environment that breaks it.
+    pub mend: &'static str,
+    /// The checks without which this one means nothing.
+    pub(crate) needs: &'static [&'static str],
+    pub(crate) run: fn(&Subject<'_>) -> Verdict,
+}
+
+/// A [`Check`] of severity `Error`.
+macro_rules! error {
+    ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
+        Check { name: $name, severity: Severity::Error, why: $why, mend: $mend, needs: &$needs, run: $run }
+    };
+}
+
+/// A [`Check`] of severity `Warning`.
+macro_rules! warning {
+    ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
+        Check { name: $name, severity: Severity::Warning, why: $why, mend: $mend, needs: &$needs, run: $run }
+    };
+}
+
+/// What an episode rests on.
+const EPISODES: [&str; 2] = ["resets", "action-accepted"];
+/// What a comparison of episodes rests on.
+const REPEATABLE: [&str; 2] = ["same-seed-same-episode", "reset-forgets"];
+
+/// Every rule, in the order in which they are checked.
+pub const CHECKS: &[Check] = &[
+    error!(
+        "constructs",
+        registered::constructs,
+        [],
+        "nothing works without it",
+        "let `make` succeed with the arguments it is registered with",
+    ),
+    warning!(
+        "described",
+        registered::described,
+        [],
+        "people choose environments from a list",
+        "add `.description(\"What the agent has to do.\")` to the registration",
+    ),
+    warning!(
+        "versioned",
+        registered::versioned,
+        [],
+        "results are compared by id, and a task that changes needs a new one",
+        "end the id with a version: `my_envs/Corridor-v0`",
+    ),
+    error!(
+        "exceptions-known",
+        exceptions_known,
+        [],
+        "an exception for a check that does not exist excuses nothing",
+        "name a check of `conform::CHECKS` in `.exceptions(...)`",
+    ),
+    error!(
+        "space-not-empty",
+        spaces::not_empty,
+        ["constructs"],
+        "a space without room holds no information, and networks have no layer of size 0",
+        "leave the empty member out of the space",
+    ),
+    warning!(
+        "space-width",
+        spaces::width,
+        ["constructs"],
+        "a number that never changes tells an agent nothing, and normalising it divides by zero",
+        "leave the constant element out of the `Box`, or correct its bounds",
+    ),
+    warning!(
+        "space-bounded",
+        spaces::bounded,
+        ["constructs"],
+        "agents scale what they see by its bounds",
+        "give finite bounds to each element of the `Box`, if it has any",
+    ),
+    warning!(
+        "action-normalised",
+        spaces::action_normalised,
+        ["constructs"],
+        "most agents for continuous actions put out numbers around 0 of size 1",
+        "take actions from -1 to 1, and scale them inside `step`",
+    ),
+    error!(
+        "resets",
+        seeding::resets,
+        ["constructs"],
+        "every episode starts with it, and as in Gymnasium a seed is a whole number of any size",
+        "let `reset` succeed with each seed and without one: `Generator::new(seed)` takes all",
+    ),
+    error!(
+        "space-constant",
+        spaces::constant,
+        ["resets"],
+        "agents look at the spaces once, before they start",
+        "return the same spaces before and after `reset` and `step`",
+    ),
+    error!(
+        "action-accepted",
+        actions::accepted,
+        ["resets"],
+        "agents act at random from the action space to explore",
+        "accept each element of the action space, its corners included, or narrow the space",
+    ),
+    error!(
+        "action-validated",
+        actions::validated,
+        ["resets"],
+        "an invalid action must be an error, not a guess",
+        "return Err(Error::InvalidAction { .. }) for actions of another kind, type or shape, and for NaN",
+    ),
+    error!(
+        "observation-in-space",
+        observations::in_space,
+        EPISODES,
+        "agents size their networks and tables by the space",
+        "widen the observation space, or bring the observation into its kind, shape and bounds",
+    ),
+    warning!(
+        "observation-dtype",
+        observations::dtype,
+        EPISODES,
+        "buffers are allocated by the space's type, and each observation would be converted",
+        "observe arrays of the type that the space names",
+    ),
+    error!(
+        "observation-finite",
+        observations::finite,
+        EPISODES,
+        "one NaN or infinity ruins a training run",
+        "keep the state finite, or end the episode before it is not",
+    ),
+    error!(
+        "reward-finite",
+        observations::reward_finite,
+        EPISODES,
+        "one NaN ruins a training run",
+        "give a finite number as reward",
+    ),
+    error!(
+        "info-consistent",
+        info::consistent,
+        EPISODES,
+        "wrappers and vectors gather entries by name, whenever they ask",
+        "show each entry of `info` once, from the state alone",
+    ),
+    error!(
+        "info-constant",
+        info::constant,
+        EPISODES,
+        "a vector gathers each entry in a column of one type, and loggers read it after every step",
+        "show the same entries with the same types after every step, and after every reset",
+    ),
+    error!(
+        "reset-needed",
+        episodes::reset_needed,
+        ["constructs"],
+        "an agent that forgets to reset must be told, not trained on nonsense",
+        "return Err(Error::ResetNeeded(\"step\")) before the first reset",
+    ),
+    error!(
+        "time-limit",
+        episodes::time_limit,
+        EPISODES,
+        "an episode must last as long as is registered, so that returns can be compared",
+        "leave `truncated` to the time limit: `.max_episode_steps(n)` in the registration",
+    ),
+    error!(
+        "same-seed-same-episode",
+        seeding::same_seed,
+        EPISODES,
+        "experiments must be repeatable",
+        "draw all randomness from one `Generator` seeded by `reset`; keep no state outside the environment",
+    ),
+    error!(
+        "options-ignored",
+        episodes::options_ignored,
+        ["same-seed-same-episode"],
+        "options are for those environments that know them, as in Gymnasium",
+        "ignore reset options of names that are not known",
+    ),
+    error!(
+        "reset-forgets",
+        seeding::reset_forgets,
+        ["same-seed-same-episode"],
+        "an episode must not depend on those before it",
+        "set the whole state in `reset`",
+    ),
+    error!(
+        "other-seed-other-episode",
+        seeding::other_seed,
+        ["same-seed-same-episode"],
+        "a seed that changes nothing gives the same training data again and again",
+        "seed the generator from `reset.seed`",
+    ),
+    error!(
+        "reset-carries-on",
+        seeding::carries_on,
+        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets"],
+        "agents seed once and then train on many episodes, which must differ",
+        "carry the generator on where `reset.seed` is None",
+    ),
+    warning!(
+        "generator-lent",
+        seeding::generator_lent,
+        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets"],
+        "wrappers with randomness, such as StickyAction, draw from the environment's generator",
+        "return the generator from `Env::generator`, seeded as `reset` says",
+    ),
+    error!(
+        "observation-whole",
+        observations::whole,
+        REPEATABLE,
+        "callers reuse their buffers, and old numbers must not shine through",
+        "write every element of the observation in `reset_into` and `step_into`",
+    ),
+    error!(
+        "refusal-changes-nothing",
+        actions::refusal,
+        ["same-seed-same-episode", "reset-forgets", "action-validated"],
+        "after an error the caller corrects the action and goes on",
+        "check the action before anything else in `step`",
+    ),
+    error!(
+        "clone-apart",
+        copies::clone_apart,
+        REPEATABLE,
+        "planners and vectors step clones, and the original must not notice",
+        "share nothing that changes between clones: no Arc<Mutex<_>>, no Rc<Cell<_>>",
+    ),
+    error!(
+        "clone-continues",
+        copies::clone_continues,
+        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        "planners branch from clones",
+        "derive `Clone`, or copy the whole state, generator included",
+    ),
+    error!(
+        "snapshot-continues",
+        copies::snapshot_continues,
+        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        "checkpoints must resume where they were taken",
+        "store the whole state, generator included, and read all of it back",
+    ),
+    error!(
+        "snapshot-refused",
+        copies::snapshot_refused,
+        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "clone-continues"],
+        "a file from somewhere else must not become a state that nobody meant",
+        "return Err(Error::Snapshot(..)) for what `snapshot` cannot have written, before anything changes",
+    ),
+    error!(
+        "snapshot-legal",
+        copies::snapshot_legal,
+        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "observation-in-space"],
+        "a damaged file must not become a state that no episode reaches",
+        "check in `restore` that each field is in its range, and return Err(Error::Snapshot(..)) where it is not",
+    ),
+    error!(
+        "any-thread",
+        threads::any_thread,
+        ["same-seed-same-episode", "reset-forgets", "clone-continues"],
+        "vectors step environments on whichever thread is free",
+        "use no thread-local state",
+    ),
+    error!(
+        "metadata-complete",
+        drawing::metadata_complete,
+        ["resets"],
+        "recorders need to know how fast and how large",
+        "name each mode once without its `_list` form, with frames per second and a size above 0",
+    ),
+    warning!(
+        "frame-rate",
+        drawing::frame_rate,
+        ["metadata-complete"],
+        "no screen shows so many frames, and recordings are played as slowly as players can",
+        "give the steps per second of real time in `Metadata`, at most 240",
+    ),
+    error!(
+        "drawing-sound",
+        drawing::sound,
+        EPISODES,
+        "whoever draws after it must find the canvas as it was, and NaN has no place on it",
+        "draw something, at finite coordinates, with a `pop` for each `push`",
+    ),
+    error!(
+        "drawing-pure",
+        drawing::pure,
+        ["same-seed-same-episode", "reset-forgets", "clone-continues"],
+        "an episode must not depend on whether somebody watches",
+        "draw from the state alone, and change nothing",
+    ),
+    error!(
+        "render-modes",
+        drawing::render_modes,
+        ["resets", "metadata-complete", "drawing-sound"],
+        "a mode that is named has to work",
+        "implement `draw` for the modes human and rgb_array and `ansi` for ansi, or do not name them",
+    ),
+    error!(
+        "drawing-visible",
+        pictures::visible,
+        ["render-modes"],
+        "a picture of one colour shows nothing",
+        "draw within the canvas, from (0, 0) to `render_size`, in a colour other than the background",
+    ),
+    error!(
+        "drawing-follows",
+        pictures::follows,
+        ["render-modes", "drawing-visible"],
+        "a picture that never changes does not show the state",
+        "draw what the observation tells",
+    ),
+    error!(
+        "arguments-round-trip",
+        arguments::round_trip,
+        REPEATABLE,
+        "a spec stored with its arguments must rebuild the same environment",
+        "let the `Config` read what it writes: the same names and values in Serialize and Deserialize",
+    ),
+    error!(
+        "arguments-refused",
+        arguments::refused,
+        ["constructs", "arguments-round-trip"],
+        "a misspelt argument that is ignored costs a day of training",
+        "put #[serde(default, deny_unknown_fields)] on the `Config`",
+    ),
+    error!(
+        "arguments-matter",
+        arguments::matter,
+        ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],
+        "an experiment over an argument that is ignored compares nothing",
+        "use the argument, or remove it",
+    ),
+    error!(
+        "no-allocation",
+        allocations::none,
+        EPISODES,
+        "a step takes nanoseconds, and an allocation takes as long again",
+        "keep buffers in the environment, or give the reason in `.exceptions(&[(\"no-allocation\", \"...\")])`",
+    ),
+    error!(
+        "no-panic",
+        panics::none,
+        ["constructs"],
+        "a panic takes the whole training run with it",
+        "return an Err for what cannot be done; index and convert with care",
+    ),
+];
+
+/// It stands here, since it is about the list itself.
+fn exceptions_known(subject: &Subject<'_>) -> Verdict {
+    let Some(registration) = &subject.registration else { return skipped("it is not registered") };
+    let is_known = |name: &str| CHECKS.iter().any(|check| check.name == name);
+    match registration.all_exceptions().iter().find(|(name, _)| !is_known(name)) {
+        Some((name, _)) => broken(format!("`{}` has an exception for `{name}`", registration.id())),
+        None => Ok(()),
+    }
+}

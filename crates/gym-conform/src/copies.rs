@@ -1,0 +1,156 @@
+//! Checks of clones and snapshots.
+
+use serde_json::{Value as Json, json};
+
+use crate::damage::{damaged, difference};
+use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
+use crate::verdict::{Trouble, Verdict, broken};
+use gym_core::{BoxEnv, Env, Error, Result, Snapshot};
+
+pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
+    for seed in SEEDS {
+        let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+        let mut clone = env.clone();
+        // whatever becomes of the clone
+        let _ = carry_on(&mut clone, seed + 1, 20);
+        let _ = clone.reset(seed + 1);
+        clone.close();
+        let what = "an environment whose clone was used";
+        same(&carry_on(&mut other, seed, STEPS)?, &carry_on(&mut env, seed, STEPS)?, what)?;
+    }
+    // what clones share may matter late
+    let (seed, long) = (SEEDS[0], subject.long()?);
+    let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+    carry_on(&mut env.clone(), seed + 1, long)?;
+    let what = "an environment whose clone was used for long";
+    same(&carry_on(&mut other, seed, long)?, &carry_on(&mut env, seed, long)?, what)
+}
+
+pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
+    continues(subject, "a clone", |env| Ok(env.clone()))
+}
+
+pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
+    continues(subject, "an environment restored from a snapshot", |env| restored(env, subject.make()?))?;
+    let what = "an environment restored from a snapshot in the middle of another episode";
+    continues(subject, what, |env| restored(env, subject.midway(7)?))?;
+    let what = "an environment restored from a snapshot after the end of another episode";
+    continues(subject, what, |env| restored(env, ended(subject)?))?;
+    unused(subject)
+}
+
+/// `into` with the state of `env`, by way of a text.
+fn restored(env: &BoxEnv, mut into: BoxEnv) -> Result<BoxEnv> {
+    let stored = |error: serde_json::Error| Error::Snapshot(error.to_string());
+    let text = serde_json::to_string(&env.snapshot()?).map_err(stored)?;
+    into.restore(&serde_json::from_str(&text).map_err(stored)?)?;
+    Ok(into)
+}
+
+/// An environment at the end of an episode, if that is not too far.
+fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
+    let mut env = subject.reset(7)?;
+    let mut actions = env.action_sampler(7)?;
+    for _ in 0..300 {
+        if env.step(&actions.sample())?.done() {
+            break;
+        }
+    }
+    Ok(env)
+}
+
+/// A snapshot from before the first reset makes a used environment as good as new.
+fn unused(subject: &Subject<'_>) -> Verdict {
+    let (mut new, mut used) = (subject.make()?, subject.midway(0)?);
+    let Ok(snapshot) = new.snapshot() else { return Ok(()) };
+    if used.restore(&snapshot).is_err() {
+        return Ok(());
+    }
+    let what = "a used environment restored from a snapshot from before the first reset";
+    let action = new.action_sampler(0)?.sample();
+    if new.step(&action).is_ok() != used.step(&action).is_ok() {
+        return broken(format!("{what} goes on with an episode"));
+    }
+    same(&roll_out(&mut new, 0, STEPS)?, &roll_out(&mut used, 0, STEPS)?, what)
+}
+
+/// Whether a copy taken in the middle of an episode goes on as an original of which none was taken.
+fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result<BoxEnv>) -> Verdict {
+    let long = subject.long()?;
+    let [early, other, late] = SEEDS;
+    // a copy taken early that goes on for long, and one taken late
+    for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
+        let mut env = subject.after(seed, before)?;
+        let copied = copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after));
+        let copied = match copied {
+            Ok(copied) => copied,
+            Err(error) => return broken(format!("{what}: {error}")),
+        };
+        let left = carry_on(&mut env, seed, after)?;
+        let untouched = carry_on(&mut subject.after(seed, before)?, seed, after)?;
+        same(&untouched, &copied, what)?;
+        same(&untouched, &left, &format!("beside {what} the original"))?;
+    }
+    Ok(())
+}
+
+/// What no environment writes is refused, and a refusal changes nothing.
+pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
+    let seed = SEEDS[0];
+    let state = |snapshot: &Snapshot| snapshot.get::<Json>();
+    let midway = || -> Result<BoxEnv> {
+        let mut env = subject.unlimited()?;
+        roll_out(&mut env, seed, 5)?;
+        Ok(env)
+    };
+    let mut env = midway()?;
+    let good = state(&env.snapshot()?)?;
+    let foreign = [json!(3), json!("x"), json!({"no": "such"}), json!([1, 2, 3, 4, 5, 6, 7])];
+    for json in foreign {
+        if env.restore(&Snapshot::of(&json)?).is_ok() && json != good {
+            return broken(format!("`restore` accepts {json}"));
+        }
+    }
+    for json in damaged(&good) {
+        let snapshot = Snapshot::of(&json)?;
+        let mut env = env.clone();
+        if env.restore(&snapshot).is_err() {
+            let after = env.snapshot().map_err(Trouble::Error)?;
+            if state(&after)? != good {
+                return broken("a snapshot that `restore` refuses changes the environment all the same");
+            }
+        }
+    }
+    let what = "after refused snapshots an episode";
+    same(&carry_on(&mut midway()?, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)
+}
+
+/// What `restore` accepts is a state that the environment can be in.
+pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
+    const STEPS: usize = 20;
+    let env = subject.after(SEEDS[0], 5)?;
+    let space = env.observation_space();
+    let good = env.snapshot()?.get::<Json>()?;
+    for json in damaged(&good) {
+        let mut env = env.clone();
+        if env.restore(&Snapshot::of(&json)?).is_err() {
+            continue;
+        }
+        let place = || format!("after `restore` accepts a snapshot with {}", difference(&good, &json));
+        let mut actions = env.action_sampler(0)?;
+        for _ in 0..STEPS {
+            // a state in which no step can be taken does no harm
+            let Ok(step) = env.step(&actions.sample()) else { break };
+            if let Err(error) = space.check(&step.observation) {
+                return broken(format!("{}: {error}", place()));
+            }
+            if !step.reward.is_finite() {
+                return broken(format!("{}: the reward is {}", place(), step.reward));
+            }
+            if step.done() {
+                break;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! Snapshots with one part that they should not have.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value as Json, json};
+
+/// A way to a part: keys of objects and indices of arrays.
+type Path = Vec<String>;
+
+/// Copies of a snapshot, each with one part changed: every field and container has its turn, and of the
+/// elements of a long array the first and the last.
+pub(crate) fn damaged(good: &Json) -> Vec<Json> {
+    /// So many copies at most, unless there are more fields.
+    const MAX: usize = 1500;
+    let parts = representatives(good);
+    let mut copies = Vec::new();
+    for (turn, path) in parts.iter().enumerate() {
+        let Some(part) = good.pointer(&pointer(path)) else { continue };
+        let others = others(part);
+        let few = (MAX / parts.len()).clamp(3, others.len().max(3)).min(others.len());
+        // each kind of damage has its turn where there is no room for all
+        for other in others.iter().cycle().skip(turn).take(few) {
+            let mut copy = good.clone();
+            if let Some(place) = copy.pointer_mut(&pointer(path)) {
+                *place = other.clone();
+                copies.push(copy);
+            }
+        }
+    }
+    copies
+}
+
+/// Where two snapshots part, and how.
+pub(crate) fn difference(good: &Json, bad: &Json) -> String {
+    let path = paths(good).into_iter().rev().find(|path| {
+        let pointer = pointer(path);
+        good.pointer(&pointer) != bad.pointer(&pointer)
+    });
+    let pointer = pointer(&path.unwrap_or_default());
+    let text = |json: &Json| json.pointer(&pointer).map_or("nothing".into(), |part| part.to_string());
+    let short = |text: String| text.chars().take(60).collect::<String>();
+    format!("{} for {} at `{pointer}`", short(text(bad)), short(text(good)))
+}
+
+/// What could stand there instead: something of another kind, of another size, or a little off.
+fn others(part: &Json) -> Vec<Json> {
+    let mut others = match part {
+        Json::Number(number) => {
+            let float = number.as_f64().unwrap_or(0.0);
+            let near = match number.as_i64() {
+                Some(int) => [1, -1, 1000].map(|by| json!(int.saturating_add(by))).to_vec(),
+                None => [2.0 * float, float + 1.0, -float].map(|x| json!(x)).to_vec(),
+            };
+            [near, vec![json!(-1), json!(1000), json!(1e300), json!(u64::MAX)]].concat()
+        }
+        Json::Bool(is) => vec![json!(!is)],
+        Json::Array(items) => {
+            let less = items[..items.len().saturating_sub(1)].to_vec();
+            let more = [&items[..], items.last().map_or(&[json!(0)][..], std::slice::from_ref)].concat();
+            vec![json!(less), json!(more)]
+        }
+        Json::Object(map) => {
+            let less: Map<_, _> =
+                map.iter().skip(1).map(|(key, value)| (key.clone(), value.clone())).collect();
+            let mut more = map.clone();
+            more.insert("no_such_field".into(), json!(0));
+            vec![json!(less), json!(more)]
+        }
+        Json::String(text) => vec![json!(""), json!(format!("{text}0"))],
+        Json::Null => vec![],
+    };
+    others.extend([json!(null), json!("x"), json!([]), json!({})]);
+    others.retain(|other| other != part);
+    others
+}
+
+/// Every part once, of those that differ in the index within an array alone the first and the last.
+fn representatives(json: &Json) -> Vec<Path> {
+    /// Longer arrays are lists, of elements much alike.
+    const TUPLE: usize = 4;
+    let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
+    for path in paths(json) {
+        let mut kind = Vec::new();
+        for (depth, step) in path.iter().enumerate() {
+            let items = json.pointer(&pointer(&path[..depth])).and_then(Json::as_array);
+            // tuples have few elements, each of its own meaning
+            kind.push(if items.is_some_and(|items| items.len() > TUPLE) { "*" } else { step });
+        }
+        let kind = kind.join("/");
+        kinds.entry(kind).or_default().push(path);
+    }
+    let mut chosen = Vec::new();
+    for paths in kinds.into_values() {
+        let last = paths.len().checked_sub(1).filter(|last| *last > 0).map(|last| paths[last].clone());
+        chosen.extend(paths.into_iter().next());
+        chosen.extend(last);
+    }
+    chosen
+}
+
+/// The ways to all parts, containers before what they hold.
+fn paths(json: &Json) -> Vec<Path> {
+    fn walk(json: &Json, path: &mut Path, paths: &mut Vec<Path>) {
+        paths.push(path.clone());
+        let parts: Vec<(String, &Json)> = match json {
+            Json::Array(items) => items.iter().enumerate().map(|(i, item)| (i.to_string(), item)).collect(),
+            Json::Object(map) => map.iter().map(|(key, value)| (key.clone(), value)).collect(),
+            _ => Vec::new(),
+        };
+        for (step, part) in parts {
+            path.push(step);
+            walk(part, path, paths);
+            path.pop();
+        }
+    }
+    let mut paths = Vec::new();
+    walk(json, &mut Vec::new(), &mut paths);
+    paths
+}
+
+/// As JSON pointers are written.
+fn pointer(path: &[String]) -> String {
+    path.iter().map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_fields_beside_a_long_array_have_their_turn() {
+        let track: Vec<[f64; 2]> = (0..5000).map(|i| [f64::from(i), 0.5]).collect();
+        let good = json!({"track": track, "row": 3, "battery": 0.5, "done": false});
+        let copies = damaged(&good);
+        assert!(copies.len() < 200, "{}", copies.len());
+        for (field, value) in
+            [("row", json!(4)), ("row", json!(1003)), ("battery", json!(-1)), ("done", json!(true))]
+        {
+            assert!(copies.iter().any(|copy| copy[field] == value), "{field} = {value}");
+        }
+        let lengths: Vec<_> =
+            copies.iter().filter_map(|copy| Some(copy["track"].as_array()?.len())).collect();
+        assert!(lengths.contains(&4999) && lengths.contains(&5001));
+        assert!(copies.iter().any(|copy| copy["track"][4999][1] == json!(1.0)), "the last element too");
+        assert!(copies.iter().all(|copy| *copy != good));
+    }
+
+    #[test]
+    fn differences_are_named() {
+        let (good, bad) = (json!({"a": [1, 2]}), json!({"a": [1, 3]}));
+        assert_eq!(difference(&good, &bad), "3 for 2 at `/a/1`");
+    }
+}

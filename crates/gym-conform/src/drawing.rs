@@ -1,0 +1,206 @@
+//! Checks of drawings and render modes.
+
+use crate::subject::{SEEDS, STEPS, Subject, carry_on, same, tour};
+use crate::verdict::{Verdict, broken, skipped};
+use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::render::{RenderMode, Rendered, painter};
+use gym_core::wrappers::Render;
+use gym_core::{BoxEnv, Env};
+
+/// The largest frame that [`Render`] makes.
+const MAX_SIDE: u32 = 16384;
+
+pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.make()?;
+    let metadata = env.metadata();
+    let modes = metadata.render_modes;
+    if let Some(list) = modes.iter().find(|mode| mode.is_list()) {
+        return broken(format!("`render_modes` names {list}, which follows from {}", list.single()));
+    }
+    if let Some((i, mode)) = modes.iter().enumerate().find(|(i, mode)| modes[..*i].contains(mode)) {
+        return broken(format!("`render_modes` names {mode} again as number {i}"));
+    }
+    env.reset(0)?;
+    if env.metadata() != metadata {
+        return broken(format!("the metadata is {metadata:?} at first and {:?} after reset", env.metadata()));
+    }
+    if modes.is_empty() {
+        return match (Calls::of(&env).count, env.ansi()) {
+            (0, None) => Ok(()),
+            (0, _) => broken("there is a text for the mode ansi, which `render_modes` does not name"),
+            _ => broken("there is a drawing, and `render_modes` does not name rgb_array"),
+        };
+    }
+    let (width, height) = metadata.render_size;
+    let valid = 1..=MAX_SIDE;
+    if metadata.render_fps == 0 {
+        return broken("`render_fps` is 0");
+    }
+    if !(valid.contains(&width) && valid.contains(&height)) {
+        return broken(format!("`render_size` is {width}x{height}: both must be between 1 and {MAX_SIDE}"));
+    }
+    Ok(())
+}
+
+pub(crate) fn frame_rate(subject: &Subject<'_>) -> Verdict {
+    /// As fast as screens are.
+    const MAX: u32 = 240;
+    match subject.make()?.metadata().render_fps {
+        fps if fps > MAX => broken(format!("`render_fps` is {fps}")),
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
+    let is_drawn = is_drawn(&subject.make()?);
+    for seed in SEEDS {
+        tour(&mut subject.make()?, seed, STEPS, |env, step| {
+            let place = format!("seed {seed}, step {step}");
+            let calls = Calls::of(env);
+            if let Some(fault) = calls.fault {
+                return broken(format!("{place}: {fault}"));
+            }
+            if calls.depth != 0 {
+                return broken(format!("{place}: {} of the `push`es have no `pop`", calls.depth));
+            }
+            if is_drawn && calls.count == 0 {
+                return broken(format!("{place}: nothing is drawn"));
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
+    for seed in SEEDS {
+        let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
+        for step in 0..30 {
+            let (first, second) = (Calls::of(&env), Calls::of(&env));
+            if first.text != second.text {
+                return broken(format!(
+                    "seed {seed}, step {step}: drawn twice, it makes other calls the second time"
+                ));
+            }
+            if env.ansi() != env.ansi() {
+                return broken(format!("seed {seed}, step {step}: asked twice, `ansi` gives two texts"));
+            }
+            let what = "an episode that was drawn";
+            same(&carry_on(&mut unseen, seed + step, 1)?, &carry_on(&mut env, seed + step, 1)?, what)?;
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
+    let env = subject.reset(0)?;
+    let metadata = env.metadata();
+    let mut unpainted = false;
+    for &mode in metadata.render_modes {
+        if mode != RenderMode::Ansi && painter().is_none() {
+            unpainted = true;
+            continue;
+        }
+        if mode == RenderMode::Human {
+            // opens a window: what it shows are the pictures of rgb_array
+            if !metadata.render_modes.contains(&RenderMode::RgbArray) {
+                return broken(
+                    "`render_modes` names human without rgb_array, though both show the same drawing",
+                );
+            }
+            continue;
+        }
+        let rendered = Render::new(env.clone(), mode).and_then(|mut render| render.render());
+        match rendered {
+            Ok(Rendered::Frame(frame)) if (frame.width(), frame.height()) == metadata.render_size => (),
+            Ok(Rendered::Text(text)) if !text.is_empty() => (),
+            Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
+            Err(error) => return broken(format!("the mode {mode}: {error}")),
+        }
+    }
+    if unpainted {
+        return skipped("no crate that draws is linked: add gym-render and `use gym_render as _;`");
+    }
+    Ok(())
+}
+
+fn is_drawn(env: &BoxEnv) -> bool {
+    env.metadata().render_modes.iter().any(|mode| *mode != RenderMode::Ansi)
+}
+
+/// The calls of a drawing, exactly.
+#[derive(Default)]
+pub(crate) struct Calls {
+    pub(crate) text: String,
+    count: usize,
+    depth: usize,
+    fault: Option<String>,
+}
+
+impl Calls {
+    pub(crate) fn of(env: &BoxEnv) -> Self {
+        let mut calls = Self::default();
+        env.draw(&mut calls);
+        calls
+    }
+
+    fn call(&mut self, call: &str, numbers: &[f64]) {
+        self.count += 1;
+        if !numbers.iter().all(|x| x.is_finite()) {
+            self.fault.get_or_insert_with(|| format!("a number that is not finite is drawn: {call}"));
+        }
+        self.text += call;
+        self.text.push('\n');
+    }
+}
+
+/// The numbers that make a shape.
+fn numbers(shape: &Shape<'_>) -> Vec<f64> {
+    match *shape {
+        Shape::Polygon(points) | Shape::Polyline(points) => points.as_flattened().to_vec(),
+        Shape::Circle { center: [x, y], radius } => vec![x, y, radius],
+        Shape::Rect { min: [x, y], size: [w, h], corner } => vec![x, y, w, h, corner],
+        Shape::Path(segments) => {
+            let points = segments.iter().flat_map(|segment| match *segment {
+                Segment::Move(p) | Segment::Line(p) => vec![p],
+                Segment::Quad(a, b) => vec![a, b],
+                Segment::Cubic(a, b, c) => vec![a, b, c],
+                Segment::Close => vec![],
+            });
+            points.flatten().collect()
+        }
+    }
+}
+
+impl Canvas for Calls {
+    fn clear(&mut self, color: Color) {
+        self.call(&format!("clear {color:?}"), &[]);
+    }
+
+    fn fill(&mut self, shape: Shape<'_>, color: Color) {
+        self.call(&format!("fill {shape:?} {color:?}"), &numbers(&shape));
+    }
+
+    fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
+        self.call(&format!("stroke {shape:?} {width} {color:?}"), &[&numbers(&shape)[..], &[width]].concat());
+    }
+
+    fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
+        let [x, y] = position;
+        self.call(&format!("text {text:?} {position:?} {size} {align:?} {color:?}"), &[x, y, size]);
+    }
+
+    fn push(&mut self, transform: Transform) {
+        let Transform { x, y, origin } = transform;
+        self.call(&format!("push {transform:?}"), [x, y, origin].as_flattened());
+        self.depth += 1;
+    }
+
+    fn pop(&mut self) {
+        self.call("pop", &[]);
+        match self.depth.checked_sub(1) {
+            Some(depth) => self.depth = depth,
+            None => drop(self.fault.get_or_insert_with(|| "a `pop` has no `push`".into())),
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! What a check says about an environment.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// How bad a broken rule is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Something that users rely on does not hold.
+    Error,
+    /// It works, and is harder to use than it has to be.
+    Warning,
+}
+
+/// A broken rule.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// The name of the check, one of [`CHECKS`](crate::CHECKS).
+    pub check: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What was seen, and where.
+    pub message: String,
+    /// Why it matters.
+    pub why: &'static str,
+    /// How to mend it.
+    pub mend: &'static str,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let severity = match self.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        writeln!(f, "{severity}: {}: {}", self.check, self.message)?;
+        writeln!(f, "  why: {}", self.why)?;
+        write!(f, "  mend: {}", self.mend)
+    }
+}

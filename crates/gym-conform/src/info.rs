@@ -1,0 +1,83 @@
+//! Checks of `info`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::subject::{STEPS, Shown, Subject, alike, each_event, tour};
+use crate::verdict::{Verdict, broken};
+use gym_core::{BoxEnv, Env, Value};
+
+pub(crate) fn consistent(subject: &Subject<'_>) -> Verdict {
+    tour(&mut subject.make()?, 0, STEPS, |env, step| {
+        let entries = entries(env);
+        let mut keys: Vec<_> = entries.iter().map(|(key, _)| key).collect();
+        keys.sort_unstable();
+        if let Some(twice) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
+            return broken(format!("after step {step} info shows {:?} twice", twice[0]));
+        }
+        let again = self::entries(env);
+        if !alike(&entries, &again) {
+            return broken(format!(
+                "asked twice after step {step}, info shows {entries:?} and then {again:?}"
+            ));
+        }
+        Ok(())
+    })
+}
+
+/// Vectors gather entries in columns: each has one type, and is there after every step.
+pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
+    let mut forms: BTreeMap<String, String> = BTreeMap::new();
+    let mut keys: [Option<BTreeSet<String>>; 2] = [None, None];
+    each_event(subject, |shown, place| {
+        let (kind, what, info) = match shown {
+            Shown::Reset(_, info) => (0, "reset", info),
+            Shown::Step(_, info) => (1, "step", info),
+        };
+        // comes at the end of an episode, from a wrapper
+        let info = || info.iter().filter(|(key, _)| *key != "episode");
+        let now: BTreeSet<String> = info().map(|(key, _)| key.clone()).collect();
+        let before = keys[kind].get_or_insert_with(|| now.clone());
+        if let Some(key) = before.symmetric_difference(&now).next() {
+            let change = if now.contains(key) { "comes" } else { "goes" };
+            return broken(format!("{place}: the entry `{key}` {change} from one {what} to another"));
+        }
+        for (key, value) in info() {
+            let form = form(value);
+            let before = forms.entry(key.clone()).or_insert_with(|| form.clone());
+            if *before != form {
+                return broken(format!("{place}: the entry `{key}` is {form} and was {before}"));
+            }
+        }
+        Ok(())
+    })
+}
+
+/// The kind of a value, with the type and shape of arrays.
+fn form(value: &Value) -> String {
+    match value {
+        Value::Null => "nothing".into(),
+        Value::Bool(_) => "a bool".into(),
+        Value::Int(_) => "an integer".into(),
+        Value::Float(_) => "a float".into(),
+        Value::Text(_) => "a text".into(),
+        Value::Array(array) => format!("an array of {} with shape {:?}", array.dtype(), array.shape()),
+        Value::Dict(entries) => {
+            let entries: Vec<_> =
+                entries.iter().map(|(key, value)| format!("{key}: {}", form(value))).collect();
+            format!("a dict {{{}}}", entries.join(", "))
+        }
+        // lists may be of any length
+        _ => "a list".into(),
+    }
+}
+
+/// The entries, without wall-clock time.
+fn entries(env: &BoxEnv) -> Vec<(String, Value)> {
+    let mut entries = Vec::new();
+    env.info(&mut |key, value| {
+        if key != "episode" {
+            entries.push((key.to_owned(), value));
+        }
+    });
+    entries
+}

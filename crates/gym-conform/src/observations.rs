@@ -1,0 +1,97 @@
+//! Checks of what steps give: observations and rewards.
+
+use crate::subject::{SEEDS, Shown, Subject, alike, each_event, roll_out_into};
+use crate::verdict::{Verdict, broken};
+use gym_core::{Array, DType, Env, Space, Step, Value};
+
+pub(crate) fn in_space(subject: &Subject<'_>) -> Verdict {
+    let space = subject.make()?.observation_space();
+    each_event(subject, |shown, place| match space.check(shown.observation()) {
+        Ok(()) => Ok(()),
+        Err(error) => broken(format!("{place}: {error}")),
+    })?;
+    subject.long_runs()?.in_space()
+}
+
+pub(crate) fn dtype(subject: &Subject<'_>) -> Verdict {
+    let space = subject.make()?.observation_space();
+    each_event(subject, |shown, place| match other_dtype(&space, shown.observation()) {
+        Some((expected, actual)) => {
+            broken(format!("{place}: the observation has {actual} where {space} has {expected}"))
+        }
+        None => Ok(()),
+    })
+}
+
+/// The type of an array that the space names, and the one it has, if they differ.
+fn other_dtype(space: &Space, value: &Value) -> Option<(DType, DType)> {
+    match (space, value) {
+        (Space::Tuple(space), Value::Tuple(items)) => {
+            space.spaces().iter().zip(items).find_map(|(space, item)| other_dtype(space, item))
+        }
+        (Space::Dict(space), value) => {
+            space.spaces().iter().find_map(|(key, space)| other_dtype(space, value.get(key)?))
+        }
+        (_, Value::Array(array)) => {
+            let (expected, actual) = (space.dtype()?, Array::dtype(array));
+            (expected != actual).then_some((expected, actual))
+        }
+        _ => None,
+    }
+}
+
+pub(crate) fn finite(subject: &Subject<'_>) -> Verdict {
+    each_event(subject, |shown, place| match shown.observation() {
+        observation if observation.is_finite() => Ok(()),
+        observation => broken(format!("{place}: the observation is {observation}")),
+    })?;
+    subject.long_runs()?.finite()
+}
+
+pub(crate) fn reward_finite(subject: &Subject<'_>) -> Verdict {
+    each_event(subject, |shown, place| match shown {
+        Shown::Step(Step { reward, .. }, _) if !reward.is_finite() => {
+            broken(format!("{place}: the reward is {reward}"))
+        }
+        _ => Ok(()),
+    })?;
+    subject.long_runs()?.reward_finite()
+}
+
+pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.make()?;
+    for seed in SEEDS {
+        let fresh = roll_out_into(&mut env, seed, |_| Value::Null)?;
+        for (what, dirty) in [
+            ("kept", roll_out_into(&mut env, seed, |last| last)?),
+            ("full", roll_out_into(&mut env, seed, filled)?),
+        ] {
+            if let Some(i) = fresh.iter().zip(&dirty).position(|(a, b)| !alike(a, b)) {
+                return broken(format!(
+                    "seed {seed}, event {i}: into an empty buffer {} is written, and {} into one that was {what}",
+                    fresh[i], dirty[i]
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same value with other numbers.
+fn filled(value: Value) -> Value {
+    const OTHER: i64 = 77;
+    match value {
+        Value::Int(_) => Value::Int(OTHER),
+        Value::Float(_) => Value::Float(OTHER as f64),
+        Value::Text(_) => Value::Text("old".into()),
+        Value::Array(mut array) => {
+            array.fill_int(OTHER);
+            Value::Array(array)
+        }
+        Value::Tuple(items) => Value::Tuple(items.into_iter().map(filled).collect()),
+        Value::Dict(entries) => {
+            Value::Dict(entries.into_iter().map(|(key, value)| (key, filled(value))).collect())
+        }
+        other => other,
+    }
+}

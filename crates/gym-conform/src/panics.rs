@@ -1,0 +1,155 @@
+//! Checks that nothing a caller does makes an environment panic.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde_json::{Value as Json, json};
+
+use crate::arguments::effective;
+use crate::damage::damaged;
+use crate::inputs::{corners, huge, invalid, uniform};
+use crate::look::look;
+use crate::subject::{Subject, carry_on};
+use crate::verdict::{Verdict, broken};
+use gym_core::{BoxEnv, Env, Reset, Result, Snapshot, Value};
+
+/// What a panic says.
+pub(crate) fn message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    format!("it panics with {:?}", text.unwrap_or("no message"))
+}
+
+pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
+    attempt("before the first reset", || out_of_order(&mut subject.make()?))?;
+    attempt("when closed twice", || {
+        let mut env = subject.reset(0)?;
+        env.close();
+        env.close();
+        out_of_order(&mut env)?;
+        env.reset(0).map(drop)
+    })?;
+    attempt("when stepped beyond the end of an episode", || beyond_the_end(&mut subject.reset(0)?))?;
+    for action in odd_actions(&subject.make()?)? {
+        attempt(&format!("on the action {action:?}"), || {
+            let mut env = subject.reset(0)?;
+            for _ in 0..20 {
+                let _ = env.step(&action);
+            }
+            look(&env);
+            Ok(())
+        })?;
+    }
+    for (name, value) in odd_options() {
+        attempt(&format!("on the reset option {name}={value}"), || {
+            let mut env = subject.make()?;
+            let _ = env.reset(Reset::seed(0).option(name, value.clone()));
+            let _ = env.reset(Reset::default().option(name, value.clone()));
+            look(&env);
+            carry_on(&mut env, 0, 5).map(drop)
+        })?;
+    }
+    let env = subject.midway(0).ok();
+    let snapshot = env.as_ref().and_then(|env| env.snapshot().ok()?.get::<Json>().ok());
+    for json in snapshot.iter().flat_map(damaged) {
+        let Some(mut env) = env.clone() else { break };
+        let text = json.to_string();
+        attempt(&format!("on the snapshot {}", text.chars().take(200).collect::<String>()), || {
+            if env.restore(&Snapshot::of(&json)?).is_ok() {
+                look(&env);
+                let _ = carry_on(&mut env, 0, 5);
+                look(&env);
+            }
+            Ok(())
+        })?;
+    }
+    odd_arguments(subject)
+}
+
+/// Runs `f`, whose errors are no matter here.
+fn attempt(what: &str, f: impl FnOnce() -> Result<()>) -> Verdict {
+    match catch_unwind(AssertUnwindSafe(f)) {
+        Ok(_) => Ok(()),
+        Err(payload) => broken(format!("{what} {}", message(&*payload))),
+    }
+}
+
+/// Every call, on an environment that is in no episode.
+fn out_of_order(env: &mut BoxEnv) -> Result<()> {
+    look(env);
+    let _ = env.render();
+    let _ = env.generator().is_some();
+    if let Ok(snapshot) = env.snapshot() {
+        let _ = env.restore(&snapshot);
+    }
+    let action = env.action_sampler(0)?.sample();
+    let _ = env.step(&action);
+    let _ = env.step(&Value::Null);
+    Ok(())
+}
+
+fn beyond_the_end(env: &mut BoxEnv) -> Result<()> {
+    let mut actions = env.action_sampler(0)?;
+    let mut after_the_end = 0;
+    for _ in 0..500 {
+        match env.step(&actions.sample()) {
+            Ok(step) if after_the_end == 0 && !step.done() => (),
+            _ => after_the_end += 1,
+        }
+        if after_the_end == 20 {
+            break;
+        }
+    }
+    look(env);
+    Ok(())
+}
+
+/// Actions inside, at the edge of, beyond and beside the space.
+fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
+    let space = env.action_space();
+    let valid = env.action_sampler(0)?.sample();
+    let mut actions = invalid(&space, &valid);
+    actions.extend(corners(&space));
+    actions.extend(huge(&space));
+    actions.extend([0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY].iter().filter_map(|&x| uniform(&space, x)));
+    Ok(actions)
+}
+
+/// The options of Gymnasium's environments, with values that none of them expects.
+fn odd_options() -> impl Iterator<Item = (&'static str, Json)> {
+    let values =
+        [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
+    let names = ["low", "high", "x_init", "y_init", "randomize", "options", ""];
+    names.into_iter().flat_map(move |name| values.clone().map(|value| (name, value)))
+}
+
+/// Arguments of each name with values out of range, and an episode with those that are accepted.
+fn odd_arguments(subject: &Subject<'_>) -> Verdict {
+    let Some((spec, kwargs)) = effective(subject) else { return Ok(()) };
+    for (name, default) in &kwargs {
+        let values = match default {
+            Json::Number(number) if number.is_f64() => {
+                vec![json!(0.0), json!(-1.0), json!(1e308), json!(-1e308), json!(5e-324)]
+            }
+            // large sizes are honest requests to fill the memory
+            Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
+            Json::Bool(value) => vec![json!(!value)],
+            Json::String(_) => vec![json!(""), json!("no such value")],
+            Json::Array(_) => vec![json!([]), json!([null]), json!([[]]), json!([1e308])],
+            _ => vec![json!(0), json!(""), json!([]), json!([""]), json!({})],
+        };
+        for value in values {
+            attempt(&format!("with the argument {name}={value}"), || {
+                let mut with = spec.clone();
+                with.kwargs.insert(name.clone(), value.clone());
+                let mut env = with.make()?;
+                env.reset(0)?;
+                look(&env);
+                carry_on(&mut env, 0, 20)?;
+                look(&env);
+                Ok(())
+            })?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! Checks of what is said about an environment.
+
+use crate::subject::Subject;
+use crate::verdict::{Verdict, broken, skipped};
+
+pub(crate) fn constructs(subject: &Subject<'_>) -> Verdict {
+    match subject.make() {
+        Ok(_) => Ok(()),
+        Err(error) => broken(error.to_string()),
+    }
+}
+
+pub(crate) fn described(subject: &Subject<'_>) -> Verdict {
+    match &subject.registration {
+        Some(registration) if registration.about().trim().is_empty() => {
+            broken(format!("`{}` is registered without a description", registration.id()))
+        }
+        Some(registration) if says_nothing(registration.id(), registration.about().trim()) => {
+            broken(format!("`{}` is described as {:?}", registration.id(), registration.about()))
+        }
+        Some(_) => Ok(()),
+        None => skipped("it is not registered"),
+    }
+}
+
+/// Whether a description is the id over again, or yet to be written.
+fn says_nothing(id: &str, about: &str) -> bool {
+    let name = id.rsplit('/').next().unwrap_or(id);
+    let stem = name.rsplit_once("-v").map_or(name, |(stem, _)| stem);
+    [id, name, stem].contains(&about.trim_end_matches('.')) || about.starts_with("TODO")
+}
+
+pub(crate) fn versioned(subject: &Subject<'_>) -> Verdict {
+    let Some(registration) = &subject.registration else { return skipped("it is not registered") };
+    let version = registration.id().rsplit_once("-v").map(|(_, version)| version);
+    match version.is_some_and(|version| version.parse::<u32>().is_ok()) {
+        true => Ok(()),
+        false => broken(format!("`{}` has no version", registration.id())),
+    }
+}

@@ -1,0 +1,151 @@
+//! All checks over one environment, or over environments by id.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::thread;
+
+use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
+
+use crate::checks::{CHECKS, Check};
+use crate::finding::{Finding, Severity};
+use crate::panics;
+use crate::report::{Excused, Report, Skipped};
+use crate::subject::Subject;
+use crate::verdict::Trouble;
+
+/// Runs every check against the environments that `make` makes. No finding means that it conforms.
+///
+/// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
+/// the environment itself does. All others are checked as they come.
+pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
+    match bare(&make) {
+        Some(spec) => run(&Subject::of_spec(&|| spec.make(), spec.clone())).0,
+        None => run(&Subject::new(&make)).0,
+    }
+}
+
+/// How to make an environment without what hides its faults, if its spec makes just what `make` does.
+fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
+    // a panic shows again, and is told, when the first check makes an environment
+    let stacks = catch_unwind(AssertUnwindSafe(|| {
+        let made = make().ok()?;
+        let spec = made.spec()?;
+        let again = spec.make().ok()?;
+        (made.describe() == again.describe()).then_some(spec)
+    }));
+    stacks.ok().flatten().map(|spec| bare_spec(&spec))
+}
+
+/// The findings, and what was not checked for which reason.
+fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
+    // a panic shows again, and is told, in the check of equal seeds
+    let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
+    let (mut findings, mut skipped, mut passed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut errors, mut panics) = (Vec::new(), Vec::new());
+    let finding = |check: &Check, message: String| {
+        let Check { name, severity, why, mend, .. } = *check;
+        Finding { check: name, severity, message, why, mend }
+    };
+    for check in CHECKS {
+        if let Some(needed) = check.needs.iter().find(|needed| !passed.contains(*needed)) {
+            skipped.push(Skipped { check: check.name, reason: format!("it rests on {needed}") });
+            continue;
+        }
+        let panicked = match catch_unwind(AssertUnwindSafe(|| (check.run)(subject))) {
+            Ok(verdict) => match verdict {
+                Ok(()) => {
+                    passed.push(check.name);
+                    continue;
+                }
+                Err(Trouble::Broken(message)) => {
+                    findings.push(finding(check, message));
+                    continue;
+                }
+                Err(Trouble::Skipped(reason)) => {
+                    // what has nothing to say stands in nobody's way
+                    passed.push(check.name);
+                    skipped.push(Skipped { check: check.name, reason });
+                    continue;
+                }
+                Err(Trouble::Error(error)) => {
+                    errors.push((check, error));
+                    continue;
+                }
+            },
+            Err(payload) => panics::message(&*payload),
+        };
+        panics.push((check, panicked));
+    }
+    // A panic anywhere breaks one and the same rule.
+    if let (Some((check, panicked)), Some(no_panic)) = (panics.first(), CHECKS.last())
+        && findings.iter().all(|finding| finding.check != no_panic.name)
+    {
+        findings.push(finding(no_panic, format!("during {}: {panicked}", check.name)));
+    }
+    // A call that fails is told by the check that is about it; where none is, it is told here.
+    let is_explained = findings.iter().any(|finding| finding.severity == Severity::Error);
+    for (check, error) in errors {
+        if is_explained {
+            skipped.push(Skipped { check: check.name, reason: error.to_string() });
+        } else {
+            findings.push(finding(check, format!("it cannot be checked: {error}")));
+        }
+    }
+    (findings, skipped)
+}
+
+/// Runs every check over registered environments, several at a time. Each is checked without `OrderEnforcing` and
+/// `PassiveEnvChecker`, which would hide what the environment itself does.
+///
+/// # Errors
+/// What is wrong with an id. An environment that does not keep the rules is no error but a report.
+pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
+    reports_with(ids, |_| ())
+}
+
+/// As [`reports`], and calls `begin` with each id before its first check, so that one that hangs or aborts is known.
+///
+/// # Errors
+/// What is wrong with an id.
+pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<Report>> {
+    let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
+    let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
+    let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
+        let (specs, begin) = (&specs, &begin);
+        let report = move |spec: &EnvSpec| {
+            begin(&spec.id);
+            report(spec)
+        };
+        let handles: Vec<_> = (0..workers)
+            .map(|worker| {
+                let mine = specs.iter().enumerate().skip(worker).step_by(workers);
+                scope.spawn(move || mine.map(|(i, spec)| (i, report(spec))).collect::<Vec<_>>())
+            })
+            .collect();
+        handles
+            .into_iter()
+            .flat_map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    });
+    reports.sort_by_key(|(i, _)| *i);
+    Ok(reports.into_iter().map(|(_, report)| report).collect())
+}
+
+/// Without what hides faults.
+fn bare_spec(spec: &EnvSpec) -> EnvSpec {
+    EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
+}
+
+fn report(spec: &EnvSpec) -> Report {
+    let bare = bare_spec(spec);
+    let make = || bare.make();
+    let subject = Subject::of_spec(&make, bare.clone());
+    let (mut findings, skipped) = run(&subject);
+    let mut excused = Vec::new();
+    findings.retain(|finding| {
+        let registration = subject.registration.as_ref();
+        let reason = registration.and_then(|registration| registration.exception(finding.check));
+        excused.extend(reason.map(|reason| Excused { check: finding.check, reason }));
+        reason.is_none()
+    });
+    Report { id: spec.id.clone(), findings, excused, skipped }
+}

@@ -1,0 +1,101 @@
+//! Checks of the observation and the action space.
+
+use crate::subject::{Subject, carry_on};
+use crate::verdict::{Verdict, broken};
+use gym_core::{Env, Space};
+
+/// The longest side of an action that counts as normalised.
+const NORMAL: f64 = 1.0;
+
+/// Calls `visit` with both spaces and each space within, and where it is.
+fn each(subject: &Subject<'_>, mut visit: impl FnMut(&str, &Space) -> Verdict) -> Verdict {
+    let env = subject.make()?;
+    within("the observation space", &env.observation_space(), &mut visit)?;
+    within("the action space", &env.action_space(), &mut visit)
+}
+
+fn within(place: &str, space: &Space, visit: &mut dyn FnMut(&str, &Space) -> Verdict) -> Verdict {
+    visit(place, space)?;
+    match space {
+        Space::Tuple(space) => space
+            .spaces()
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, space)| within(&format!("{place}[{i}]"), space, visit)),
+        Space::Dict(space) => space
+            .spaces()
+            .iter()
+            .try_for_each(|(key, space)| within(&format!("{place}[{key:?}]"), space, visit)),
+        Space::OneOf(space) => space
+            .spaces()
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, space)| within(&format!("{place}[{i}]"), space, visit)),
+        Space::Sequence(space) => within(&format!("each item of {place}"), space.feature_space(), visit),
+        Space::Graph(space) => {
+            within(&format!("each node of {place}"), space.node_space(), visit)?;
+            space.edge_space().map_or(Ok(()), |edge| within(&format!("each edge of {place}"), edge, visit))
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn not_empty(subject: &Subject<'_>) -> Verdict {
+    each(subject, |place, space| {
+        let is_empty = match space {
+            Space::Tuple(space) => space.spaces().is_empty(),
+            Space::Dict(space) => space.spaces().is_empty(),
+            Space::Text(space) => space.max_length() == 0,
+            _ => space.shape().is_some_and(|shape| shape.contains(&0)),
+        };
+        if is_empty { broken(format!("{place} is {space}, in which there is nothing")) } else { Ok(()) }
+    })
+}
+
+pub(crate) fn width(subject: &Subject<'_>) -> Verdict {
+    each(subject, |place, space| {
+        let Space::Box(space) = space else { return Ok(()) };
+        let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
+        match bounds.position(|(low, high)| low == high) {
+            Some(i) => broken(format!("element {i} of {place}, {space}, has equal bounds")),
+            None => Ok(()),
+        }
+    })
+}
+
+pub(crate) fn bounded(subject: &Subject<'_>) -> Verdict {
+    each(subject, |place, space| match space {
+        Space::Box(space) if !space.is_bounded() => broken(format!("{place}, {space}, has infinite bounds")),
+        _ => Ok(()),
+    })
+}
+
+/// Gymnasium asks this of vectors alone.
+pub(crate) fn action_normalised(subject: &Subject<'_>) -> Verdict {
+    let Space::Box(space) = subject.make()?.action_space() else { return Ok(()) };
+    let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
+    let is_normal = |(low, high): (f64, f64)| -low == high && high <= NORMAL;
+    if space.shape().len() == 1 && !bounds.all(is_normal) {
+        return broken(format!("the action space, {space}, is not symmetric or goes beyond -1 and 1"));
+    }
+    Ok(())
+}
+
+pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.make()?;
+    let spaces = [env.observation_space(), env.action_space()];
+    let same = |now: [Space; 2], when: &str| {
+        let parts = ["the observation space", "the action space"];
+        for ((part, before), now) in parts.into_iter().zip(&spaces).zip(&now) {
+            if before != now {
+                return broken(format!("{part} is {before} at first and {now} {when}"));
+            }
+        }
+        Ok(())
+    };
+    env.reset(0)?;
+    same([env.observation_space(), env.action_space()], "after reset")?;
+    // steps that fail have a check of their own
+    let _ = carry_on(&mut env, 0, 20);
+    same([env.observation_space(), env.action_space()], "after some steps")
+}

@@ -1,0 +1,248 @@
+//! What is checked, and how its episodes are played and compared.
+
+use std::cell::OnceCell;
+
+use crate::long::LongRuns;
+use crate::verdict::{Trouble, Verdict, broken};
+use gym_core::{
+    BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Space, Step, Value, registry,
+};
+
+/// Episodes are compared over this many steps, through several resets where they are short.
+pub(crate) const STEPS: usize = 150;
+pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
+
+/// The environment under test.
+pub(crate) struct Subject<'a> {
+    make: &'a dyn Fn() -> Result<BoxEnv>,
+    /// A long run, played before anything else is.
+    first_run: OnceCell<Vec<Shown>>,
+    /// An episode for each seed, played once for all checks that only look.
+    events: OnceCell<Vec<(u64, Vec<Shown>)>>,
+    /// What longer runs show, played once as well.
+    long_runs: OnceCell<LongRuns>,
+    /// How it was made, and how it is registered, if it is.
+    pub(crate) spec: Option<EnvSpec>,
+    pub(crate) registration: Option<Registration>,
+}
+
+impl<'a> Subject<'a> {
+    pub(crate) fn new(make: &'a dyn Fn() -> Result<BoxEnv>) -> Self {
+        // a panic shows again, and is told, when the first check makes an environment
+        let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
+        let spec = made.ok().flatten();
+        let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
+        Self::with(make, spec, registration)
+    }
+
+    /// What `make` makes of a spec, which may fail.
+    pub(crate) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
+        let registration = registry::find(&spec.id).ok();
+        Self::with(make, Some(spec), registration)
+    }
+
+    fn with(
+        make: &'a dyn Fn() -> Result<BoxEnv>,
+        spec: Option<EnvSpec>,
+        registration: Option<Registration>,
+    ) -> Self {
+        let (first_run, events, long_runs) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
+        Self { make, first_run, events, long_runs, spec, registration }
+    }
+
+    /// A fresh environment.
+    pub(crate) fn make(&self) -> Result<BoxEnv> {
+        (self.make)()
+    }
+
+    /// A fresh environment without a time limit, if it can be told apart: what is in its snapshots is its own.
+    pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
+        match &self.spec {
+            Some(spec) if self.registration.is_some() => {
+                EnvSpec { max_episode_steps: None, ..spec.clone() }.make()
+            }
+            _ => self.make(),
+        }
+    }
+
+    /// A fresh environment, reset.
+    pub(crate) fn reset(&self, seed: u64) -> Result<BoxEnv> {
+        let mut env = self.make()?;
+        env.reset(seed)?;
+        Ok(env)
+    }
+
+    /// A fresh environment some steps into an episode.
+    pub(crate) fn midway(&self, seed: u64) -> Result<BoxEnv> {
+        self.after(seed, 5)
+    }
+
+    /// A fresh environment that many steps after its first reset, through other resets where episodes end.
+    pub(crate) fn after(&self, seed: u64, steps: usize) -> Result<BoxEnv> {
+        let mut env = self.make()?;
+        roll_out(&mut env, seed, steps)?;
+        Ok(env)
+    }
+
+    /// The steps of a comparison that sees what matters late: to the time limit, within reason.
+    pub(crate) fn long(&self) -> Result<usize> {
+        /// Hundreds of pictures fill the memory.
+        const PICTURE: usize = 10_000;
+        let elements = match self.make()?.observation_space() {
+            Space::Box(space) => space.shape().iter().product(),
+            _ => 0,
+        };
+        let limit = self.spec.as_ref().and_then(|spec| spec.max_episode_steps).unwrap_or(1000);
+        Ok(if elements > PICTURE { 400 } else { limit.clamp(400, 1600) as usize })
+    }
+
+    /// A long run of the first seed, which is played before anything else is: what counts steps beyond the
+    /// environment has counted none then.
+    pub(crate) fn first_run(&self) -> Result<&[Shown]> {
+        if let Some(run) = self.first_run.get() {
+            return Ok(run);
+        }
+        let run = roll_out(&mut self.make()?, SEEDS[0], self.long()?)?;
+        Ok(self.first_run.get_or_init(|| run))
+    }
+
+    /// What happens in an episode of each seed.
+    fn events(&self) -> Result<&[(u64, Vec<Shown>)]> {
+        if let Some(events) = self.events.get() {
+            return Ok(events);
+        }
+        let mut env = self.make()?;
+        let events = SEEDS.into_iter().map(|seed| Ok((seed, roll_out(&mut env, seed, STEPS)?)));
+        let events = events.collect::<Result<_>>()?;
+        Ok(self.events.get_or_init(|| events))
+    }
+
+    /// What is wrong in long and in odd runs.
+    pub(crate) fn long_runs(&self) -> Result<&LongRuns> {
+        if let Some(runs) = self.long_runs.get() {
+            return Ok(runs);
+        }
+        let runs = LongRuns::play(self.unlimited()?)?;
+        Ok(self.long_runs.get_or_init(|| runs))
+    }
+
+    /// Whether the same seed may give different episodes.
+    pub(crate) fn is_nondeterministic(&self) -> bool {
+        self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
+    }
+}
+
+/// What an environment showed after one reset or step.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Shown {
+    Reset(Value, Info),
+    Step(Step<Value>, Info),
+}
+
+impl Shown {
+    pub(crate) fn observation(&self) -> &Value {
+        match self {
+            Self::Reset(observation, _) | Self::Step(Step { observation, .. }, _) => observation,
+        }
+    }
+}
+
+/// Random actions for `steps` steps, with unseeded resets where an episode ends.
+pub(crate) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<Shown>> {
+    let observation = env.reset(seed)?;
+    let mut shown = vec![Shown::Reset(observation, info(env))];
+    shown.extend(carry_on(env, seed, steps)?);
+    Ok(shown)
+}
+
+/// As [`roll_out`], from the current state.
+pub(crate) fn carry_on(env: &mut BoxEnv, action_seed: u64, steps: usize) -> Result<Vec<Shown>> {
+    let mut actions = env.action_sampler(action_seed)?;
+    let mut shown = Vec::with_capacity(steps);
+    for _ in 0..steps {
+        let step = env.step(&actions.sample())?;
+        let done = step.done();
+        shown.push(Shown::Step(step, info(env)));
+        if done {
+            let observation = env.reset(())?;
+            shown.push(Shown::Reset(observation, info(env)));
+        }
+    }
+    Ok(shown)
+}
+
+/// Calls `visit` after each reset and each random step, at the last state of an episode too.
+pub(crate) fn tour(
+    env: &mut BoxEnv,
+    seed: u64,
+    steps: usize,
+    mut visit: impl FnMut(&BoxEnv, usize) -> Verdict,
+) -> Verdict {
+    let mut actions = env.action_sampler(seed)?;
+    env.reset(seed)?;
+    visit(env, 0)?;
+    for step in 1..=steps {
+        let is_over = env.step(&actions.sample())?.done();
+        visit(env, step)?;
+        if is_over {
+            env.reset(())?;
+            visit(env, step)?;
+        }
+    }
+    Ok(())
+}
+
+/// The entries of `info` without wall-clock time.
+fn info(env: &BoxEnv) -> Info {
+    let mut info = env.info_map();
+    if let Some(Value::Dict(episode)) = info.get_mut("episode") {
+        episode.retain(|(key, _)| key != "t");
+    }
+    info
+}
+
+/// Calls `visit` with each event of an episode for each seed, and the place to name it by.
+pub(crate) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &str) -> Verdict) -> Verdict {
+    for (seed, events) in subject.events()? {
+        for (i, shown) in events.iter().enumerate() {
+            visit(shown, &format!("seed {seed}, event {i}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// Says where two histories part. NaN counts as equal to itself: it has a check of its own.
+pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
+    match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
+        None => Ok(()),
+        Some(i) => broken(format!("{what} differs at event {i}: {:?} and {:?}", a[i], b[i])),
+    }
+}
+
+pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
+    a == b || format!("{a:?}") == format!("{b:?}")
+}
+
+/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers that hold
+/// what `buffer` makes of the last observation.
+pub(crate) fn roll_out_into(
+    env: &mut BoxEnv,
+    seed: u64,
+    mut buffer: impl FnMut(Value) -> Value,
+) -> std::result::Result<Vec<Value>, Trouble> {
+    let mut actions = env.action_sampler(seed)?;
+    let mut observation = buffer(Value::empty());
+    env.reset_into(&Reset::seed(seed), &mut observation)?;
+    let mut shown = vec![observation.clone()];
+    for _ in 0..STEPS {
+        observation = buffer(observation);
+        let outcome = env.step_into(&actions.sample(), &mut observation)?;
+        shown.push(observation.clone());
+        if outcome.done() {
+            observation = buffer(observation);
+            env.reset_into(&Reset::default(), &mut observation)?;
+            shown.push(observation.clone());
+        }
+    }
+    Ok(shown)
+}

@@ -1,0 +1,52 @@
+//! All checks as a test of a plugin.
+
+use gym_core::{Error, registry};
+
+use crate::report::{Format, Report};
+use crate::run::reports;
+
+/// The ids that a crate registers at link time, whether it is named `my-envs` or `my_envs`.
+pub fn ids_of(crate_name: &str) -> Vec<String> {
+    let underscored = crate_name.replace('-', "_");
+    let all = registry::all();
+    let own = all.iter().filter(|registration| registration.crate_name().replace('-', "_") == underscored);
+    own.map(|registration| registration.id().to_owned()).collect()
+}
+
+/// What [`suite!`](crate::suite) calls.
+///
+/// # Panics
+/// If the crate registers nothing, or one of its environments breaks a rule.
+pub fn assert_conforms(crate_name: &str) {
+    let ids = ids_of(crate_name);
+    assert!(
+        !ids.is_empty(),
+        "`{crate_name}` registers no environment: put `gym_core::register!(...)` at the top level of a module, and \
+         let there be one gym-core in `cargo tree --duplicates`"
+    );
+    let reports = reports(&ids).unwrap_or_else(|error: Error| panic!("{error}"));
+    let text = Format::Text.write(&reports);
+    println!("{text}");
+    assert!(reports.iter().all(Report::passes), "{text}");
+}
+
+/// A plugin's test: makes a `#[test]` that runs every check over every environment that a crate registers.
+///
+/// It stands in a file of the folder `tests`, with the crate's name as it is in `use`:
+///
+/// ```
+/// # use gym_conform as my_envs;
+/// gym_conform::suite!(my_envs);
+/// ```
+#[macro_export]
+macro_rules! suite {
+    ($name:ident) => {
+        // what is not named is not linked
+        use $name as _;
+
+        #[test]
+        fn every_environment_conforms() {
+            $crate::assert_conforms(stringify!($name));
+        }
+    };
+}

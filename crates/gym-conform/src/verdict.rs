@@ -1,0 +1,30 @@
+//! How a check ends.
+
+use gym_core::Error;
+
+/// What a check found.
+pub(crate) type Verdict<T = ()> = std::result::Result<T, Trouble>;
+
+/// Why a check did not pass.
+pub(crate) enum Trouble {
+    /// The rule is broken: what was seen, and where.
+    Broken(String),
+    /// There was nothing to check, or nothing to check it with.
+    Skipped(String),
+    /// A call failed that another check is about.
+    Error(Error),
+}
+
+impl From<Error> for Trouble {
+    fn from(error: Error) -> Self {
+        Self::Error(error)
+    }
+}
+
+pub(crate) fn broken<T>(message: impl Into<String>) -> Verdict<T> {
+    Err(Trouble::Broken(message.into()))
+}
+
+pub(crate) fn skipped<T>(reason: impl Into<String>) -> Verdict<T> {
+    Err(Trouble::Skipped(reason.into()))
+}

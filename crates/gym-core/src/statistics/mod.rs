@@ -1,0 +1,374 @@
+//! Running mean and variance by Chan's parallel update: Gymnasium's `RunningMeanStd`, in its order of
+//! operations.
+
+pub(crate) mod moments;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Array, DType, Data, Error, Result};
+use moments::{Batch, Rows};
+
+/// The weight of the initial mean 0 and variance 1.
+const INITIAL_COUNT: f64 = 1e-4;
+
+/// Mean and variance of each element of a row of numbers, estimated as rows come in: Gymnasium's
+/// `RunningMeanStd`.
+///
+/// [`NormalizeObservation`](crate::wrappers::NormalizeObservation) and
+/// [`NormalizeReward`](crate::wrappers::NormalizeReward) keep one each, around an environment and around
+/// a vector alike. It is data: take it out of a training, store it as JSON, put it into an environment
+/// for evaluation.
+///
+/// ```
+/// use gym_core::statistics::RunningMeanStd;
+///
+/// let mut statistics = RunningMeanStd::new(1);
+/// for x in [1.0_f32, 2.0, 3.0] {
+///     statistics.update(&[x].into())?;
+/// }
+/// assert!((statistics.mean().as_slice::<f32>().unwrap()[0] - 2.0).abs() < 1e-3);
+///
+/// let json = serde_json::to_string(&statistics).unwrap();
+/// assert_eq!(serde_json::from_str::<RunningMeanStd>(&json).unwrap(), statistics);
+/// # Ok::<(), gym_core::Error>(())
+/// ```
+///
+/// numpy computes in the type of its operands, so Gymnasium's statistics begin as `float32`. They
+/// stay so for `float32` rows and become `float64` with the first update by any other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts")]
+pub struct RunningMeanStd {
+    moments: Moments,
+    count: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Moments {
+    F32 { mean: Vec<f32>, var: Vec<f32> },
+    F64 { mean: Vec<f64>, var: Vec<f64> },
+}
+
+/// What is read of [`RunningMeanStd`] before it is checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parts {
+    moments: Moments,
+    count: f64,
+}
+
+impl TryFrom<Parts> for RunningMeanStd {
+    type Error = Error;
+
+    fn try_from(Parts { moments, count }: Parts) -> Result<Self> {
+        let (lens, is_variance) = match &moments {
+            Moments::F32 { mean, var } => ([mean.len(), var.len()], var.iter().all(|x| *x >= 0.0)),
+            Moments::F64 { mean, var } => ([mean.len(), var.len()], var.iter().all(|x| *x >= 0.0)),
+        };
+        let refuse = |reason: String| Err(Error::argument("RunningMeanStd", reason));
+        if lens[0] != lens[1] {
+            return refuse(format!("the mean has {} numbers and the variance {}", lens[0], lens[1]));
+        }
+        if !is_variance {
+            return refuse("a variance is negative or NaN".into());
+        }
+        if !(count > 0.0 && count.is_finite()) {
+            return refuse(format!("count is {count}: it must be above 0"));
+        }
+        Ok(Self { moments, count })
+    }
+}
+
+impl RunningMeanStd {
+    /// The statistics of `len` numbers before the first row: mean 0, variance 1, and next to no weight.
+    pub fn new(len: usize) -> Self {
+        Self { moments: Moments::F32 { mean: vec![0.0; len], var: vec![1.0; len] }, count: INITIAL_COUNT }
+    }
+
+    /// As [`new`](Self::new), in `float64` from the start.
+    pub fn new_f64(len: usize) -> Self {
+        Self { moments: Moments::F64 { mean: vec![0.0; len], var: vec![1.0; len] }, count: INITIAL_COUNT }
+    }
+
+    /// These statistics: `mean` and `variance` of as many numbers, both `float32` or both `float64`, of
+    /// `count` rows.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for other types or lengths, a variance that is negative or NaN, or a
+    /// count that is not above 0.
+    pub fn from_moments(mean: &Array, variance: &Array, count: f64) -> Result<Self> {
+        let moments = match (mean.data(), variance.data()) {
+            (Data::F32(mean), Data::F32(var)) => Moments::F32 { mean: mean.clone(), var: var.clone() },
+            (Data::F64(mean), Data::F64(var)) => Moments::F64 { mean: mean.clone(), var: var.clone() },
+            _ => {
+                let [mean, variance] = [mean.dtype(), variance.dtype()];
+                let reason =
+                    format!("mean and variance are {mean} and {variance}: both must be float32 or float64");
+                return Err(Error::argument("RunningMeanStd", reason));
+            }
+        };
+        Parts { moments, count }.try_into()
+    }
+
+    /// The mean of each number, of shape `(len,)`.
+    pub fn mean(&self) -> Array {
+        match &self.moments {
+            Moments::F32 { mean, .. } => mean.clone().into(),
+            Moments::F64 { mean, .. } => mean.clone().into(),
+        }
+    }
+
+    /// The variance of each number, of shape `(len,)`.
+    pub fn variance(&self) -> Array {
+        match &self.moments {
+            Moments::F32 { var, .. } => var.clone().into(),
+            Moments::F64 { var, .. } => var.clone().into(),
+        }
+    }
+
+    /// How many rows were taken in, and 0.0001 for the initial mean and variance.
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
+    /// How many numbers a row has.
+    pub fn len(&self) -> usize {
+        match &self.moments {
+            Moments::F32 { mean, .. } => mean.len(),
+            Moments::F64 { mean, .. } => mean.len(),
+        }
+    }
+
+    /// Whether a row has no numbers.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Takes in one row.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a row of another length.
+    pub fn update(&mut self, row: &Array) -> Result<()> {
+        self.expect_len(row.len())?;
+        self.update_row(row.dtype(), row.iter_f64());
+        Ok(())
+    }
+
+    /// Fails unless the statistics are of so many numbers.
+    pub(crate) fn expect_len(&self, len: usize) -> Result<()> {
+        if self.len() == len {
+            return Ok(());
+        }
+        let reason = format!("the statistics are of {} numbers, and a row has {len}", self.len());
+        Err(Error::argument("RunningMeanStd", reason))
+    }
+
+    /// The variance of the only number, where there is just one.
+    pub(crate) fn scalar_variance(&self) -> f64 {
+        match &self.moments {
+            Moments::F32 { var, .. } => var.first().map_or(1.0, |var| f64::from(*var)),
+            Moments::F64 { var, .. } => var.first().copied().unwrap_or(1.0),
+        }
+    }
+
+    /// Takes in one observation whose numbers were of type `dtype`.
+    pub(crate) fn update_row(&mut self, dtype: DType, values: impl Iterator<Item = f64>) {
+        let count = self.count;
+        if dtype != DType::F32
+            && let Some((scaled, mean, var)) = self.widen()
+        {
+            for (((mean, var), scaled), x) in mean.iter_mut().zip(var).zip(scaled).zip(values) {
+                update_f64(mean, var, scaled, count, Batch::of_one(x));
+            }
+            self.count += 1.0;
+            return;
+        }
+        match &mut self.moments {
+            Moments::F32 { mean, var } => {
+                for ((mean, var), x) in mean.iter_mut().zip(var).zip(values) {
+                    update_f32(mean, var, *var * count as f32, count, Batch::of_one(x as f32));
+                }
+            }
+            Moments::F64 { mean, var } => {
+                for ((mean, var), x) in mean.iter_mut().zip(var).zip(values) {
+                    update_f64(mean, var, *var * count, count, Batch::of_one(x));
+                }
+            }
+        }
+        self.count += 1.0;
+    }
+
+    /// Makes `float32` statistics `float64`, and returns them with the product of variance and count,
+    /// which in the update that does this is still `float32`. `None` if they were `float64` already.
+    fn widen(&mut self) -> Option<(Vec<f64>, &mut [f64], &mut [f64])> {
+        let Moments::F32 { mean, var } = &self.moments else { return None };
+        let count = self.count as f32;
+        let scaled = var.iter().map(|var| f64::from(var * count)).collect();
+        let [mean, var] = [mean, var].map(|numbers| numbers.iter().map(|x| f64::from(*x)).collect());
+        self.moments = Moments::F64 { mean, var };
+        match &mut self.moments {
+            Moments::F64 { mean, var } => Some((scaled, mean, var)),
+            Moments::F32 { .. } => None,
+        }
+    }
+
+    /// Takes in some observations at once, one per row, whose numbers were of type `dtype`.
+    pub(crate) fn update_rows(&mut self, dtype: DType, rows: &mut Rows) {
+        let count = self.count;
+        let n = match dtype {
+            DType::F32 => rows.f32s.moments(),
+            _ => rows.f64s.moments(),
+        };
+        if n == 0 {
+            return;
+        }
+        if dtype != DType::F32
+            && let Some((scaled, mean, var)) = self.widen()
+        {
+            for (((mean, var), scaled), batch) in
+                mean.iter_mut().zip(var).zip(scaled).zip(rows.f64s.batches())
+            {
+                update_f64(mean, var, scaled, count, batch);
+            }
+        } else {
+            match &mut self.moments {
+                Moments::F32 { mean, var } => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f32s.batches()) {
+                        update_f32(mean, var, *var * count as f32, count, batch);
+                    }
+                }
+                Moments::F64 { mean, var } if dtype == DType::F32 => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f32s.batches()) {
+                        update_f64(mean, var, *var * count, count, batch.widen());
+                    }
+                }
+                Moments::F64 { mean, var } => {
+                    for ((mean, var), batch) in mean.iter_mut().zip(var).zip(rows.f64s.batches()) {
+                        update_f64(mean, var, *var * count, count, batch);
+                    }
+                }
+            }
+        }
+        self.count += n as f64;
+    }
+
+    /// Takes in the moments of a batch of rows of one number each.
+    pub(crate) fn update_batch(&mut self, batch: Batch<f64>) {
+        let count = self.count;
+        if let Some((scaled, mean, var)) = self.widen() {
+            for ((mean, var), scaled) in mean.iter_mut().zip(var).zip(scaled) {
+                update_f64(mean, var, scaled, count, batch);
+            }
+        } else if let Moments::F64 { mean, var } = &mut self.moments {
+            for (mean, var) in mean.iter_mut().zip(var) {
+                update_f64(mean, var, *var * count, count, batch);
+            }
+        }
+        self.count += batch.n as f64;
+    }
+
+    /// `(x - mean) / sqrt(var + epsilon)` of each number into `out`.
+    pub(crate) fn normalize(
+        &self,
+        dtype: DType,
+        values: impl Iterator<Item = f64>,
+        epsilon: f64,
+        out: &mut [f32],
+    ) {
+        match &self.moments {
+            Moments::F32 { mean, var } => {
+                for (((mean, var), x), out) in mean.iter().zip(var).zip(values).zip(out) {
+                    let std = (var + epsilon as f32).sqrt();
+                    *out = match dtype {
+                        DType::F32 => (x as f32 - mean) / std,
+                        _ => ((x - f64::from(*mean)) / f64::from(std)) as f32,
+                    };
+                }
+            }
+            Moments::F64 { mean, var } => {
+                for (((mean, var), x), out) in mean.iter().zip(var).zip(values).zip(out) {
+                    *out = ((x - mean) / (var + epsilon).sqrt()) as f32;
+                }
+            }
+        }
+    }
+}
+
+macro_rules! update {
+    ($name:ident, $float:ty) => {
+        /// Takes a batch into the moments of `count` samples; `scaled` is the variance times the count.
+        fn $name(mean: &mut $float, var: &mut $float, scaled: $float, count: f64, batch: Batch<$float>) {
+            let (total, n) = ((count + batch.n as f64) as $float, batch.n as $float);
+            let delta = batch.mean - *mean;
+            let m2 = scaled + batch.m2 + delta * delta * count as $float * n / total;
+            *mean += delta * n / total;
+            *var = m2 / total;
+        }
+    };
+}
+update!(update_f32, f32);
+update!(update_f64, f64);
+
+pub(crate) fn check_epsilon(wrapper: &str, epsilon: f64) -> Result<()> {
+    if epsilon > 0.0 && epsilon.is_finite() {
+        return Ok(());
+    }
+    Err(Error::argument(wrapper, format!("epsilon is {epsilon}: it must be above 0")))
+}
+
+pub(crate) fn check_gamma(gamma: f64) -> Result<()> {
+    match (0.0..=1.0).contains(&gamma) {
+        true => Ok(()),
+        false => Err(Error::argument("NormalizeReward", format!("gamma is {gamma}: it must be in [0, 1]"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_statistics_is_refused() {
+        let parse =
+            |json: &str| serde_json::from_str::<RunningMeanStd>(json).map_err(|error| error.to_string());
+        parse(r#"{"moments": {"F64": {"mean": [0.5], "var": [2.0]}}, "count": 3.0}"#).unwrap();
+        for (json, reason) in [
+            (
+                r#"{"moments": {"F64": {"mean": [0.5], "var": [-2.0]}}, "count": 3.0}"#,
+                "a variance is negative",
+            ),
+            (r#"{"moments": {"F32": {"mean": [0.5], "var": []}}, "count": 3.0}"#, "the mean has 1 numbers"),
+            (r#"{"moments": {"F32": {"mean": [0.5], "var": [1.0]}}, "count": 0.0}"#, "count is 0"),
+            (
+                r#"{"moments": {"F32": {"mean": [0.5], "var": [1.0]}}, "count": 1.0, "cout": 1}"#,
+                "unknown field",
+            ),
+        ] {
+            assert!(parse(json).unwrap_err().contains(reason), "{json}");
+        }
+        assert!(RunningMeanStd::new(2).update(&[1.0_f32].into()).is_err());
+        assert!(RunningMeanStd::from_moments(&[1.0_f32].into(), &[1.0_f64].into(), 1.0).is_err());
+    }
+
+    #[test]
+    fn statistics_are_rebuilt_from_their_moments() {
+        for dtype in [DType::F32, DType::F64] {
+            let mut running = RunningMeanStd::new(2);
+            running.update_row(dtype, [0.1, 3.0].into_iter());
+            let again = RunningMeanStd::from_moments(&running.mean(), &running.variance(), running.count());
+            assert_eq!(again.unwrap(), running);
+        }
+    }
+
+    #[test]
+    fn moments_approach_those_of_the_samples() {
+        let samples: Vec<f64> = (0..1000).map(|i| f64::from(i % 10)).collect();
+        for dtype in [DType::F32, DType::F64] {
+            let mut running = RunningMeanStd::new(1);
+            samples.iter().for_each(|x| running.update_row(dtype, std::iter::once(*x)));
+            let mut out = [0.0; 2];
+            running.normalize(dtype, std::iter::once(4.5), 1e-8, &mut out[..1]);
+            running.normalize(dtype, std::iter::once(4.5 + 8.25f64.sqrt()), 1e-8, &mut out[1..]);
+            assert!(out[0].abs() < 1e-4 && (out[1] - 1.0).abs() < 1e-3, "{out:?}");
+        }
+    }
+}

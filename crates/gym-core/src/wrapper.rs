@@ -1,0 +1,281 @@
+//! The trait of wrappers, in which every method that is left out is the inner environment's.
+
+use std::any::{Any, TypeId};
+
+use crate::canvas::Canvas;
+use crate::env::short_type_name;
+use crate::render::{Metadata, RenderMode, Rendered};
+use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec};
+
+/// An environment around another one, that changes some of it: Gymnasium's `Wrapper`.
+///
+/// A wrapper says where the inner environment is, and how it resets and steps. Whatever else it leaves
+/// out goes to the inner environment. Every `Wrapper` is an [`Env`].
+///
+/// ```
+/// use gym_core::{Env, Outcome, Reset, Result, WrapperSpec};
+///
+/// /// Pays the agent in cents.
+/// #[derive(Clone, Debug)]
+/// pub struct Cents<E> {
+///     env: E,
+/// }
+///
+/// impl<E: Env> gym_core::Wrapper for Cents<E> {
+///     type Inner = E;
+///     type Observation = E::Observation;
+///     type Action = E::Action;
+///
+///     fn inner(&self) -> &E {
+///         &self.env
+///     }
+///
+///     fn inner_mut(&mut self) -> &mut E {
+///         &mut self.env
+///     }
+///
+///     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+///         self.env.reset_into(reset, observation)
+///     }
+///
+///     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+///         let outcome = self.env.step_into(action, observation)?;
+///         Ok(Outcome { reward: 100.0 * outcome.reward, ..outcome })
+///     }
+///
+///     fn wrapper_spec(&self) -> Option<WrapperSpec> {
+///         Some(WrapperSpec::new("my_envs/Cents"))
+///     }
+/// }
+/// ```
+///
+/// Name the trait by its path where you implement it, as above, and do not import it: it has methods of
+/// the same names as [`Env`], and with both in scope `env.render_into(…)` could mean either. Within the
+/// implementation itself, call the wrapper's own methods as `Env::reset_into(self, …)`.
+///
+/// # What a wrapper owes
+/// - **State.** A wrapper that keeps something from step to step stores it beside the inner snapshot, in
+///   [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
+/// - **A stored form.** [`wrapper_spec`](Self::wrapper_spec) names the wrapper and its arguments; a
+///   [`WrapperRegistration`](crate::registry::WrapperRegistration) of that name rebuilds it. Without
+///   one the [`spec`](Env::spec) of the whole stack is `None`: what it would rebuild is another
+///   environment.
+/// - **Spaces.** A wrapper with another `Observation` or `Action` type has another
+///   [`observation_space`](Self::observation_space) or [`action_space`](Self::action_space).
+pub trait Wrapper: Clone + Send + 'static {
+    /// The environment within.
+    type Inner: Env;
+    /// What the agent sees.
+    type Observation: Element;
+    /// What the agent does.
+    type Action: Element;
+
+    /// The environment within.
+    fn inner(&self) -> &Self::Inner;
+
+    /// The environment within.
+    fn inner_mut(&mut self) -> &mut Self::Inner;
+
+    /// As [`Env::reset_into`].
+    ///
+    /// # Errors
+    /// Those of the inner environment, and the wrapper's own.
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
+
+    /// As [`Env::step_into`].
+    ///
+    /// # Errors
+    /// Those of the inner environment, and the wrapper's own.
+    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
+
+    /// How a spec names this wrapper; `None` where it has no stored form, as a wrapper around a function
+    /// has none.
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        None
+    }
+
+    /// How the whole stack is made again: the inner [`spec`](Env::spec) with
+    /// [`wrapper_spec`](Self::wrapper_spec) added, or `None` where either is.
+    fn spec(&self) -> Option<EnvSpec> {
+        let wrapper = self.wrapper_spec()?;
+        self.inner().spec().map(|spec| spec.wrapped(wrapper))
+    }
+
+    /// As [`Env::describe`]: the name of the wrapper's type around what is within.
+    fn describe(&self) -> String {
+        let inner = self.inner().describe();
+        let inner = inner.strip_prefix('<').and_then(|text| text.strip_suffix('>')).unwrap_or(&inner);
+        format!("<{}<{inner}>>", short_type_name::<Self>())
+    }
+
+    /// As [`Env::layer`]: the wrapper itself, or a layer within.
+    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+        if layer == TypeId::of::<Self>() { Some(self) } else { self.inner().layer(layer) }
+    }
+
+    /// As [`Env::layer_mut`]: the wrapper itself, or a layer within.
+    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+        if layer == TypeId::of::<Self>() { Some(self) } else { self.inner_mut().layer_mut(layer) }
+    }
+
+    /// As [`Env::observation_space`].
+    fn observation_space(&self) -> Space {
+        self.inner().observation_space()
+    }
+
+    /// As [`Env::action_space`].
+    fn action_space(&self) -> Space {
+        self.inner().action_space()
+    }
+
+    /// As [`Env::snapshot`].
+    ///
+    /// # Errors
+    /// Those of the inner environment, and the wrapper's own.
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.inner().snapshot()
+    }
+
+    /// As [`Env::restore`].
+    ///
+    /// # Errors
+    /// Those of the inner environment, and the wrapper's own; then nothing has changed.
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.inner_mut().restore(snapshot)
+    }
+
+    /// As [`Env::info`].
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.inner().info(visit);
+    }
+
+    /// As [`Env::metadata`].
+    fn metadata(&self) -> Metadata {
+        self.inner().metadata()
+    }
+
+    /// As [`Env::draw`].
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        self.inner().draw(canvas);
+    }
+
+    /// As [`Env::ansi`].
+    fn ansi(&self) -> Option<String> {
+        self.inner().ansi()
+    }
+
+    /// As [`Env::render_mode`].
+    fn render_mode(&self) -> Option<RenderMode> {
+        self.inner().render_mode()
+    }
+
+    /// As [`Env::render_into`].
+    ///
+    /// # Errors
+    /// Those of the inner environment, and the wrapper's own.
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.inner_mut().render_into(rendered)
+    }
+
+    /// As [`Env::generator`].
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.inner_mut().generator()
+    }
+
+    /// As [`Env::close`].
+    fn close(&mut self) {
+        self.inner_mut().close();
+    }
+}
+
+/// Every method of [`Env`] that an implementation can change, but for those that convert observations
+/// and actions, by calling the same method of `self` or of a field of it.
+///
+/// This is the one list of them: a method that is new in `Env` is added here, and the compiler asks for it
+/// wherever the list is used. A test compares it with the trait.
+macro_rules! forward {
+    ($($field:tt)?) => {
+        fn observation_space(&self) -> Space {
+            self$(.$field)?.observation_space()
+        }
+
+        fn action_space(&self) -> Space {
+            self$(.$field)?.action_space()
+        }
+
+        fn snapshot(&self) -> Result<Snapshot> {
+            self$(.$field)?.snapshot()
+        }
+
+        fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+            self$(.$field)?.restore(snapshot)
+        }
+
+        fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+            self$(.$field)?.info(visit);
+        }
+
+        fn metadata(&self) -> Metadata {
+            self$(.$field)?.metadata()
+        }
+
+        fn draw(&self, canvas: &mut dyn Canvas) {
+            self$(.$field)?.draw(canvas);
+        }
+
+        fn ansi(&self) -> Option<String> {
+            self$(.$field)?.ansi()
+        }
+
+        fn render_mode(&self) -> Option<RenderMode> {
+            self$(.$field)?.render_mode()
+        }
+
+        fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+            self$(.$field)?.render_into(rendered)
+        }
+
+        fn spec(&self) -> Option<EnvSpec> {
+            self$(.$field)?.spec()
+        }
+
+        fn describe(&self) -> String {
+            self$(.$field)?.describe()
+        }
+
+        fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+            self$(.$field)?.layer(layer)
+        }
+
+        fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+            self$(.$field)?.layer_mut(layer)
+        }
+
+        fn generator(&mut self) -> Option<&mut Generator> {
+            self$(.$field)?.generator()
+        }
+
+        fn close(&mut self) {
+            self$(.$field)?.close();
+        }
+    };
+}
+pub(crate) use forward;
+
+/// A wrapper is an environment: each method is that of the wrapper.
+impl<W: Wrapper> Env for W {
+    type Observation = W::Observation;
+    type Action = W::Action;
+
+    #[inline]
+    fn reset_into(&mut self, reset: &Reset, observation: &mut W::Observation) -> Result<()> {
+        Wrapper::reset_into(self, reset, observation)
+    }
+
+    #[inline]
+    fn step_into(&mut self, action: &W::Action, observation: &mut W::Observation) -> Result<Outcome> {
+        Wrapper::step_into(self, action, observation)
+    }
+
+    forward!();
+}

@@ -1,0 +1,218 @@
+//! What happens around an episode: after `close`, where buffers shrink, where an id lacks its version, where an
+//! environment cuts its own episodes off.
+
+use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics};
+use gym_core::{
+    Array, BoxEnv, Dynamics, Env, Error, Generator, NoArguments, Registration, Reset, Result, Snapshot,
+    Space, Stateful, Transition, Value, Wrap, registry,
+};
+use serde::{Deserialize, Serialize};
+
+/// Walk on until the budget of 3 steps is spent; observed as an array.
+#[derive(Clone, Debug)]
+struct Budget(Config);
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Config {
+    budget: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self { budget: 3.0 }
+    }
+}
+
+impl Dynamics for Budget {
+    type Config = Config;
+    type State = i64;
+    type Observation = Array;
+    type Action = i64;
+    const NAME: &'static str = "Budget";
+
+    fn new(config: Config) -> Result<Self> {
+        Ok(Self(config))
+    }
+
+    fn config(&self) -> &Config {
+        &self.0
+    }
+
+    fn observation_space(&self) -> Space {
+        Space::boxed([0.0], [100.0])
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn start(&self, _reset: &Reset, _rng: &mut Generator) -> Result<i64> {
+        Ok(0)
+    }
+
+    fn transition(&self, state: &i64, _action: &i64, _rng: &mut Generator) -> Result<Transition<i64>> {
+        Ok(Transition { state: state + 1, reward: 1.0, terminated: *state == 9 })
+    }
+
+    fn observe(&self, state: &i64) -> Array {
+        Array::from([*state as f32])
+    }
+
+    fn observe_into(&self, state: &i64, observation: &mut Array) {
+        match observation.as_mut_slice::<f32>() {
+            Some([x]) => *x = *state as f32,
+            _ => *observation = self.observe(state),
+        }
+    }
+
+    fn truncates(&self, state: &i64) -> bool {
+        *state as f64 >= self.0.budget
+    }
+
+    fn is_valid(&self, state: &i64) -> bool {
+        (0..=10).contains(state)
+    }
+}
+
+gym_core::register!(Registration::new::<Stateful<Budget>>("seams/Budget-v2"));
+gym_core::register!(Registration::new::<Stateful<Budget>>("seams/Budget-v4"));
+
+fn make() -> BoxEnv {
+    gym_core::make("seams/Budget-v4").unwrap()
+}
+
+fn play(env: &mut impl Env<Action = i64>, episodes: usize) {
+    for _ in 0..episodes {
+        env.reset(0).unwrap();
+        while !env.step(&0).unwrap().done() {}
+    }
+}
+
+#[test]
+fn dynamics_truncate_and_keep_their_buffer() {
+    let mut env = Stateful::<Budget>::new(Config::default()).unwrap();
+    let mut observation = env.reset(0).unwrap();
+    let place = observation.as_slice::<f32>().unwrap().as_ptr();
+    let ends: Vec<_> = (0..4)
+        .map(|_| {
+            env.step_into(&0, &mut observation)
+                .map(|outcome| (outcome.terminated, outcome.truncated))
+                .unwrap()
+        })
+        .collect();
+    assert_eq!(ends, [(false, false), (false, false), (false, true), (false, true)]);
+    assert_eq!(observation.as_slice::<f32>().unwrap(), [4.0]);
+    assert_eq!(observation.as_slice::<f32>().unwrap().as_ptr(), place);
+}
+
+#[test]
+fn a_smaller_buffer_keeps_the_last_episodes() {
+    let mut env = RecordEpisodeStatistics::new(Stateful::<Budget>::new(Config::default()).unwrap());
+    play(&mut env, 20);
+    for (length, kept) in [(5, 5), (8, 5), (3, 3)] {
+        env = env.with_buffer_length(length).unwrap();
+        assert_eq!(env.episodes().len(), kept);
+    }
+    play(&mut env, 40);
+    assert_eq!((env.episodes().len(), env.episode_count()), (3, 60));
+    assert!(env.episodes().all(|episode| episode.length == 3));
+}
+
+#[test]
+fn nothing_opens_a_closed_environment() {
+    let mut env = make();
+    env.reset(0).unwrap();
+    let snapshot = env.snapshot().unwrap();
+    env.close();
+    let closed = |result: Result<()>| matches!(result, Err(Error::Closed(_)));
+    assert!(closed(env.restore(&snapshot)));
+    assert!(closed(env.snapshot().map(drop)));
+    assert!(closed(env.reset(0).map(drop)));
+    assert!(closed(env.step(&Value::Int(0)).map(drop)));
+    assert!(closed(env.render().map(drop)));
+    // and none that is open is closed by what it restores
+    let mut env = OrderEnforcing::new(Stateful::<Budget>::new(Config::default()).unwrap());
+    env.reset(0).unwrap();
+    let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
+    let text = text.replace("\"Reset\"", "\"Closed\"");
+    assert!(text.contains("Closed") && env.restore(&serde_json::from_str(&text).unwrap()).is_err());
+    env.step(&0).unwrap();
+}
+
+#[test]
+fn messages_name_what_is_wrong_first() {
+    let message = |error: Error| {
+        assert_eq!(format!("{error:?}"), error.to_string(), "`fn main() -> Result<()>` prints the first");
+        error.to_string()
+    };
+    let error = message(registry::find("seams/Budget").unwrap_err());
+    assert_eq!(
+        error,
+        "environment `seams/Budget` has versions: ask for one of `seams/Budget-v2`, `seams/Budget-v4`"
+    );
+    let error = message(registry::find("seams/Budget-v3").unwrap_err());
+    assert!(error.contains("version 3"), "{error}");
+    let error = message(gym_core::builder("seams/Budget-v4").arg("budget", f64::NAN).build().unwrap_err());
+    assert!(error.contains("NaN or infinite"), "{error}");
+    let mut env = make().rescale_observation(0.0, 1.0).unwrap();
+    env.reset(0).unwrap();
+    let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());
+    assert!(error.starts_with("invalid action: expected a whole number, not an array"), "{error}");
+    assert!(error.len() < 500, "{} characters", error.len());
+    let error = message(Space::boxed([-1.0], [1.0]).check(&Value::from([0.5_f64])).unwrap_err());
+    assert!(error.starts_with("the numbers are float64 and should be float32"), "{error}");
+}
+
+/// An environment without snapshots.
+#[derive(Clone)]
+struct Forgetful;
+
+impl Env for Forgetful {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(1)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(1)
+    }
+
+    fn reset_into(&mut self, _reset: &Reset, observation: &mut i64) -> Result<()> {
+        *observation = 0;
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &i64, observation: &mut i64) -> Result<gym_core::Outcome> {
+        *observation = 0;
+        Ok(gym_core::Outcome::default())
+    }
+}
+
+impl registry::Configure for Forgetful {
+    type Config = NoArguments;
+
+    fn configure(_: NoArguments) -> Result<Self> {
+        Ok(Self)
+    }
+}
+
+#[test]
+fn snapshots_of_something_else_say_whose_they_are() {
+    let mut env = make();
+    env.reset(0).unwrap();
+    let other = Snapshot::with_config("CartPole", &NoArguments {}, &Some(1)).unwrap();
+    let mut bare = Stateful::<Budget>::new(Config::default()).unwrap();
+    let error = bare.restore(&other).unwrap_err().to_string();
+    assert!(error.contains("this is a snapshot of CartPole, not of Budget"), "{error}");
+    let error = env.restore(&Snapshot::of(&(other, 3)).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("CartPole"), "{error}");
+    let error = bare.restore(&env.snapshot().unwrap()).unwrap_err().to_string();
+    assert!(error.contains("other wrappers"), "{error}");
+    for error in [Forgetful.snapshot().unwrap_err(), Forgetful.restore(&env.snapshot().unwrap()).unwrap_err()]
+    {
+        assert!(error.to_string().contains("implement `Env::snapshot` and `Env::restore`"), "{error}");
+    }
+}

@@ -1,0 +1,71 @@
+//! `cargo xtask demo`: the main job over every linked environment.
+
+use std::path::PathBuf;
+
+use gym::render::RenderMode;
+use gym::rendering::Recorder;
+use gym::{EnvSpec, Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::plots;
+use crate::policy::{Episode, Policy};
+use crate::run::summary;
+use crate::selection::Selection;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Episodes of each environment.
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..))]
+    episodes: u64,
+    /// Where the files go.
+    #[arg(long, default_value = "target/demo")]
+    out: PathBuf,
+    /// Frames of each GIF at most.
+    #[arg(long, default_value_t = 200)]
+    max_frames: u64,
+}
+
+/// Episodes of environments without a time limit are cut off here.
+const STEP_LIMIT: u32 = 10_000;
+
+pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
+    std::fs::create_dir_all(&arguments.out).map_err(|error| Error::io(&arguments.out, error))?;
+    let registrations = selection.of(&[])?;
+    let bar = ProgressBar::new(registrations.len() as u64 * arguments.episodes).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let mut table = Vec::new();
+    for registration in registrations {
+        let spec = registration.spec()?;
+        let id = spec.id.clone();
+        bar.set_message(id.clone());
+        let episodes = play(spec, arguments, &bar)?;
+        table.push(format!("{id:28} {}", summary(&episodes)));
+        let runs = [("random policy".to_owned(), episodes)];
+        for extension in ["svg", "png"] {
+            let path = arguments.out.join(format!("{}.{extension}", crate::file_stem(&id)));
+            plots::write(&path, &id, &runs)?;
+        }
+    }
+    bar.finish_and_clear();
+    println!("Random policy, {} episodes each: mean [min, max]\n{}", arguments.episodes, table.join("\n"));
+    println!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display());
+    Ok(())
+}
+
+/// Plays the episodes of one environment and records the first ones.
+fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
+    let path = arguments.out.join(format!("{}.gif", crate::file_stem(&spec.id)));
+    let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
+    let mut env = EnvSpec { max_episode_steps, render_mode: Some(RenderMode::RgbArray), ..spec }.make()?;
+    let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
+    let episodes = (0..arguments.episodes)
+        .map(|seed| {
+            bar.inc(1);
+            Policy::Random.play(&mut env, seed, |env| recorder.capture(env))
+        })
+        .collect::<Result<_>>()?;
+    recorder.finish()?;
+    Ok(episodes)
+}

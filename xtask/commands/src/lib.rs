@@ -1,0 +1,147 @@
+//! Commands over every environment that is linked: `cargo xtask help`.
+//!
+//! The program `xtask` builds this crate with what a command needs, and runs it; for a plugin it makes a program that
+//! links the plugin and calls [`main_of`].
+
+mod bench;
+#[cfg(feature = "conform")]
+mod conform;
+mod demo;
+#[cfg(feature = "families")]
+mod docs;
+mod gif;
+#[cfg(feature = "families")]
+mod heuristic;
+mod keys;
+mod list;
+mod new;
+mod play;
+mod plots;
+mod policy;
+mod replay;
+mod run;
+mod selection;
+mod soak;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use gym::{Error, Result};
+
+use crate::selection::Selection;
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Commands over every environment that is linked")]
+struct Arguments {
+    /// The folder of a crate with environments of its own, instead of those of this workspace, for every command but
+    /// `new` and `docs`.
+    #[arg(long, global = true, value_name = "PATH")]
+    plugin: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Lists the environments.
+    List(list::Arguments),
+    /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
+    Demo(demo::Arguments),
+    /// Records one episode as a GIF, animated PNG or MP4.
+    Gif(gif::Arguments),
+    /// Lets you play, with the keyboard.
+    Play(play::Arguments),
+    /// Plays one episode per seed and prints returns and lengths.
+    Run(run::Arguments),
+    /// Repeats recorded traces and compares, or writes, the answers.
+    Replay(replay::Arguments),
+    /// Writes the pages about the environments, and checks the book.
+    #[cfg(feature = "families")]
+    Docs(docs::Arguments),
+    /// Measures steps and frames per second.
+    Bench(bench::Arguments),
+    /// Checks that environments keep the rules.
+    #[cfg(feature = "conform")]
+    Conform(conform::Arguments),
+    /// Starts a crate with an environment of your own.
+    New(new::Arguments),
+    /// Steps through every environment for a long time, and watches the memory.
+    Soak(soak::Arguments),
+}
+
+/// Runs the command that the program's arguments name, over every environment that is linked.
+pub fn main() -> ExitCode {
+    start(Selection::All)
+}
+
+/// As [`main`], over the environments that a crate registers.
+pub fn main_of(crate_name: &'static str) -> ExitCode {
+    start(Selection::Crate(crate_name))
+}
+
+fn start(selection: Selection) -> ExitCode {
+    log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
+    match command(Arguments::parse(), selection) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command(arguments: Arguments, selection: Selection) -> Result<()> {
+    if arguments.plugin.is_some() {
+        return Err(Error::custom("`--plugin` builds a program around the plugin: run it as `cargo xtask`"));
+    }
+    match arguments.command {
+        Command::List(arguments) => list::list(&arguments, selection),
+        Command::Demo(arguments) => demo::demo(&arguments, selection),
+        Command::Gif(arguments) => gif::gif(&arguments),
+        Command::Play(arguments) => play::play(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
+        #[cfg(feature = "families")]
+        Command::Docs(arguments) => docs::docs(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments, selection),
+        #[cfg(feature = "conform")]
+        Command::Conform(arguments) => conform::conform(&arguments, selection),
+        Command::New(arguments) => new::new(&arguments),
+        Command::Soak(arguments) => soak::soak(&arguments, selection),
+    }
+}
+
+/// Shows the library's warnings, such as that of an environment out of date.
+struct Stderr;
+
+impl log::Log for Stderr {
+    fn enabled(&self, _metadata: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        // those of other crates are about their own inner workings
+        if record.target().starts_with("gym") {
+            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+        }
+    }
+
+    fn flush(&self) {}
+}
+
+/// Arguments of an environment, as JSON on the command line.
+fn parse_kwargs(json: &str) -> Result<gym::Kwargs, String> {
+    serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))
+}
+
+/// An id as part of a file name.
+fn file_stem(id: &str) -> String {
+    id.replace('/', "_")
+}
+
+/// The folder of the workspace that this was built in.
+fn root() -> &'static Path {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    own.ancestors().nth(2).unwrap_or(own)
+}

@@ -1,0 +1,93 @@
+//! `cargo xtask new NAME`
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process;
+
+use gym::{Error, Result};
+
+use crate::root;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The name of the crate, and the namespace of its environments: lower-case letters, digits and `_`.
+    name: String,
+    /// The folder to make; by default one of that name, here.
+    #[arg(long, value_name = "DIR")]
+    path: Option<PathBuf>,
+}
+
+/// What is in a new crate: the file, and its text, in which `plugin_name` stands for the name.
+const FILES: [(&str, &str); 7] = [
+    ("Cargo.toml", include_str!("../templates/plugin/Cargo.toml")),
+    (".gitignore", include_str!("../templates/plugin/gitignore")),
+    ("README.md", include_str!("../templates/plugin/README.md")),
+    ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
+    ("src/corridor.rs", include_str!("../templates/plugin/src/corridor.rs")),
+    ("tests/conform.rs", include_str!("../templates/plugin/tests/conform.rs")),
+    ("examples/gif.rs", include_str!("../templates/plugin/examples/gif.rs")),
+];
+
+pub(crate) fn new(arguments: &Arguments) -> Result<()> {
+    let Arguments { name, path } = arguments;
+    check_name(name)?;
+    let folder = path.clone().unwrap_or_else(|| name.into());
+    if folder.symlink_metadata().is_ok() {
+        return Err(Error::custom(format!("{}: it exists already, choose another --path", folder.display())));
+    }
+    // under a temporary name until it is complete
+    let file_name = folder.file_name().unwrap_or(name.as_ref()).to_string_lossy();
+    let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
+    let written = write_all(&unfinished, name)
+        .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
+    if written.is_err() {
+        // Nothing more can be done if this fails too.
+        let _ = fs::remove_dir_all(&unfinished);
+        return written;
+    }
+    println!("{} has the environment `{name}/Corridor-v0`. In that folder:", folder.display());
+    println!("  cargo test               checks that it keeps the rules");
+    println!("  cargo run --example gif  draws an episode");
+    Ok(())
+}
+
+/// What a package, a crate and a namespace can all be called.
+fn check_name(name: &str) -> Result<()> {
+    /// Words that are no names, and crates that the new one depends on.
+    const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
+                         final fn for gen gym gym_conform gym_core gym_render if impl in let loop macro match mod move mut override \
+                         priv pub ref return self serde static std struct super test trait true try type typeof \
+                         unsafe unsized use virtual where while yield core alloc proc_macro";
+    let refuse = |reason: &str| Err(Error::argument("NAME", format!("`{name}` {reason}")));
+    let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_word) || name.len() > 64 {
+        return refuse("must be lower-case letters, digits and `_`, with a letter first, at most 64 of them");
+    }
+    if TAKEN.split_whitespace().any(|taken| taken == name) {
+        return refuse("is taken: choose another name");
+    }
+    Ok(())
+}
+
+/// A crate of this workspace, as the value of a dependency in a manifest.
+fn dependency(name: &str) -> String {
+    format!("{{ path = {:?} }}", root().join("crates").join(name))
+}
+
+fn write_all(folder: &Path, name: &str) -> Result<()> {
+    for (file, text) in FILES {
+        let path = folder.join(file);
+        let parent = path.parent().unwrap_or(folder);
+        fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+        let text = text
+            .replace("plugin_name", name)
+            .replace("GYM_CONFORM", &dependency("gym-conform"))
+            .replace("GYM_CORE", &dependency("gym-core"))
+            .replace("GYM_RENDER", &dependency("gym-render"));
+        gym::file::write(&path, text.as_bytes())?;
+    }
+    // the versions that are there already
+    let lock = root().join("Cargo.lock");
+    fs::copy(&lock, folder.join("Cargo.lock")).map_err(|error| Error::io(&lock, error))?;
+    Ok(())
+}

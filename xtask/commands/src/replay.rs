@@ -1,0 +1,133 @@
+//! `cargo xtask replay TRACE...`
+
+use std::path::{Path, PathBuf};
+
+use gym::file;
+use gym::trace::Trace;
+use gym::{BoxEnv, Error, Result};
+use serde_json::{Map, Value as Json};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Trace files.
+    #[arg(required = true)]
+    traces: Vec<PathBuf>,
+    /// Writes what the environments answer to files of the same names in this folder, instead of
+    /// comparing.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out).map_err(|error| Error::io(out, error))?;
+    }
+    let mut failed = 0;
+    for path in &arguments.traces {
+        let outcome = match &arguments.out {
+            Some(out) => write_answers(path, out),
+            None => compare(path),
+        };
+        if let Err(error) = outcome {
+            eprintln!("{}: {error}", path.display());
+            failed += 1;
+        }
+    }
+    match failed {
+        0 => Ok(()),
+        _ => Err(Error::custom(format!("{failed} of {} traces failed", arguments.traces.len()))),
+    }
+}
+
+/// What a trace of CarRacing pins down beside the picture.
+#[cfg(feature = "families")]
+fn state(env: &BoxEnv) -> Option<Json> {
+    use gym::Env;
+
+    env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+}
+
+#[cfg(not(feature = "families"))]
+fn state(_: &BoxEnv) -> Option<Json> {
+    None
+}
+
+fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|error| Error::io(path, error))
+}
+
+fn parse(text: &str) -> Result<Trace> {
+    serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
+}
+
+fn compare(path: &Path) -> Result<()> {
+    let text = read(path)?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        return frames::compare(path, &recorded);
+    }
+    let recorded = parse(&text)?;
+    match recorded.first_difference(&recorded.replay(state)?) {
+        Some(difference) => Err(Error::custom(difference)),
+        None => {
+            println!("{}: {} events, equal", path.display(), recorded.events.len());
+            Ok(())
+        }
+    }
+}
+
+/// Keeps what else the file says, such as its policy, and replaces the answers.
+fn write_answers(path: &Path, out: &Path) -> Result<()> {
+    let text = read(path)?;
+    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        let answers = frames::replay(&recorded)?;
+        let json = serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
+        return file::write(out.join(name), &json);
+    }
+    let not_json = |error: serde_json::Error| Error::custom(format!("not a trace: {error}"));
+    let answers = parse(&text)?.replay(state)?;
+    let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    rest.remove("events");
+    #[derive(serde::Serialize)]
+    struct File<'a> {
+        #[serde(flatten)]
+        rest: Map<String, Json>,
+        events: &'a [gym::trace::Event],
+    }
+    let json = serde_json::to_vec(&File { rest, events: &answers.events }).map_err(not_json)?;
+    file::write(out.join(name), &json)
+}
+
+/// Recordings of games of the Atari 2600, frame by frame.
+#[cfg(feature = "families")]
+mod frames {
+    use std::path::Path;
+
+    use gym::atari::games::by_md5;
+    use gym::atari::recording::Recording;
+    use gym::atari::rom;
+    use gym::{Error, Result};
+
+    /// A recording, if the text is one.
+    pub(super) fn parse(text: &str) -> Option<Recording> {
+        serde_json::from_str(text).ok().filter(|recording: &Recording| recording.kind == "raw")
+    }
+
+    pub(super) fn replay(recorded: &Recording) -> Result<Recording> {
+        let game = by_md5(&recorded.md5)
+            .ok_or_else(|| Error::custom(format!("the game `{}` is not supported", recorded.rom)))?;
+        recorded.replay(&rom::load(game, None)?)
+    }
+
+    pub(super) fn compare(path: &Path, recorded: &Recording) -> Result<()> {
+        match recorded.first_difference(&replay(recorded)?) {
+            Some(difference) => Err(Error::custom(difference)),
+            None => {
+                println!("{}: {} frames, equal", path.display(), recorded.ops.len());
+                Ok(())
+            }
+        }
+    }
+}

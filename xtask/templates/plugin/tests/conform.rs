@@ -1,5 +1,0 @@
-//! The environments keep the rules that agents and wrappers rely on.
-
-use gym_render as _; // draws, so that the render modes are checked as well
-
-gym_core::conform::suite!(plugin_name);

@@ -64,6 +64,13 @@ pub struct State {
     progress: Progress,
 }
 
+/// A state, and which of the two pictures is being drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    state: State,
+    picture: usize,
+}
+
 impl Ale {
     /// A game from its ROM, with the generator of sticky actions seeded. It stands at the start of an episode.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
@@ -175,8 +182,7 @@ impl Ale {
         if unseen == 0 {
             return (0..frames).map(|_| self.act(action, repeat_action_probability)).sum();
         }
-        let before = self.state();
-        let picture = self.console.current_picture();
+        let before = self.moment();
         let mut reward = 0;
         let mut complete = true;
         for frame in 0..frames {
@@ -188,13 +194,23 @@ impl Ale {
             }
         }
         if !complete {
-            self.set_state(&before);
-            self.console.set_current_picture(picture);
+            self.set_moment(&before);
             for _ in 0..frames {
                 self.act(action, repeat_action_probability);
             }
         }
         reward
+    }
+
+    /// All that frames change, but the pictures.
+    pub(crate) fn moment(&self) -> Moment {
+        Moment { state: self.state(), picture: self.console.current_picture() }
+    }
+
+    /// Goes back to a moment of this game.
+    pub(crate) fn set_moment(&mut self, moment: &Moment) {
+        self.set_state(&moment.state);
+        self.console.set_current_picture(moment.picture);
     }
 
     fn observe(&mut self) {

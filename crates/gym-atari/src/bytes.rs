@@ -24,12 +24,17 @@ pub(crate) fn encode(bytes: &[u8]) -> String {
 }
 
 pub(crate) fn decode<const N: usize>(text: &str) -> Option<[u8; N]> {
-    if text.len() != 2 * N || !text.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+    decode_vec(text, N)?.try_into().ok()
+}
+
+pub(crate) fn decode_vec(text: &str, length: usize) -> Option<Vec<u8>> {
+    if text.len() != 2 * length || !text.is_ascii() {
         return None;
     }
-    let mut bytes = [0; N];
-    for (i, byte) in bytes.iter_mut().enumerate() {
-        *byte = u8::from_str_radix(&text[2 * i..2 * i + 2], 16).ok()?;
-    }
-    Some(bytes)
+    let digits = text.as_bytes().as_chunks::<2>().0;
+    digits.iter().map(|[high, low]| Some(digit(*high)? << 4 | digit(*low)?)).collect()
+}
+
+fn digit(character: u8) -> Option<u8> {
+    char::from(character).to_digit(16).map(|digit| digit as u8)
 }

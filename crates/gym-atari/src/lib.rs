@@ -12,15 +12,18 @@ pub mod games;
 mod mt19937;
 mod paddle;
 pub mod palette;
+mod preprocessing;
 pub mod recording;
 pub mod riot;
 pub mod rom;
 mod screen;
+mod shrink;
 mod tia;
 mod words;
 
 pub use action::Action;
 pub use ale::Ale;
 pub use env::{AtariAction, AtariEnv, Config, Frameskip, ObsType};
+pub use preprocessing::{AtariPreprocessing, Preprocessing};
 pub use rom::{Rom, RomDir};
 pub use tia::Display;

@@ -15,7 +15,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
-use crate::ale::{Ale, Settings, State};
+use crate::ale::{Ale, Moment, Settings, State};
 use crate::console::{Pictures, Row};
 use crate::games::Game;
 use crate::palette;
@@ -145,16 +145,42 @@ impl AtariEnv {
 
     /// Takes a step without looking at what came of it. The last `seen` frames are drawn.
     pub(crate) fn advance(&mut self, action: &AtariAction, seen: u32) -> Result<Outcome> {
-        let action = self.resolve(action)?;
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-        episode.seeds = None;
+        let action = self.resolve_for_step(action)?;
         let (frames, seen) = match self.config.frameskip {
             Frameskip::Fixed(frames) => (frames, seen),
             // which frames the next step builds on is not known
-            Frameskip::Range([low, high]) => (episode.rng.integers(low, high), seen.max(2)),
+            Frameskip::Range([low, high]) => {
+                let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+                (episode.rng.integers(low, high), seen.max(2))
+            }
         };
         let reward = self.ale.frames(action, frames as u32, seen, self.config.repeat_action_probability);
         Ok(self.outcome(reward))
+    }
+
+    /// The game's action for the agent's, at the start of a step that plays its frames itself.
+    pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Action> {
+        let action = self.resolve(action)?;
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        episode.seeds = None;
+        Ok(action)
+    }
+
+    /// Plays one frame of a step.
+    pub(crate) fn play_frame(&mut self, action: Action, seen: bool) -> Outcome {
+        let executed = self.ale.stick(action, self.config.repeat_action_probability);
+        let reward = self.ale.play(executed, seen);
+        self.outcome(reward)
+    }
+
+    /// All that frames change, but the pictures.
+    pub(crate) fn moment(&self) -> Moment {
+        self.ale.moment()
+    }
+
+    /// Goes back to a moment of this environment.
+    pub(crate) fn set_moment(&mut self, moment: &Moment) {
+        self.ale.set_moment(moment);
     }
 
     fn outcome(&self, reward: i32) -> Outcome {

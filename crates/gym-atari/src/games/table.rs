@@ -22,14 +22,6 @@ macro_rules! games {
 }
 
 games! {
-    alien "Alien" 4 {
-        md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
-        minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 1, 2, 3], difficulties: &[0, 1, 2, 3],
-        score: |r| 10 * r.pictures(&[0x03, 0x05, 0x07, 0x09, 0x0b], 0x80),
-        lives: |r| r.low(0x40),
-        over: |r| r.low(0x40) == 0,
-    }
     amidar "Amidar" 4 {
         md5: "acb7750b4d0c4bd34969802a7deb2990", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
@@ -58,42 +50,22 @@ games! {
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
         reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
         rewards: Rewards::Wrap(100_000),
-        modes: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 128],
-        difficulties: &[0, 3],
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10),
+            (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21),
+            (22, 22), (23, 23), (24, 24), (25, 25), (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 32)],
+        select_frames: Some(2), difficulties: &[0, 3],
         score: |r| 10 * r.decimal(&[0x3d, 0x3e]),
         lives: |r| r.high(0x3c),
         over: |r| r.high(0x3c) == 0,
     }
-    atlantis "Atlantis" 4 {
-        md5: "9ad36e699ef6f45d9eb6c4cf90475c9f", scheme: Rom4K,
-        minimal: &[Noop, Fire, RightFire, LeftFire],
-        reset_frames: 12, modes: &[0, 1, 2, 3],
-        score: |r| 100 * r.decimal(&[0x21, 0x23, 0x22]),
-        lives: |r| 6 - r.count(0x54..0x5b, 0x05),
-        over: |r| r.count(0x54..0x5b, 0x05) == 7,
-    }
-    atlantis2 "Atlantis2" v5 {
-        md5: "826481f6fc53ea47c9f272f7050eedf7", scheme: Rom4K,
-        minimal: &[Noop, Fire, RightFire, LeftFire],
-        score: |r| r.decimal(&[0x23, 0x22, 0x21]),
-        lives: |r| 6 - r.count(0x54..0x5b, 0x05),
-        over: |r| r.count(0x54..0x5b, 0x05) == 7,
-    }
     bank_heist "BankHeist" 4 {
         md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 4, 8, 12, 16, 20, 24, 28], difficulties: &[0, 1, 2, 3],
+        reset_frames: 12, modes: &[(0, 0), (4, 1), (8, 2), (12, 3), (16, 4), (20, 5), (24, 6), (28, 7)],
+        select_frames: Some(1), difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
         over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
-    }
-    battle_zone "BattleZone" 4 {
-        md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
-        minimal: &Action::ALL,
-        reset_frames: 12, display: Display { comb: false, ..Display::NTSC }, modes: &[1, 2, 3],
-        score: |r| 100 * (r.blank_decimal(&[0x1e, 0x1d]) / 10 * 10),
-        lives: |r| r.low(0x3a),
-        over: |r| r.low(0x3a) == 0,
     }
     beam_rider "BeamRider" 4 {
         md5: "79ab4123a83dc11d468fb2108ea09e2e", scheme: F8,
@@ -107,7 +79,7 @@ games! {
     bowling "Bowling" 4 {
         md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
-        reset_frames: 12, modes: &[0, 2, 4], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (2, 0), (4, 0)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x26, 0x21]),
         over: |r| r.at(0x24) > 0x10,
     }
@@ -122,7 +94,8 @@ games! {
         md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         reset_frames: 12, controller: Controller::Paddle(0),
-        modes: &[0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44], difficulties: &[0, 1],
+        modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
+        select_frames: Some(1), difficulties: &[0, 1],
         score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
         lives: |r| r.at(0x39),
         over: |r| r.at(0x39) == 0,
@@ -137,7 +110,8 @@ games! {
     centipede "Centipede" 4 {
         md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, rewards: Rewards::NeverNegative, modes: &[22, 86],
+        reset_frames: 12, rewards: Rewards::NeverNegative, modes: &[(22, 0), (86, 1)],
+        select_frames: Some(2),
         score: |r| r.decimal(&[0x74, 0x75, 0x76]),
         lives: |r| (r.high(0x6d) & 7) + 1,
         over: |r| r.at(0x26) & 0x40 != 0,
@@ -145,7 +119,7 @@ games! {
     chopper_command "ChopperCommand" 4 {
         md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (2, 2)], select_frames: Some(2), difficulties: &[0, 1],
         score: |r| 100 * r.decimal(&[0x6c, 0x6e]),
         lives: |r| r.low(0x64),
         over: |r| r.low(0x64) == 0,
@@ -153,7 +127,7 @@ games! {
     crazy_climber "CrazyClimber" 4 {
         md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        reset_frames: 12, modes: &[0, 1, 2, 3], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (1, 0), (2, 0), (3, 0)], difficulties: &[0, 1],
         score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
@@ -161,17 +135,10 @@ games! {
     demon_attack "DemonAttack" 4 {
         md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, modes: &[1, 3, 5, 7], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(1, 0), (3, 0), (5, 0), (7, 0)], difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
-    }
-    donkey_kong "DonkeyKong" v5 {
-        md5: "36b20c427975760cb9cf4a47e41369e4", scheme: Rom4K,
-        minimal: &Action::ALL,
-        score: |r| 100 * r.decimal(&[0x07, 0x08]),
-        lives: |r| r.at(0x23),
-        over: |r| r.at(0x23) == 0,
     }
     enduro "Enduro" 4 {
         md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
@@ -179,14 +146,6 @@ games! {
         start: &[Fire],
         score: |r| r.enduro(),
         over: |r| r.at(0x2f) == 0xff,
-    }
-    et "Et" v5 {
-        md5: "615a3bf251a38eb6638cdc7ffbde5480", scheme: F8,
-        minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 1, 2], difficulties: &[0, 1, 2, 3],
-        score: |r| r.decimal(&[0x5f, 0x60, 0x61]),
-        lives: |r| r.signed(0x65) + 1,
-        over: |r| false,
     }
     fishing_derby "FishingDerby" 4 {
         md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
@@ -198,14 +157,15 @@ games! {
     freeway "Freeway" 4 {
         md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
         minimal: &[Noop, Up, Down],
-        reset_frames: 12, modes: &[0, 1, 2, 3, 4, 5, 6, 7], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
+        select_frames: Some(1), difficulties: &[0, 1],
         score: |r| r.bcd(0x67),
         over: |r| r.at(0x16) == 1,
     }
     frogger "Frogger" v5 {
         md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down],
-        reset_frames: 12, modes: &[0, 1, 2], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (1, 0), (2, 0)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x4c, 0x4e]),
         lives: |r| r.at(0x50),
         over: |r| r.at(0x50) == 0xff,
@@ -213,7 +173,7 @@ games! {
     frostbite "Frostbite" 4 {
         md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 2],
+        reset_frames: 12, modes: &[(0, 0), (2, 0)],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         lives: |r| r.low(0x4c) + 1,
         over: |r| r.low(0x4c) == 0 && r.at(0x71) == 0x80,
@@ -221,8 +181,9 @@ games! {
     galaxian "Galaxian" v5 {
         md5: "211774f4c5739042618be8ff67351177", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, rewards: Rewards::Wrap(1_000_000), modes: &[1, 2, 3, 4, 5, 6, 7, 8, 9],
-        difficulties: &[0, 1],
+        reset_frames: 12, rewards: Rewards::Wrap(1_000_000),
+        modes: &[(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 5), (7, 6), (8, 7), (9, 8)],
+        select_frames: Some(1), difficulties: &[0, 1],
         score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
         lives: |r| r.at(0x39) + 1,
         over: |r| r.at(0x3f) & 0x80 != 0,
@@ -230,7 +191,7 @@ games! {
     hero "Hero" 4 {
         md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 1, 2, 3, 4],
+        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)], select_frames: Some(1),
         score: |r| r.decimal(&[0x37, 0x38, 0x39]),
         lives: |r| r.at(0x33),
         over: |r| r.at(0x33) == 0,
@@ -238,37 +199,30 @@ games! {
     ice_hockey "IceHockey" 4 {
         md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1, 2, 3],
+        reset_frames: 12, modes: &[(0, 0), (2, 3)], select_frames: Some(2), difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x0a) - r.bcd(0x0b),
         over: |r| r.at(0x06) | r.at(0x07) == 0,
     }
     jamesbond "Jamesbond" 4 {
         md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
         minimal: &Action::ALL,
-        modes: &[0, 1],
+        modes: &[(0, 0), (1, 0)],
         score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x06) + 1,
         over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0,
-    }
-    journey_escape "JourneyEscape" 4 {
-        md5: "718ae62c70af4e5fd8e932fee216948a", scheme: Rom4K,
-        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
-        display: Display { rows: 230, ..Display::NTSC }, difficulties: &[0, 1],
-        score: |r| r.decimal(&[0x10, 0x11, 0x12]),
-        over: |r| r.at(0x16) == 0,
     }
     kaboom "Kaboom" v5 {
         md5: "5428cdfada281c569c74c7308c7f2c26", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         start: &[Fire], controller: Controller::Paddle(0),
         score: |r| r.decimal(&[0x24, 0x25]),
-        lives: |r| r.at(0x21),
+        lives: |_| 1,
         over: |r| r.at(0x21) == 0,
     }
     kangaroo "Kangaroo" 4 {
         md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
         minimal: &Action::ALL,
-        modes: &[0, 1],
+        modes: &[(0, 0), (1, 0)],
         score: |r| 100 * r.decimal(&[0x27, 0x28]),
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
@@ -278,14 +232,7 @@ games! {
         minimal: &Action::ALL,
         score: |r| r.decimal(&[0x1c, 0x1d, 0x1e]),
         lives: |r| (r.at(0x1f) & 7) + 1,
-        over: |r| r.at(0x1f) == 0 && r.at(0x22) == 0x80,
-    }
-    kung_fu_master "KungFuMaster" 4 {
-        md5: "5b92a93b23523ff16e2789b820e2a4c5", scheme: F8,
-        minimal: &[Noop, Up, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
-        score: |r| r.decimal(&[0x18, 0x19, 0x1a]),
-        lives: |r| (r.at(0x1d) & 7) + 1,
-        over: |r| r.at(0x1d) == 0xff,
+        over: |r| r.at(0x1f) & 7 == 0 && r.at(0x22) == 0x03,
     }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
@@ -297,7 +244,8 @@ games! {
     ms_pacman "MsPacman" 4 {
         md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        reset_frames: 12, display: Display { comb: false, ..Display::NTSC }, modes: &[0, 1, 2, 3],
+        reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
+        modes: &[(0, 0), (1, 0), (2, 0), (3, 0)],
         score: |r| r.decimal(&[0x7a, 0x79, 0x78]),
         lives: |r| (r.at(0x7b) & 7) + 1,
         over: |r| r.low(0x7b) == 0 && r.at(0x27) == 0x53,
@@ -320,22 +268,16 @@ games! {
     pong "Pong" 4 {
         md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, controller: Controller::Paddle(1), modes: &[0, 1], difficulties: &[0, 1, 2, 3],
+        reset_frames: 12, controller: Controller::Paddle(1), modes: &[(0, 0), (1, 0)],
+        difficulties: &[0, 1, 2, 3],
         score: |r| r.at(0x0e) - r.at(0x0d),
         over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
-    }
-    pooyan "Pooyan" 4 {
-        md5: "4799a40b6e889370b7ee55c17ba65141", scheme: Rom4K,
-        minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
-        reset_frames: 12, display: Display { rows: 220, ..Display::NTSC }, modes: &[10, 30, 50, 70],
-        score: |r| r.decimal(&[0x08, 0x09, 0x0a]),
-        lives: |r| (r.at(0x16) & 7) + 1,
-        over: |r| r.at(0x16) == 0 && r.at(0x18) == 5,
     }
     private_eye "PrivateEye" 4 {
         md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, start: &[Right], modes: &[0, 1, 2, 3, 4], difficulties: &[0, 1, 2, 3],
+        reset_frames: 12, start: &[Up], modes: &[(0, 0), (1, 0), (2, 0), (3, 0), (4, 0)],
+        difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         over: |r| r.at(0x42) > 1,
     }
@@ -344,7 +286,7 @@ games! {
         minimal: &[Noop, Fire, Up, Right, Left, Down],
         display: Display { first_line: 40, ..Display::NTSC }, difficulties: &[0, 1],
         score: |r| r.decimal(&[0x59, 0x5a, 0x5b]),
-        lives: |r| r.signed(0x08) + 2,
+        lives: |r| if r.at(0x01) == 0 && r.at(0x08) == 0 { 4 } else { r.signed(0x08) + 2 },
         over: |r| r.at(0x08) == 0xfe,
     }
     riverraid "Riverraid" 4 {
@@ -370,43 +312,15 @@ games! {
         lives: |r| r.at(0x3b) + 1,
         over: |r| r.at(0x23) != 0,
     }
-    solaris "Solaris" 4 {
-        md5: "e72eb8d4410152bdcb69e7fba327b420", scheme: F6,
-        minimal: &Action::ALL,
-        score: |r| 10 * r.decimal(&[0x5e, 0x5d, 0x5c]),
-        lives: |r| r.low(0x59),
-        over: |r| r.low(0x59) == 0,
-    }
     space_invaders "SpaceInvaders" 3 {
         md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, modes: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15],
+        reset_frames: 12,
+        modes: &[(0, 0), (1, 0), (2, 0), (3, 0), (4, 0), (5, 0), (6, 0), (7, 0), (8, 0), (9, 0), (10, 0), (11, 0), (12, 0), (13, 0), (14, 0), (15, 0)],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
-    }
-    star_gunner "StarGunner" 4 {
-        md5: "a3c1c70024d7aabb41381adbfb6d3b25", scheme: Rom4K,
-        minimal: &Action::ALL,
-        modes: &[0, 1, 2, 3],
-        score: |r| 100 * r.low_digits(&[0x06, 0x05, 0x04, 0x03]),
-        lives: |r| r.low(0x07),
-        over: |r| r.at(0x07) == 0,
-    }
-    superman "Superman" v5 {
-        md5: "a9531c763077464307086ec9a1fd057d", scheme: Rom4K,
-        minimal: &Action::ALL,
-        difficulties: &[0, 1, 2, 3],
-        score: |_| 0,
-        over: |_| false,
-    }
-    tennis "Tennis" 4 {
-        md5: "42cdd6a9e42a3639e190722b8ea3fc51", scheme: Rom2K,
-        minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1, 2, 3],
-        score: |r| r.at(0x45) - r.at(0x46) + r.at(0x47) - r.at(0x48),
-        over: |r| r.at(0x47) >= 6 || r.at(0x48) >= 6,
     }
     tetris "Tetris" v5 {
         md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
@@ -422,68 +336,12 @@ games! {
         lives: |r| 5 - r.at(0x48),
         over: |r| r.at(0x48) == 5,
     }
-    turmoil "Turmoil" v5 {
-        md5: "7a5463545dfb2dcfdafa6074b2f2c15e", scheme: Rom4K,
-        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire],
-        reset_frames: 12, start: &[Fire], modes: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
-        score: |r| 10 * r.decimal(&[0x0a, 0x09]),
-        lives: |r| r.at(0x39),
-        over: |r| r.at(0x39) == 0,
-    }
-    tutankham "Tutankham" 4 {
-        md5: "085322bae40d904f53bdcc56df0593fc", scheme: E0,
-        minimal: &[Noop, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
-        reset_frames: 12, modes: &[0, 4, 8, 12],
-        score: |r| r.decimal(&[0x1a, 0x1c]),
-        lives: |r| r.at(0x1e) & 3,
-        over: |r| r.at(0x1e) & 3 == 0,
-    }
-    up_n_down "UpNDown" 4 {
-        md5: "a499d720e7ee35c62424de882a3351b6", scheme: F8,
-        minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
-        start: &[Fire], display: Display { first_line: 30, ..Display::NTSC }, difficulties: &[0, 1, 2, 3],
-        score: |r| r.decimal(&[0x00, 0x01, 0x02]),
-        lives: |r| (r.at(0x06) & 7) + 1,
-        over: |r| r.at(0x06) & 0x4f == 0x40,
-    }
-    venture "Venture" 4 {
-        md5: "3e899eba0ca8cd2972da1ae5479b4f0d", scheme: Rom4K,
-        minimal: &Action::ALL,
-        difficulties: &[0, 1, 2, 3],
-        score: |r| 100 * r.decimal(&[0x47, 0x48]),
-        lives: |r| (r.at(0x46) & 7) + 1,
-        over: |r| r.at(0x46) == 0 && r.at(0x4d) == 0xff,
-    }
     video_pinball "VideoPinball" 4 {
         md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
-        reset_frames: 12, modes: &[0, 2], difficulties: &[0, 1],
+        reset_frames: 12, modes: &[(0, 0), (2, 2)], select_frames: Some(2), difficulties: &[0, 1],
         score: |r| r.decimal(&[0x34, 0x32, 0x30]),
         lives: |r| 4 - (r.at(0x19) & 7) + (r.at(0x28) & 1),
         over: |r| r.at(0x2f) & 1 != 0,
-    }
-    wizard_of_wor "WizardOfWor" 4 {
-        md5: "7e8aa18bc9502eb57daaf5e7c1e94da7", scheme: Rom4K,
-        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
-        difficulties: &[0, 1],
-        score: |r| 100 * r.bcd(0x06) + 10_000 * r.bcd(0x08),
-        lives: |r| (r.at(0x0d) & 15) + 2,
-        over: |r| r.at(0x0d) == 0,
-    }
-    yars_revenge "YarsRevenge" 4 {
-        md5: "c5930d0e8cdae3e037349bfa08e871be", scheme: Rom4K,
-        minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 32, 64, 96], difficulties: &[0, 1],
-        score: |r| r.decimal(&[0x60, 0x61, 0x62]),
-        lives: |r| r.high(0x1e),
-        over: |r| r.high(0x1e) == 0,
-    }
-    zaxxon "Zaxxon" 4 {
-        md5: "eea0da9b987d661264cce69a7c13c3bd", scheme: F8,
-        minimal: &Action::ALL,
-        reset_frames: 12, modes: &[0, 8, 16, 24],
-        score: |r| 100 * r.decimal(&[0x68, 0x69]),
-        lives: |r| r.at(0x6a) & 7,
-        over: |r| r.at(0x6a) & 7 == 0,
     }
 }

@@ -19,14 +19,14 @@ use crate::cartridge::{Banks, Cartridge};
 use crate::cpu::{Bus, Cpu};
 use crate::riot::Riot;
 pub use crate::screen::Pictures;
-use crate::screen::{Row as ScreenRow, Screen};
+use crate::screen::Screen;
 use crate::tia::{Display, Request, Tia};
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
 
 /// A row of the picture: a colour index, which is even, for each of 160 pixels.
-pub type Row = ScreenRow;
+pub type Row = crate::screen::Row;
 
 /// What the controllers and switches do during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

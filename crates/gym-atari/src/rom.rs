@@ -16,6 +16,7 @@ pub const VARIABLE: &str = "ALE_ROMS_DIR";
 #[derive(Clone, Debug)]
 pub struct Rom {
     game: &'static Game,
+    md5: String,
     bytes: Arc<[u8]>,
 }
 
@@ -27,12 +28,22 @@ impl Rom {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let md5 = format!("{:x}", md5::compute(bytes));
         match games::by_md5(&md5) {
-            Some(game) => Ok(Self { game, bytes: bytes.into() }),
+            Some(game) => Ok(Self { game, md5, bytes: bytes.into() }),
             None => Err(Error::argument(
                 "a ROM",
                 format!("its MD5 is {md5}, which is no game's: {} games are known", games::GAMES.len()),
             )),
         }
+    }
+
+    /// A program of one's own, played under the settings of a game, whose MD5 it need not have.
+    pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
+        Self { game, md5: format!("{:x}", md5::compute(bytes)), bytes: bytes.into() }
+    }
+
+    /// The MD5 of the bytes.
+    pub fn md5(&self) -> &str {
+        &self.md5
     }
 
     /// The game.
@@ -97,7 +108,7 @@ impl RomDir {
                 format!("the ROM {} has the MD5 {md5}, not {}: it is another game or another edition", path.display(), game.md5),
             ));
         }
-        Ok(Rom { game, bytes: bytes.into() })
+        Ok(Rom { game, md5, bytes: bytes.into() })
     }
 }
 

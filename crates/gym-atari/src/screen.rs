@@ -8,7 +8,7 @@ use crate::tia::WIDTH;
 pub(crate) const HEIGHT: usize = 250;
 
 /// A row of a picture: a colour index, which is even, for each pixel.
-pub type Row = [u8; WIDTH];
+pub(crate) type Row = [u8; WIDTH];
 
 /// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was two frames ago.
 #[derive(Clone, Debug)]

@@ -33,6 +33,7 @@ const NAME: &str = "AtariEnv";
 #[derive(Clone, Debug)]
 pub struct AtariEnv {
     config: Config,
+    md5: String,
     ale: Ale,
     episode: Option<Episode>,
 }
@@ -75,7 +76,7 @@ impl AtariEnv {
         let mut ale = Ale::new(game, rom.bytes(), 0);
         let Config { mode, difficulty, max_num_frames_per_episode: max_frames, .. } = config;
         ale.configure(Settings { mode, difficulty, max_frames });
-        Ok(Self { config, ale, episode: None })
+        Ok(Self { config, md5: rom.md5().to_owned(), ale, episode: None })
     }
 
     /// The game that is being played.
@@ -260,7 +261,7 @@ impl Env for AtariEnv {
 
     fn snapshot(&self) -> Result<Snapshot> {
         let stored = Stored {
-            md5: self.game().md5.to_owned(),
+            md5: self.md5.clone(),
             ale: self.ale.state(),
             screen: self.ale.console().pictures(),
             episode: self.episode.clone(),
@@ -272,8 +273,8 @@ impl Env for AtariEnv {
         let stored: Option<Stored> = snapshot.for_config(NAME, &self.config, |_| true)?;
         let not_a_state = || Error::Snapshot(format!("what it holds is not a state of {}", self.config.game));
         let Some(stored) = stored else { return Err(not_a_state()) };
-        if stored.md5 != self.game().md5 {
-            let reason = format!("it was taken with the ROM of MD5 {}, not {}", stored.md5, self.game().md5);
+        if stored.md5 != self.md5 {
+            let reason = format!("it was taken with the ROM of MD5 {}, not {}", stored.md5, self.md5);
             return Err(Error::Snapshot(reason));
         }
         if !self.ale.restore(&stored.ale, &stored.screen) {

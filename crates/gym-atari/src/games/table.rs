@@ -103,7 +103,7 @@ games! {
     carnival "Carnival" 4 {
         md5: "028024fb8e5e5f18ea586652f9799c96", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        display: Display { rows: 214, ..Display::NTSC },
+        display: Display { first_line: 26, rows: 214, ..Display::NTSC },
         score: |r| 10 * r.decimal(&[0x2d, 0x2e]),
         over: |r| r.at(0x03) == 0,
     }
@@ -315,8 +315,7 @@ games! {
     space_invaders "SpaceInvaders" 3 {
         md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12,
-        modes: &[(0, 0), (1, 0), (2, 0), (3, 0), (4, 0), (5, 0), (6, 0), (7, 0), (8, 0), (9, 0), (10, 0), (11, 0), (12, 0), (13, 0), (14, 0), (15, 0)],
+        reset_frames: 12, modes: &[(0, 0), (1, 2), (2, 3), (3, 5), (4, 7), (5, 9)], select_frames: Some(2),
         difficulties: &[0, 1],
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),

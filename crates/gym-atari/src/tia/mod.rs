@@ -84,6 +84,8 @@ pub(crate) struct Tia {
     ctrlpf: u8,
     refp: [bool; 2],
     pf: [u8; 3],
+    /// Whether this line's right half mirrors the left.
+    reflected: bool,
     /// What was written, and what the vertical delay shows.
     grp: [[u8; 2]; 2],
     enam: [bool; 2],
@@ -131,6 +133,7 @@ impl Tia {
             ctrlpf: 0,
             refp: [false; 2],
             pf: [0; 3],
+            reflected: false,
             grp: [[0; 2]; 2],
             enam: [false; 2],
             enabl: [false; 2],
@@ -260,6 +263,10 @@ impl Tia {
             0x0a => {
                 self.draw(clock, screen);
                 self.ctrlpf = value;
+                // the right half keeps what it began with
+                if (clock as i32) < BLANK + WIDTH as i32 / 2 {
+                    self.reflected = value & 0x01 != 0;
+                }
                 self.place_playfield();
                 self.place_ball();
             }
@@ -459,7 +466,7 @@ impl Tia {
     }
 
     fn place_playfield(&mut self) {
-        self.objects.pf = objects::playfield(self.pf, self.ctrlpf & 0x01 != 0);
+        self.objects.pf = objects::playfield(self.pf, self.reflected);
     }
 
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
@@ -513,6 +520,11 @@ impl Tia {
             self.comb = false;
         }
         self.drawn = (self.drawn.0 + 1, 0);
+        let reflected = self.ctrlpf & 0x01 != 0;
+        if self.reflected != reflected {
+            self.reflected = reflected;
+            self.place_playfield();
+        }
         for i in [P0, P1] {
             if self.without_main[i] {
                 self.without_main[i] = false;
@@ -547,7 +559,8 @@ impl Tia {
                 pf: self.colupf,
                 bk: self.colubk,
                 playfield_first: self.ctrlpf & 0x04 != 0,
-                score: self.ctrlpf & 0x06 == 0x02,
+                // the playfield's priority ends the score mode only where there is something to be before
+                score: self.ctrlpf & 0x02 != 0 && (self.ctrlpf & 0x04 == 0 || self.objects.only_playfield()),
             };
             self.objects.paint(screen.row(row), from, to, &colors);
         }

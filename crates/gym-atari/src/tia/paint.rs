@@ -57,6 +57,11 @@ impl Objects {
         [self.p0, self.p1, self.m0, self.m1, self.bl, self.pf].map(|pixels| pixels.0[word])
     }
 
+    /// Whether nothing but the playfield is on the line.
+    pub(super) fn only_playfield(&self) -> bool {
+        [self.p0, self.p1, self.m0, self.m1, self.bl].iter().all(|pixels| pixels.0 == [0; 3])
+    }
+
     /// The collisions within `from..to`.
     pub(super) fn collisions(&self, from: usize, to: usize) -> u16 {
         let mut found = 0;

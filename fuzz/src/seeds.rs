@@ -11,6 +11,19 @@ pub fn ids() -> Vec<Vec<u8>> {
     known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
 }
 
+/// Programs that write all registers, of each size of cartridge.
+pub fn roms() -> Vec<Vec<u8>> {
+    let program = |choice: u8| {
+        let size = [2048, 4096, 8192, 8192, 16384, 16384, 8192, 8192][usize::from(choice) % 8];
+        // lda $80; inc $80; sta 0,x; inx; jmp $F000
+        let code = [0xa5, 0x80, 0xe6, 0x80, 0x95, 0x00, 0xe8, 0x4c, 0x00, 0xf0];
+        let mut rom: Vec<u8> = code.iter().copied().cycle().take(size).collect();
+        rom[size - 4..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
+        [vec![choice], rom].concat()
+    };
+    (0..16).map(program).collect()
+}
+
 /// Every id with its default arguments spelt out.
 pub fn arguments() -> Vec<Vec<u8>> {
     let requests = registry::self_contained().into_iter().map(|registration| {

@@ -218,7 +218,9 @@ impl Data {
         }
         // the world does not move
         let of_bodies = rows!(xpos xquat xmat xipos ximat cinert cvel cfrc_ext);
-        if let Some((name, ..)) = of_bodies.iter().find(|(_, numbers, world)| !world || !within(numbers, FOLLOWING)) {
+        if let Some((name, ..)) =
+            of_bodies.iter().find(|(_, numbers, world)| !world || !within(numbers, FOLLOWING))
+        {
             return Err(Error::Data(format!("{name} is not what a simulation reaches")));
         }
         let others = rows!(xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat subtree_com cdof cdof_dot);

@@ -160,8 +160,14 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
-        let mut bounds =
-            Bounds { contacts: 0, blocks: limits, rows: limits, directions: limits, columns: limits, jac: limits };
+        let mut bounds = Bounds {
+            contacts: 0,
+            blocks: limits,
+            rows: limits,
+            directions: limits,
+            columns: limits,
+            jac: limits,
+        };
         for pair in &self.pairs {
             let contacts = match pair.kind {
                 (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
@@ -228,7 +234,11 @@ impl Plan {
         match kind {
             (GeomType::Plane, GeomType::Plane) => return Ok(None),
             (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
-                return Err(Error::Pair { first: g1, second: g2, kinds: format!("{:?} and {:?}", kind.0, kind.1) });
+                return Err(Error::Pair {
+                    first: g1,
+                    second: g2,
+                    kinds: format!("{:?} and {:?}", kind.0, kind.1),
+                });
             }
             _ => {}
         }

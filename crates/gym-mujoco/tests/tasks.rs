@@ -5,8 +5,9 @@ use gym_mujoco as _;
 use serde_json::{Value as Json, json};
 
 fn refusal(id: &str, name: &str, value: Json) -> String {
-    match builder(id).arg(name, value.clone()).build() {
-        Ok(_) => panic!("{id} takes {name}: {value}"),
+    let taken = format!("{id} takes {name}: {value}");
+    match builder(id).arg(name, value).build() {
+        Ok(_) => panic!("{taken}"),
         Err(error) => error.to_string(),
     }
 }

@@ -68,7 +68,6 @@ impl Work {
             vel_sum: vec![0.0; nv],
             qpos_start: vec![0.0; m.nq()],
             qvel_start: vec![0.0; nv],
-            ..Self::default()
         }
     }
 

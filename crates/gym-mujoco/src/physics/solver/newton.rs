@@ -40,6 +40,7 @@ impl Buffers {
     pub(crate) fn new(nv: usize, nefc: usize) -> Self {
         let mut buffers = Self::default();
         buffers.fit(nv, nefc);
+        buffers.row_work.reserve(nefc);
         buffers
     }
 

@@ -66,7 +66,7 @@ impl Buffers {
             &mut buffers.jar,
             &mut buffers.sqrt_diag_inv,
         ] {
-            vector.reserve(rows);
+            vector.reserve(rows.max(nv));
         }
         buffers
     }

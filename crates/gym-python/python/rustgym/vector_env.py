@@ -235,7 +235,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
         import rustgym.envs as envs
 
-        names = getattr(getattr(envs, envs.class_name(self.env_id)), "state_names", None)
+        names: tuple[str, ...] = getattr(getattr(envs, envs.class_name(self.env_id)), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
             raise AttributeError(f"{self.env_id} has no state of a few numbers, or was not reset yet")

@@ -1,6 +1,8 @@
 //! What Python shows of an environment beyond Gymnasium's interface: its state, and the table of its dynamics.
 
 use gym::toytext::tabular::Table;
+use gym::vector::VectorEnv;
+use gym::vector::native::NativeVectorEnv;
 use gym::{BoxEnv, Env, Stateful, classic, toytext};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -28,6 +30,27 @@ pub(crate) fn state(env: &BoxEnv) -> Option<Json> {
         toytext::taxi::TaxiDynamics,
     );
     None
+}
+
+/// The states of a vector's environments, as a JSON list; `None` where [`state`] has none.
+pub(crate) fn states(envs: &mut (dyn VectorEnv + 'static)) -> Option<Json> {
+    macro_rules! first_of {
+        ($($dynamics:ty),* $(,)?) => {$(
+            if let Some(envs) = envs.wrapper::<NativeVectorEnv<$dynamics>>() {
+                let states = (0..envs.num_envs()).map(|index| serde_json::to_value(envs.state(index)?).ok());
+                return states.collect::<Option<_>>().map(Json::Array);
+            }
+        )*};
+    }
+    first_of!(
+        classic::cartpole::CartPoleDynamics,
+        classic::mountain_car::MountainCarDynamics,
+        classic::mountain_car_continuous::MountainCarContinuousDynamics,
+        classic::pendulum::PendulumDynamics,
+        classic::acrobot::AcrobotDynamics,
+    );
+    let states = envs.call(|_, env: &mut BoxEnv| state(env)).ok()?;
+    states.into_iter().collect::<Option<_>>().map(Json::Array)
 }
 
 /// Gymnasium's `P` and `initial_state_distrib`, for environments that have them.

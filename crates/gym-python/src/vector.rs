@@ -17,6 +17,7 @@ use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python}
 use crate::env::Env;
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
+use crate::peek;
 
 /// A vector of environments. The lock of Python is released while it works.
 #[pyclass(frozen, module = "rustgym._native")]
@@ -321,6 +322,12 @@ impl Vector {
         let core = self.lock(py)?;
         let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();
         Ok(new_array(py, &[done.len()], &done))
+    }
+
+    /// The states as a JSON list, for environments whose dynamics are pure functions of one.
+    fn states(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let mut core = self.lock(py)?;
+        guard(|| Ok(peek::states(core.envs.as_dyn()).map(|states| states.to_string())))
     }
 
     /// Copies of the environments, wrappers included.

@@ -139,6 +139,15 @@ def test_attributes_of_the_environments() -> None:
         rustgym.VectorEnv("CartPole-v1", 3, kind="native").get_attr("state")
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_states(kind: str) -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 3, kind=kind)
+    with pytest.raises(AttributeError, match="reset"):
+        _ = envs.state
+    observations, _ = envs.reset(seed=0)
+    assert np.array_equal(envs.state.T.astype(np.float32), observations)
+
+
 def test_arguments_of_the_environments() -> None:
     envs = rustgym.VectorEnv("LunarLander-v3", 2, kind="sync", enable_wind=True)
     envs.reset(seed=0)

@@ -245,13 +245,13 @@ class Env(gymnasium.Env[Any, Any]):
         self._native.restore(state, True)
         self._follow()
 
-    def _take_apart(self) -> tuple[list[Any], Any]:
+    def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
         whole = json.loads(self.get_state())
         inner = whole
-        while isinstance(inner[0], list):  # wrappers of the Rust side: `[what is within, their own]`
+        while isinstance(inner, list):  # wrappers of the Rust side: `[what is within, their own]`
             inner = inner[0]
-        return whole, inner[1]
+        return whole, inner["episode"]
 
     # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
 

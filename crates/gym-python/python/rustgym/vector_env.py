@@ -233,7 +233,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     @property
     def state(self) -> npt.NDArray[np.float64]:
         """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
-        return np.stack(self.get_attr("state"), axis=-1)
+        import rustgym.envs as envs
+
+        names: tuple[str, ...] = getattr(getattr(envs, envs.class_name(self.env_id)), "state_names", ())
+        states = self._native.states() if names else None
+        if states is None:
+            raise AttributeError(f"{self.env_id} has no state of a few numbers, or was not reset yet")
+        rows = json.loads(states)
+        return np.array([[state[name] for state in rows] for name in names])
 
     @property
     def prev_done(self) -> npt.NDArray[np.bool_]:

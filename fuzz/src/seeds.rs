@@ -6,7 +6,8 @@ use serde_json::{Value as Json, json};
 
 /// The registered ids, and some that are none.
 pub fn ids() -> Vec<Vec<u8>> {
-    let known = registry::self_contained().into_iter().map(|registration| registration.id().as_bytes().to_vec());
+    let known =
+        registry::self_contained().into_iter().map(|registration| registration.id().as_bytes().to_vec());
     let other = ["CartPole", "a/b/C-v0", "x y-v1", "-v1", "A-v4294967296", "CartPole-v01", "å/ß.é-v1"];
     known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
 }
@@ -79,7 +80,8 @@ pub fn traces() -> Vec<Vec<u8>> {
 
 /// Spaces of every kind, with an element.
 pub fn spaces() -> Vec<Vec<u8>> {
-    let of_envs = registry::self_contained().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
+    let of_envs =
+        registry::self_contained().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
     let mut all: Vec<Json> =
         of_envs.flat_map(|env| [json!(env.observation_space()), json!(env.action_space())]).collect();
     // pictures say nothing that a smaller one does not

@@ -39,8 +39,16 @@ pub fn roms(input: &[u8]) {
     use gym::atari::cartridge::{Cartridge, Scheme};
     use gym::atari::console::{Console, Input};
 
-    const SCHEMES: [Scheme; 8] =
-        [Scheme::Rom2K, Scheme::Rom4K, Scheme::F8, Scheme::F8SC, Scheme::F6, Scheme::F6SC, Scheme::E0, Scheme::FE];
+    const SCHEMES: [Scheme; 8] = [
+        Scheme::Rom2K,
+        Scheme::Rom4K,
+        Scheme::F8,
+        Scheme::F8SC,
+        Scheme::F6,
+        Scheme::F6SC,
+        Scheme::E0,
+        Scheme::FE,
+    ];
     let Some((&choice, rom)) = input.split_first() else { return };
     let scheme = SCHEMES[usize::from(choice) % SCHEMES.len()];
     let mut seen = Console::new(Cartridge::new(rom, scheme), Display::NTSC, [choice; 128], choice);

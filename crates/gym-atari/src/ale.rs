@@ -131,7 +131,8 @@ impl Ale {
     /// Presses SELECT as often as the mode needs; ale-py counts a frame for each.
     fn choose_mode(&mut self) {
         let (Some(mode), Some(held)) = (self.settings.mode, self.game.select_frames) else { return };
-        let presses = self.game.modes.iter().find(|(number, _)| *number == mode).map_or(0, |(_, presses)| *presses);
+        let presses =
+            self.game.modes.iter().find(|(number, _)| *number == mode).map_or(0, |(_, presses)| *presses);
         for _ in 0..presses {
             for _ in 0..held {
                 self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
@@ -177,7 +178,13 @@ impl Ale {
     ///
     /// A picture can show what an earlier frame left, where a frame ends early or the game does. Then the frames are played
     /// again, with all of them drawn.
-    pub(crate) fn frames(&mut self, action: Action, frames: u32, seen: u32, repeat_action_probability: f64) -> i32 {
+    pub(crate) fn frames(
+        &mut self,
+        action: Action,
+        frames: u32,
+        seen: u32,
+        repeat_action_probability: f64,
+    ) -> i32 {
         let unseen = frames.saturating_sub(seen);
         if unseen == 0 {
             return (0..frames).map(|_| self.act(action, repeat_action_probability)).sum();

@@ -13,7 +13,8 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
     deserializer: D,
 ) -> Result<[u8; N], D::Error> {
     let text = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
-    decode(&text).ok_or_else(|| D::Error::custom(format!("expected {N} bytes as {} hexadecimal digits", 2 * N)))
+    decode(&text)
+        .ok_or_else(|| D::Error::custom(format!("expected {N} bytes as {} hexadecimal digits", 2 * N)))
 }
 
 pub(crate) fn encode(bytes: &[u8]) -> String {

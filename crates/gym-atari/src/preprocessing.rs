@@ -44,7 +44,7 @@ impl Default for Preprocessing {
 /// # fn main() -> gym_core::Result<()> {
 /// let config = Config { game: "breakout".to_owned(), frameskip: Frameskip::Fixed(1), ..Config::default() };
 /// let env = AtariPreprocessing::new(AtariEnv::new(config)?, Default::default())?;
-/// let mut env = env.frame_stack_observation(4)?;
+/// let mut env = env.frame_stack(4)?;
 /// env.reset(42)?;
 /// # Ok(())
 /// # }
@@ -77,10 +77,16 @@ impl AtariPreprocessing {
     pub fn new(env: AtariEnv, settings: Preprocessing) -> Result<Self> {
         let refuse = |reason: String| Err(Error::argument("AtariPreprocessing", reason));
         if env.config().frameskip != Frameskip::Fixed(1) {
-            return refuse(format!("the environment's frameskip is {:?}: it must be 1", env.config().frameskip));
+            return refuse(format!(
+                "the environment's frameskip is {:?}: it must be 1",
+                env.config().frameskip
+            ));
         }
         if !(1..=10_000).contains(&settings.frame_skip) {
-            return refuse(format!("frame_skip is {}: it must be at least 1 and at most 10000", settings.frame_skip));
+            return refuse(format!(
+                "frame_skip is {}: it must be at least 1 and at most 10000",
+                settings.frame_skip
+            ));
         }
         let source = (env.ale().picture().len(), 160);
         let [height, width] = settings.screen_size;
@@ -197,7 +203,12 @@ impl Env for AtariPreprocessing {
 
     fn snapshot(&self) -> Result<Snapshot> {
         let frames = [0, 1].map(|i| crate::bytes::encode(&self.frames[i]));
-        Snapshot::of(&Stored { env: self.env.snapshot()?, settings: self.settings, frames, lives: self.lives })
+        Snapshot::of(&Stored {
+            env: self.env.snapshot()?,
+            settings: self.settings,
+            frames,
+            lives: self.lives,
+        })
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -62,7 +62,11 @@ impl Recording {
     /// [`Error::Custom`] if the ROM is of another game, or an operation is none.
     pub fn replay(&self, rom: &Rom) -> Result<Self> {
         if rom.game().md5 != self.md5 {
-            return Err(Error::custom(format!("this is a recording of {}, not of {}", self.rom, rom.game().name)));
+            return Err(Error::custom(format!(
+                "this is a recording of {}, not of {}",
+                self.rom,
+                rom.game().name
+            )));
         }
         let mut ale = Ale::new(rom.game(), rom.bytes(), 0);
         ale.configure(Settings { mode: self.mode, difficulty: self.difficulty, max_frames: None });

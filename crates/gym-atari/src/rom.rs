@@ -99,13 +99,20 @@ impl RomDir {
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.0.join(format!("{}.bin", game.name));
         let bytes = fs::read(&path).map_err(|error| {
-            Error::argument(game.title, format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()))
+            Error::argument(
+                game.title,
+                format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()),
+            )
         })?;
         let md5 = format!("{:x}", md5::compute(&bytes));
         if md5 != game.md5 {
             return Err(Error::argument(
                 game.title,
-                format!("the ROM {} has the MD5 {md5}, not {}: it is another game or another edition", path.display(), game.md5),
+                format!(
+                    "the ROM {} has the MD5 {md5}, not {}: it is another game or another edition",
+                    path.display(),
+                    game.md5
+                ),
             ));
         }
         Ok(Rom { game, md5, bytes: bytes.into() })

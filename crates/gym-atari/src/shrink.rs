@@ -54,7 +54,9 @@ impl Shrink {
         for (out, cover) in out.chunks_exact_mut(columns).zip(&self.rows) {
             for (x, out) in out.iter_mut().enumerate() {
                 let covered = self.across[cover.first * columns + x..].iter().step_by(columns);
-                let sum = covered.zip(&cover.shares[..cover.count]).fold(0.0, |sum, (part, share)| sum + share * part);
+                let sum = covered
+                    .zip(&cover.shares[..cover.count])
+                    .fold(0.0, |sum, (part, share)| sum + share * part);
                 *out = f32::round_ties_even(sum) as u8;
             }
         }
@@ -100,7 +102,9 @@ mod tests {
     /// Checksums of what OpenCV 5.0.0 makes of a picture of noise.
     #[test]
     fn equals_opencvs() {
-        let noise: Vec<u8> = (0..210 * 160u32).map(|i| ((i.wrapping_mul(i).wrapping_mul(7).wrapping_add(i * 13)) >> 3) as u8).collect();
+        let noise: Vec<u8> = (0..210 * 160u32)
+            .map(|i| ((i.wrapping_mul(i).wrapping_mul(7).wrapping_add(i * 13)) >> 3) as u8)
+            .collect();
         for (target, expected) in OPENCV {
             let mut out = vec![0; target.0 * target.1];
             let mut shrink = Shrink::new((210, 160), *target).expect("smaller");
@@ -109,7 +113,8 @@ mod tests {
         }
     }
 
-    const OPENCV: &[((usize, usize), u32)] = &[((84, 84), 0xaf5ed6c2), ((64, 80), 0xe4afc1fb), ((100, 33), 0xe93511e4)];
+    const OPENCV: &[((usize, usize), u32)] =
+        &[((84, 84), 0xaf5ed6c2), ((64, 80), 0xe4afc1fb), ((100, 33), 0xe93511e4)];
 
     #[test]
     fn other_sizes_are_refused() {

@@ -1,6 +1,8 @@
 //! The environments, on a program of our own.
 
-use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games};
+use gym_atari::{
+    AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games,
+};
 use gym_core::{Env, Error, Value};
 
 /// Shows a colour that depends on the stick and on a counter of frames.
@@ -8,7 +10,8 @@ fn homebrew() -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
-        0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x4d, 0x80, 0x02, 0x85, 0x09, // inc $80; lda $80; asl; eor SWCHA; sta COLUBK
+        0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x4d, 0x80, 0x02, 0x85,
+        0x09, // inc $80; lda $80; asl; eor SWCHA; sta COLUBK
         0x18, 0x65, 0x81, 0x85, 0x81, 0x85, 0x0e, // clc; adc $81; sta $81; sta PF1
         0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
         0x4c, 0x0c, 0xf0,
@@ -25,11 +28,9 @@ fn env(config: Config) -> AtariEnv {
 
 #[test]
 fn observations_have_the_shape_of_their_space() {
-    for (obs_type, shape) in [
-        (ObsType::Rgb, vec![210, 160, 3]),
-        (ObsType::Grayscale, vec![210, 160]),
-        (ObsType::Ram, vec![128]),
-    ] {
+    for (obs_type, shape) in
+        [(ObsType::Rgb, vec![210, 160, 3]), (ObsType::Grayscale, vec![210, 160]), (ObsType::Ram, vec![128])]
+    {
         let mut env = env(Config { obs_type, ..Config::default() });
         let observation = env.reset(1).unwrap();
         assert_eq!(observation.shape(), shape);
@@ -48,7 +49,11 @@ fn skipped_frames_show_the_same() {
         for step in 0..30usize {
             let action = (step * 7 % 18).into();
             let expected = (0..skip).map(|_| single.step(&action).unwrap()).last().unwrap();
-            assert_eq!(skipping.step(&action).unwrap().observation, expected.observation, "skip {skip}, step {step}");
+            assert_eq!(
+                skipping.step(&action).unwrap().observation,
+                expected.observation,
+                "skip {skip}, step {step}"
+            );
         }
     }
 }
@@ -117,7 +122,10 @@ fn mistakes_are_named() {
     for (config, expected) in [
         (Config { frameskip: Frameskip::Fixed(0), ..Config::default() }, "Invalid frameskip of 0"),
         (Config { frameskip: Frameskip::Range([0, 3]), ..Config::default() }, "lower bound must be positive"),
-        (Config { frameskip: Frameskip::Range([3, 3]), ..Config::default() }, "strictly less than upper bound"),
+        (
+            Config { frameskip: Frameskip::Range([3, 3]), ..Config::default() },
+            "strictly less than upper bound",
+        ),
         (Config { difficulty: Some(9), ..Config::default() }, "Invalid difficulty requested"),
         (Config { mode: Some(9), ..Config::default() }, "Invalid game mode requested"),
         (Config { sound_obs: true, ..Config::default() }, "sound"),

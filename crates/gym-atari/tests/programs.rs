@@ -80,7 +80,10 @@ fn writes_show_when_they_do_in_ale_py() {
     let hmove: &[u8] = &[2, 2, 6, 7, 8, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 42];
     // copies and widths
     let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
+    // playfield, colours, reflection, priority and score
+    let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
     let cases = [
+        (playfield, [0x9a98_1527, 0x8f50_f08b, 0xf34f_4410, 0x1ee2_4465, 0xec64_3a9d, 0x49e5_935b]),
         (objects, [0xd65e_0466, 0x2d1e_5550, 0x07a1_be42, 0x8d4e_d54b, 0xc673_bb73, 0xfa37_a9d9]),
         (hmove, [0x90cb_33a4, 0xb13d_efb2, 0x9b00_9857, 0x9002_1e60, 0xb461_5fcc, 0x8ce7_7f31]),
         (nusiz, [0x3539_9903, 0xa399_9366, 0x91e1_a5ce, 0xaa6d_b565, 0xfec6_8985, 0x9355_c372]),
@@ -97,7 +100,8 @@ fn writes_show_when_they_do_in_ale_py() {
 /// A frame that nobody looks at changes the same, but for the picture.
 #[test]
 fn unseen_frames_play_the_same() {
-    let rom = random_writes(1, &[2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 42]);
+    let rom =
+        random_writes(1, &[2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 42]);
     let console = || Console::new(Cartridge::new(&rom, Scheme::Rom4K), Display::NTSC, [0; 128], 74);
     let (mut seen, mut unseen) = (console(), console());
     for _ in 0..20 {
@@ -148,8 +152,16 @@ fn banks_follow_accesses() {
 /// Bytes of no sense neither panic nor hang, and come out the same twice.
 #[test]
 fn any_bytes_can_be_played() {
-    let schemes =
-        [Scheme::Rom2K, Scheme::Rom4K, Scheme::F8, Scheme::F8SC, Scheme::F6, Scheme::F6SC, Scheme::E0, Scheme::FE];
+    let schemes = [
+        Scheme::Rom2K,
+        Scheme::Rom4K,
+        Scheme::F8,
+        Scheme::F8SC,
+        Scheme::F6,
+        Scheme::F6SC,
+        Scheme::E0,
+        Scheme::FE,
+    ];
     let mut random = Lcg(7);
     for round in 0..160 {
         let length = [0, 1, 2048, 4096, 8192, 16384, 20000][random.below(7) as usize];

@@ -35,7 +35,11 @@ impl Selection {
         for group in needy.chunk_by(|a, b| a.crate_name() == b.crate_name()) {
             let what = group[0].requirement().unwrap_or_default();
             let there = if group[0].missing().is_none() { "they are there" } else { "they are missing" };
-            eprintln!("{}: {} ids need {what}, and {there}; name an id to use it", group[0].crate_name(), group.len());
+            eprintln!(
+                "{}: {} ids need {what}, and {there}; name an id to use it",
+                group[0].crate_name(),
+                group.len()
+            );
         }
         Ok(all)
     }

@@ -99,7 +99,8 @@ impl Config {
             }
             Frameskip::Range([low, high]) if low >= high => {
                 return invalid(
-                    "Invalid stochastic frameskip, lower bound must be strictly less than upper bound.".into(),
+                    "Invalid stochastic frameskip, lower bound must be strictly less than upper bound."
+                        .into(),
                 );
             }
             Frameskip::Fixed(skip) if skip <= 0 => {
@@ -112,16 +113,22 @@ impl Config {
         }
         let modes: Vec<_> = game.modes.iter().map(|(number, _)| *number).collect();
         if let Some(mode) = self.mode.filter(|mode| !modes.contains(mode)) {
-            return invalid(format!("Invalid game mode requested: mode is {mode}, and the modes are {modes:?}"));
+            return invalid(format!(
+                "Invalid game mode requested: mode is {mode}, and the modes are {modes:?}"
+            ));
         }
-        if let Some(difficulty) = self.difficulty.filter(|difficulty| !game.difficulties.contains(difficulty)) {
+        if let Some(difficulty) = self.difficulty.filter(|difficulty| !game.difficulties.contains(difficulty))
+        {
             return invalid(format!(
                 "Invalid difficulty requested: difficulty is {difficulty}, and the difficulties are {:?}",
                 game.difficulties
             ));
         }
         if let Some(mode) = self.mode.filter(|mode| *mode != modes[0] && game.select_frames.is_none()) {
-            return invalid(format!("mode is {mode}: only the default mode, {}, of this game is supported", modes[0]));
+            return invalid(format!(
+                "mode is {mode}: only the default mode, {}, of this game is supported",
+                modes[0]
+            ));
         }
         if !self.repeat_action_probability.is_finite() || self.repeat_action_probability < 0.0 {
             return invalid(format!(

@@ -107,8 +107,7 @@ impl Objects {
                     over(byte(one), colors.p1);
                     over(byte(zero), colors.p0);
                 }
-                let cells: &mut [u8; 8] =
-                    (&mut row[8 * group..8 * group + 8]).try_into().expect("8 bytes");
+                let cells: &mut [u8; 8] = (&mut row[8 * group..8 * group + 8]).try_into().expect("8 bytes");
                 let before = u64::from_le_bytes(*cells);
                 *cells = (before & !inside | painted & inside).to_le_bytes();
             }

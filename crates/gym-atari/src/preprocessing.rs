@@ -44,7 +44,7 @@ impl Default for Preprocessing {
 /// # fn main() -> gym_core::Result<()> {
 /// let config = Config { game: "breakout".to_owned(), frameskip: Frameskip::Fixed(1), ..Config::default() };
 /// let env = AtariPreprocessing::new(AtariEnv::new(config)?, Default::default())?;
-/// let mut env = env.frame_stack_observation(4)?;
+/// let mut env = env.frame_stack(4)?;
 /// env.reset(42)?;
 /// # Ok(())
 /// # }

@@ -80,7 +80,10 @@ fn writes_show_when_they_do_in_ale_py() {
     let hmove: &[u8] = &[2, 2, 6, 7, 8, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 42];
     // copies and widths
     let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
+    // playfield, colours, reflection, priority and score
+    let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
     let cases = [
+        (playfield, [0x9a98_1527, 0x8f50_f08b, 0xf34f_4410, 0x1ee2_4465, 0xec64_3a9d, 0x49e5_935b]),
         (objects, [0xd65e_0466, 0x2d1e_5550, 0x07a1_be42, 0x8d4e_d54b, 0xc673_bb73, 0xfa37_a9d9]),
         (hmove, [0x90cb_33a4, 0xb13d_efb2, 0x9b00_9857, 0x9002_1e60, 0xb461_5fcc, 0x8ce7_7f31]),
         (nusiz, [0x3539_9903, 0xa399_9366, 0x91e1_a5ce, 0xaa6d_b565, 0xfec6_8985, 0x9355_c372]),

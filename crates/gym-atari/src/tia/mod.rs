@@ -7,7 +7,8 @@
 //! clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number of cycles of the line that have passed
 //! at the end of an access.
 //!
-//! Nothing is drawn until something changes: a write first paints what lies before it with what was.
+//! Nothing is drawn until something changes: a write first paints what lies before it with what was, and a write of what
+//! is there already does nothing.
 
 mod objects;
 mod paint;
@@ -246,16 +247,19 @@ impl Tia {
             }
             // COLUP0, COLUP1
             register @ (0x06 | 0x07) => {
-                self.draw(clock, screen);
-                self.colup[usize::from(register) - 0x06] = value & 0xfe;
+                let i = usize::from(register) - 0x06;
+                if self.colup[i] != value & 0xfe {
+                    self.draw(clock, screen);
+                    self.colup[i] = value & 0xfe;
+                }
             }
             // COLUPF
-            0x08 => {
+            0x08 if self.colupf != value & 0xfe => {
                 self.draw(clock, screen);
                 self.colupf = value & 0xfe;
             }
             // COLUBK
-            0x09 => {
+            0x09 if self.colubk != value & 0xfe => {
                 self.draw(clock, screen);
                 self.colubk = value & 0xfe;
             }
@@ -263,8 +267,8 @@ impl Tia {
             0x0a => {
                 self.draw(clock, screen);
                 self.ctrlpf = value;
-                // the right half keeps what it began with
-                if (clock as i32) < BLANK + WIDTH as i32 / 2 {
+                // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
+                if (clock as i32) < BLANK + 79 {
                     self.reflected = value & 0x01 != 0;
                 }
                 self.place_playfield();
@@ -278,7 +282,7 @@ impl Tia {
                 self.place_player(i);
             }
             // PF0, PF1, PF2
-            register @ 0x0d..=0x0f => {
+            register @ 0x0d..=0x0f if self.pf[usize::from(register) - 0x0d] != value => {
                 self.draw(clock + [4, 5, 2, 3][c as usize % 4], screen);
                 self.pf[usize::from(register) - 0x0d] = value;
                 self.place_playfield();
@@ -301,12 +305,14 @@ impl Tia {
             // ENAM0, ENAM1
             register @ (0x1d | 0x1e) => {
                 let i = usize::from(register) - 0x1d;
-                self.draw(clock, screen);
-                self.enam[i] = value & 0x02 != 0;
-                self.place_missile(i);
+                if self.enam[i] != (value & 0x02 != 0) {
+                    self.draw(clock, screen);
+                    self.enam[i] = value & 0x02 != 0;
+                    self.place_missile(i);
+                }
             }
             // ENABL
-            0x1f => {
+            0x1f if self.enabl[0] != (value & 0x02 != 0) => {
                 self.draw(clock, screen);
                 self.enabl[0] = value & 0x02 != 0;
                 self.place_ball();
@@ -367,16 +373,27 @@ impl Tia {
     }
 
     fn write_grp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
+        // the vertical delay: a write to one player shows the other's last, and GRP1 the ball's
+        let mut grp = self.grp;
+        grp[i][0] = value;
+        grp[1 - i][1] = grp[1 - i][0];
+        let ball = [self.enabl[0], if i == 1 { self.enabl[0] } else { self.enabl[1] }];
+        if grp == self.grp && ball == self.enabl {
+            return;
+        }
         self.draw(clock + 1, screen);
-        self.grp[i][0] = value;
-        // the vertical delay: a write to one player shows the other's last
-        self.grp[1 - i][1] = self.grp[1 - i][0];
-        if i == 1 {
-            self.enabl[1] = self.enabl[0];
+        for player in [P0, P1] {
+            let shown = usize::from(self.vdelp[player]);
+            let changed = self.grp[player][shown] != grp[player][shown];
+            self.grp[player] = grp[player];
+            if changed {
+                self.place_player(player);
+            }
+        }
+        if self.enabl != ball {
+            self.enabl = ball;
             self.place_ball();
         }
-        self.place_player(0);
-        self.place_player(1);
     }
 
     fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {

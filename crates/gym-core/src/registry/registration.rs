@@ -65,6 +65,13 @@ impl<D: Dynamics> Configure for Stateful<D> {
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&EnvSpec, usize, Autoreset) -> Result<Box<dyn VectorEnv>>;
 
+/// What an environment needs that no crate brings.
+#[derive(Clone, Copy)]
+struct Need {
+    what: &'static str,
+    is_there: fn() -> bool,
+}
+
 /// An entry of the registry. Submit it at link time with [`register!`](crate::register!), or at
 /// run time with [`registry::register`](crate::registry::register).
 #[derive(Clone)]
@@ -78,7 +85,7 @@ pub struct Registration {
     nondeterministic: bool,
     without_arguments: bool,
     exceptions: &'static [(&'static str, &'static str)],
-    needs: Option<(&'static str, fn() -> bool)>,
+    needs: Option<Need>,
     defaults: fn() -> Json,
     construct: fn(&EnvSpec) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
@@ -167,7 +174,7 @@ impl Registration {
     /// through the whole registry passes over such environments, or says what they need.
     #[must_use]
     pub const fn needs(mut self, what: &'static str, is_there: fn() -> bool) -> Self {
-        self.needs = Some((what, is_there));
+        self.needs = Some(Need { what, is_there });
         self
     }
 
@@ -202,12 +209,12 @@ impl Registration {
 
     /// What it needs that no crate brings, if it needs something.
     pub fn requirement(&self) -> Option<&'static str> {
-        self.needs.map(|(what, _)| what)
+        self.needs.map(|need| need.what)
     }
 
     /// What it needs and is not there.
     pub fn missing(&self) -> Option<&'static str> {
-        self.needs.filter(|(_, is_there)| !is_there()).map(|(what, _)| what)
+        self.needs.filter(|need| !(need.is_there)()).map(|need| need.what)
     }
 
     /// Why this id may fail a check of [`conform`](crate::conform), if it may.

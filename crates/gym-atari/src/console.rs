@@ -116,7 +116,7 @@ impl Console {
         self.run(input, true);
     }
 
-    /// As [`frame`](Self::frame), but leaves the picture as it is; all else comes out the same. Nearly twice as fast.
+    /// As [`frame`](Self::frame), but leaves the picture as it is; all else comes out the same.
     pub fn frame_unseen(&mut self, input: &Input) {
         self.run(input, false);
     }

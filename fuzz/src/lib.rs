@@ -22,10 +22,11 @@ pub struct Target {
 }
 
 /// Every target.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target { name: "arguments", run: targets::arguments, seeds: seeds::arguments },
     Target { name: "ids", run: targets::ids, seeds: seeds::ids },
     Target { name: "mjcf", run: targets::mjcf, seeds: seeds::mjcf },
+    Target { name: "roms", run: targets::roms, seeds: seeds::roms },
     Target { name: "snapshots", run: targets::snapshots, seeds: seeds::snapshots },
     Target { name: "spaces", run: targets::spaces, seeds: seeds::spaces },
     Target { name: "specs", run: targets::specs, seeds: seeds::specs },

@@ -6,14 +6,28 @@ use serde_json::{Value as Json, json};
 
 /// The registered ids, and some that are none.
 pub fn ids() -> Vec<Vec<u8>> {
-    let known = registry::all().into_iter().map(|registration| registration.id().as_bytes().to_vec());
+    let known =
+        registry::self_contained().into_iter().map(|registration| registration.id().as_bytes().to_vec());
     let other = ["CartPole", "a/b/C-v0", "x y-v1", "-v1", "A-v4294967296", "CartPole-v01", "å/ß.é-v1"];
     known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
 }
 
+/// Programs that write all registers, of each size of cartridge.
+pub fn roms() -> Vec<Vec<u8>> {
+    let program = |choice: u8| {
+        let size = [2048, 4096, 8192, 8192, 16384, 16384, 8192, 8192][usize::from(choice) % 8];
+        // lda $80; inc $80; sta 0,x; inx; jmp $F000
+        let code = [0xa5, 0x80, 0xe6, 0x80, 0x95, 0x00, 0xe8, 0x4c, 0x00, 0xf0];
+        let mut rom: Vec<u8> = code.iter().copied().cycle().take(size).collect();
+        rom[size - 4..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
+        [vec![choice], rom].concat()
+    };
+    (0..16).map(program).collect()
+}
+
 /// Every id with its default arguments spelt out.
 pub fn arguments() -> Vec<Vec<u8>> {
-    let requests = registry::all().into_iter().map(|registration| {
+    let requests = registry::self_contained().into_iter().map(|registration| {
         let mut kwargs = registration.default_kwargs();
         if let Ok(spec) = registration.spec() {
             kwargs.extend(spec.kwargs);
@@ -38,7 +52,7 @@ pub fn mjcf() -> Vec<Vec<u8>> {
 /// A snapshot of every environment, some steps into an episode.
 pub fn snapshots() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
-    for registration in registry::all() {
+    for registration in registry::self_contained() {
         let id = registration.id();
         let taken = gym::make(id).and_then(|mut env| {
             env.reset(0)?;
@@ -57,7 +71,7 @@ pub fn snapshots() -> Vec<Vec<u8>> {
 
 /// A trace of every environment.
 pub fn traces() -> Vec<Vec<u8>> {
-    let traces = registry::all().into_iter().filter_map(|registration| {
+    let traces = registry::self_contained().into_iter().filter_map(|registration| {
         let env = gym::make(registration.id()).ok()?;
         let space = env.action_space();
         let mut actions = space.sampler(0);
@@ -72,7 +86,8 @@ pub fn traces() -> Vec<Vec<u8>> {
 
 /// Spaces of every kind, with an element.
 pub fn spaces() -> Vec<Vec<u8>> {
-    let of_envs = registry::all().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
+    let of_envs =
+        registry::self_contained().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
     let mut all: Vec<Json> =
         of_envs.flat_map(|env| [json!(env.observation_space()), json!(env.action_space())]).collect();
     // pictures say nothing that a smaller one does not
@@ -125,7 +140,7 @@ pub fn specs() -> Vec<Vec<u8>> {
     ];
     let mut seeds = Vec::new();
     for (i, stack) in stacks.iter().enumerate() {
-        for registration in registry::all().iter().skip(i % 3).step_by(3) {
+        for registration in registry::self_contained().iter().skip(i % 3).step_by(3) {
             let Ok(spec) = registration.spec() else { continue };
             let mut json = json!(spec);
             json["additional_wrappers"] = stack.clone();

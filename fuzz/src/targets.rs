@@ -32,6 +32,37 @@ pub fn ids(input: &[u8]) {
     }
 }
 
+/// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen and unseen, end and
+/// come to the same.
+pub fn roms(input: &[u8]) {
+    use gym::atari::Display;
+    use gym::atari::cartridge::{Cartridge, Scheme};
+    use gym::atari::console::{Console, Input};
+
+    const SCHEMES: [Scheme; 8] = [
+        Scheme::Rom2K,
+        Scheme::Rom4K,
+        Scheme::F8,
+        Scheme::F8SC,
+        Scheme::F6,
+        Scheme::F6SC,
+        Scheme::E0,
+        Scheme::FE,
+    ];
+    let Some((&choice, rom)) = input.split_first() else { return };
+    let scheme = SCHEMES[usize::from(choice) % SCHEMES.len()];
+    let mut seen = Console::new(Cartridge::new(rom, scheme), Display::NTSC, [choice; 128], choice);
+    let mut unseen = seen.clone();
+    for frame in 0..4 {
+        let input = Input { port_a: choice.wrapping_mul(frame), charge: [Some(700); 4], ..Input::default() };
+        seen.frame(&input);
+        unseen.frame_unseen(&input);
+    }
+    assert_eq!(seen.ram(), unseen.ram(), "a frame that is not seen plays otherwise");
+    let state = seen.state();
+    assert!(unseen.set_state(&state), "a state of the console is refused");
+}
+
 /// `{"id": ..., "kwargs": {...}, "options": {...}}`
 pub fn arguments(input: &[u8]) {
     let Some(request) = object(input) else { return };

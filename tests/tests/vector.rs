@@ -20,7 +20,7 @@ fn short(id: &str, n: usize) -> VectorBuilder {
 
 /// Every id but those of the second engine, which differ in nothing that a vector sees.
 fn ids() -> Vec<String> {
-    let ids = registry::all().into_iter().map(|registration| registration.id().to_owned());
+    let ids = registry::self_contained().into_iter().map(|registration| registration.id().to_owned());
     ids.filter(|id| !id.starts_with("rapier/")).collect()
 }
 

@@ -11,6 +11,8 @@
 //! ]}
 //! ```
 //!
+//! A picture may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype": "uint8"}`.
+//!
 //! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
 //! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
 //!
@@ -26,7 +28,7 @@ use serde_json::{Number, Value as Json, json, value::RawValue};
 use crate::registry::EnvBuilder;
 use crate::render::{RenderMode, Rendered};
 use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
-use crate::{BoxEnv, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
+use crate::{BoxEnv, DType, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -304,7 +306,7 @@ impl Event {
         }
         // pictures are compared by their checksums
         if self.observation.is_some() || (self.state.is_none() && trace.render_mode.is_none()) {
-            answer.observation = Some(json!(observed));
+            answer.observation = Some(self.recorded(&observed));
         }
         if trace.render_mode.is_some()
             && let Rendered::Frame(frame) = env.render()?
@@ -320,6 +322,19 @@ impl Event {
             }
         }
         Ok(answer)
+    }
+
+    /// An observation in the form of this event's: its numbers, or their checksum.
+    fn recorded(&self, observation: &Value) -> Json {
+        let as_checksum = self.observation.as_ref().is_some_and(|recorded| recorded.get("crc32").is_some());
+        match observation {
+            Value::Array(array) if as_checksum && array.dtype() == DType::U8 => {
+                let bytes = array.as_slice::<u8>().unwrap_or_default();
+                let crc32 = format!("{:08x}", crc32fast::hash(bytes));
+                json!({"crc32": crc32, "shape": array.shape(), "dtype": array.dtype().name()})
+            }
+            _ => json!(observation),
+        }
     }
 
     fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {

@@ -170,7 +170,7 @@ impl Data {
         }
         self.cfrc_ext.fill([0.0; 6]);
         self.contact.clear();
-        self.efc = Constraints::default();
+        self.efc.clear();
         self.solver_niter.clear();
     }
 
@@ -193,8 +193,41 @@ impl Data {
         if let Some((name, have, need)) = lengths.into_iter().find(|(_, have, need)| have != need) {
             return Err(Error::Data(format!("{name} has {have} elements, the model needs {need}")));
         }
-        let mut state = self.qpos.iter().chain(&self.qvel).chain(&self.ctrl).chain(&self.qacc_warmstart);
-        if state.all(|x| x.is_finite()) { Ok(()) } else { Err(Error::Data("the state is not finite".into())) }
+        macro_rules! flat {
+            ($($field:ident)+) => {
+                [$(&self.$field[..]),+]
+            };
+        }
+        macro_rules! rows {
+            ($($field:ident)+) => {
+                [$((stringify!($field), self.$field.as_flattened(), self.$field.first() == fresh.$field.first())),+]
+            };
+        }
+        // beyond the first a state is reset, and nothing that follows from a state goes beyond the second
+        const STATE: f64 = 1e10;
+        const FOLLOWING: f64 = 1e18;
+        let within = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() <= bound);
+        let state = flat!(qpos qvel qacc_warmstart).into_iter().all(|numbers| within(numbers, STATE));
+        let following = flat!(
+            ctrl qacc ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint
+            qm qld qld_diag_inv actuator_force
+        );
+        let unbounded = f64::from(f32::MAX);
+        if !state || !following.into_iter().all(|numbers| within(numbers, unbounded)) {
+            return Err(Error::Data("a number of the state is beyond what a simulation reaches".into()));
+        }
+        // the world does not move
+        let of_bodies = rows!(xpos xquat xmat xipos ximat cinert cvel cfrc_ext);
+        if let Some((name, ..)) =
+            of_bodies.iter().find(|(_, numbers, world)| !world || !within(numbers, FOLLOWING))
+        {
+            return Err(Error::Data(format!("{name} is not what a simulation reaches")));
+        }
+        let others = rows!(xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat subtree_com cdof cdof_dot);
+        match others.iter().find(|(_, numbers, _)| !within(numbers, FOLLOWING)) {
+            Some((name, ..)) => Err(Error::Data(format!("{name} is not what a simulation reaches"))),
+            None => Ok(()),
+        }
     }
 
     /// Makes every array as long as the model needs it; does nothing to those that are.
@@ -247,5 +280,9 @@ impl Data {
             vectors.resize(nbody, [0.0; 6]);
         }
         self.work = Work::new(m);
+        let bounds = m.plan().bounds();
+        self.contact.reserve(bounds.contacts);
+        self.efc.reserve(&bounds);
+        self.solver_niter.reserve(m.ntree());
     }
 }

@@ -10,6 +10,19 @@ pub enum Error {
     /// A compiled model whose parts do not fit together, or which is outside of what the engine supports.
     #[error("the compiled model is not valid: {0}")]
     Model(String),
+    /// Two geoms that can touch, and whose contacts are not supported.
+    #[error(
+        "geoms {first} and {second} can touch, but contacts of {kinds} are not supported: a cylinder touches planes and capsules \
+         only (exclude the bodies, or change contype and conaffinity)"
+    )]
+    Pair {
+        /// A geom.
+        first: usize,
+        /// The other one, a cylinder.
+        second: usize,
+        /// Their shapes.
+        kinds: String,
+    },
     /// A text that is not a model, or is outside of the supported part of MJCF.
     #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
     Mjcf {

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use crate::model::Solver;
 use crate::{Data, Error, Model, Result, forward, physics, step, tasks};
 
 /// A state, as recordings have it.
@@ -126,7 +127,11 @@ fn constraints(m: &Model, d: &Data) -> Value {
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
     let dot = |row: &Vec<f64>| row.iter().zip(&d.qacc_smooth).map(|(j, a)| j * a).sum::<f64>();
     let b: Vec<f64> = jacobian.iter().zip(&efc.aref).map(|(row, aref)| dot(row) - aref).collect();
-    let active: Vec<u8> = efc.force.iter().map(|force| u8::from(*force > 0.0)).collect();
+    // libmujoco leaves here what Newton's method saw last before it took the islands apart: the rows without constraint forces
+    let active: Vec<u8> = match m.opt.solver {
+        Solver::PGS => efc.force.iter().map(|force| u8::from(*force > 0.0)).collect(),
+        Solver::Newton => b.iter().map(|b| u8::from(*b < 0.0)).collect(),
+    };
     json!({
         "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,
         "efc_KBIP": efc.kbip, "efc_vel": efc.vel, "efc_aref": efc.aref, "efc_b": b, "efc_force": efc.force,

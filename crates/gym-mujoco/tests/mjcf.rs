@@ -82,6 +82,18 @@ fn refused() -> Vec<Refused> {
         world("<geom size=\"1\" material=\"none\"/>", "geom", Some("material")),
         world("<geom size=\"1\" name=\"x\"/><geom size=\"1\" name=\"x\"/>", "geom", Some("name")),
         world("<geom size=\"1\">text</geom>", "geom", None),
+        (
+            in_the_world("<geom size=\"1\"/>\n<body><joint/><geom type=\"cylinder\" size=\"1 1\"/></body>"),
+            5,
+            "geom",
+            Some("type"),
+        ),
+        (
+            in_the_world("<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>"),
+            1,
+            "mujoco",
+            None,
+        ),
         world("<body><joint/></body>", "body", None),
         world("<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>", "geom", Some("type")),
         world("<body><body><freejoint/><geom size=\"1\"/></body></body>", "freejoint", Some("type")),
@@ -98,7 +110,7 @@ fn refused() -> Vec<Refused> {
         other("<keyframe><key qpos=\"1 2 3\"/></keyframe>", "key", Some("qpos")),
         other("<option timestep=\"0\"/>", "option", Some("timestep")),
         // damaged
-        ("<mujoco>\n<worldbody>".into(), 2, "mujoco", None),
+        ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),
         ("<mujoco>\n\n<a></b></mujoco>".into(), 3, "mujoco", None),
         ("<!DOCTYPE x [<!ENTITY a \"b\">]><mujoco>&a;</mujoco>".into(), 1, "mujoco", None),

@@ -35,7 +35,7 @@ fn steps(criterion: &mut Criterion) {
     let cartpole = CartPole::new(Config::default()).expect("default arguments");
     bench(criterion, "typed CartPole", cartpole.clone());
     bench(criterion, "typed CartPole with a time limit", TimeLimit::new(cartpole, 500).expect("a limit"));
-    for registration in registry::all() {
+    for registration in registry::self_contained() {
         let id = registration.id();
         bench(criterion, &format!("make {id}"), gym::make(id).expect("a registered id"));
     }
@@ -44,7 +44,7 @@ fn steps(criterion: &mut Criterion) {
 /// Steps of a whole vector, counted for each of its environments.
 fn vectors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("vector");
-    for registration in registry::all() {
+    for registration in registry::self_contained() {
         for kind in VectorKind::ALL {
             if kind == VectorKind::Native && registration.native_vector().is_none() {
                 continue;

@@ -23,8 +23,12 @@
 //! This crate links the families of environments that its features name and re-exports
 //! [`gym_core`], where everything is explained; [`Env`] is the place to start.
 
+#[cfg(feature = "atari")]
+pub use gym_atari as atari;
 #[cfg(feature = "box2d")]
 pub use gym_box2d as box2d;
+#[cfg(all(feature = "bridge", unix))]
+pub use gym_bridge as bridge;
 #[cfg(feature = "classic")]
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]

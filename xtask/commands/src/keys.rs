@@ -30,6 +30,8 @@ impl Keys {
         let (name, _) = name.rsplit_once("-v").unwrap_or((name, ""));
         let discrete = matches!(space, Space::Discrete(_));
         let (actions, idle) = match name {
+            // ale-py's actions: what a key does depends on which of them the game has
+            _ if id.starts_with("ALE/") && discrete => (atari(id), Idle::Action(json!(0))),
             "CartPole" => (json!({"Left": 0, "Right": 1}), Idle::Repeat),
             "MountainCar" | "Acrobot" => (json!({"Left": 0, "Right": 2}), Idle::Action(json!(1))),
             "MountainCarContinuous" => (json!({"Left": [-1], "Right": [1]}), Idle::Action(json!([0]))),
@@ -115,6 +117,29 @@ impl Keys {
     }
 }
 
+/// Arrow keys and the space bar, for those actions that a game of the Atari 2600 has.
+#[cfg(feature = "families")]
+fn atari(id: &str) -> Json {
+    use gym::atari::{Action, games};
+
+    let title = id.trim_start_matches("ALE/").rsplit_once("-v").map_or(id, |(title, _)| title);
+    let Some(game) = games::GAMES.iter().find(|game| game.title == title) else { return json!({}) };
+    let keys = [
+        ("Space", Action::Fire),
+        ("Up", Action::Up),
+        ("Right", Action::Right),
+        ("Left", Action::Left),
+        ("Down", Action::Down),
+    ];
+    let has = |action| game.minimal.iter().position(|other| *other == action);
+    keys.iter().filter_map(|(key, action)| Some(((*key).to_owned(), json!(has(*action)?)))).collect()
+}
+
+#[cfg(not(feature = "families"))]
+fn atari(_: &str) -> Json {
+    json!({})
+}
+
 /// `Key0` to `Key9` for the first actions of a discrete space.
 fn digits(space: &Space) -> Json {
     let Space::Discrete(space) = space else { return json!({}) };
@@ -137,7 +162,7 @@ mod tests {
 
     #[test]
     fn every_linked_environment_has_keys_that_fit() {
-        for registration in gym::registry::all() {
+        for registration in gym::registry::self_contained() {
             let space = gym::Env::action_space(&gym::make(registration.id()).unwrap());
             Keys::of(registration.id(), &space).check(&space).unwrap();
         }

@@ -64,7 +64,12 @@ fn parse(text: &str) -> Result<Trace> {
 }
 
 fn compare(path: &Path) -> Result<()> {
-    let recorded = parse(&read(path)?)?;
+    let text = read(path)?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        return frames::compare(path, &recorded);
+    }
+    let recorded = parse(&text)?;
     match recorded.first_difference(&recorded.replay(state)?) {
         Some(difference) => Err(Error::custom(difference)),
         None => {
@@ -79,6 +84,13 @@ fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        let answers = frames::replay(&recorded)?;
+        let json = serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
+        return file::write(out.join(name), &json);
+    }
     let json = match of_engine(&rest, path)? {
         Some(answer) => serde_json::to_vec(&answer),
         None => {
@@ -87,7 +99,6 @@ fn write_answers(path: &Path, out: &Path) -> Result<()> {
             serde_json::to_vec(&File { rest, events: &answers.events })
         }
     };
-    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
     file::write(out.join(name), &json.map_err(not_json)?)
 }
 
@@ -114,4 +125,36 @@ struct File<'a> {
     #[serde(flatten)]
     rest: Map<String, Json>,
     events: &'a [gym::trace::Event],
+}
+
+/// Recordings of games of the Atari 2600, frame by frame.
+#[cfg(feature = "families")]
+mod frames {
+    use std::path::Path;
+
+    use gym::atari::games::by_md5;
+    use gym::atari::recording::Recording;
+    use gym::atari::rom;
+    use gym::{Error, Result};
+
+    /// A recording, if the text is one.
+    pub(super) fn parse(text: &str) -> Option<Recording> {
+        serde_json::from_str(text).ok().filter(|recording: &Recording| recording.kind == "raw")
+    }
+
+    pub(super) fn replay(recorded: &Recording) -> Result<Recording> {
+        let game = by_md5(&recorded.md5)
+            .ok_or_else(|| Error::custom(format!("the game `{}` is not supported", recorded.rom)))?;
+        recorded.replay(&rom::load(game, None)?)
+    }
+
+    pub(super) fn compare(path: &Path, recorded: &Recording) -> Result<()> {
+        match recorded.first_difference(&replay(recorded)?) {
+            Some(difference) => Err(Error::custom(difference)),
+            None => {
+                println!("{}: {} frames, equal", path.display(), recorded.ops.len());
+                Ok(())
+            }
+        }
+    }
 }

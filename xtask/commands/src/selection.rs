@@ -10,7 +10,8 @@ pub(crate) enum Selection {
 }
 
 impl Selection {
-    /// The environments of these ids; without any, all of the selection.
+    /// The environments of these ids; without any, all of the selection but those that need what no crate brings, of which
+    /// it says so.
     ///
     /// # Errors
     /// An id that is not registered; a crate that registers nothing.
@@ -28,6 +29,17 @@ impl Selection {
                      let there be one gym-core in `cargo tree --duplicates`"
                 )));
             }
+        }
+        let (needy, all): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|registration| registration.requirement().is_some());
+        for group in needy.chunk_by(|a, b| a.crate_name() == b.crate_name()) {
+            let what = group[0].requirement().unwrap_or_default();
+            let there = if group[0].missing().is_none() { "they are there" } else { "they are missing" };
+            eprintln!(
+                "{}: {} ids need {what}, and {there}; name an id to use it",
+                group[0].crate_name(),
+                group.len()
+            );
         }
         Ok(all)
     }

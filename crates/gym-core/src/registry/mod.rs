@@ -78,6 +78,11 @@ pub fn all() -> Vec<Registration> {
     with_table(|table| table.values().flatten().cloned().collect())
 }
 
+/// As [`all`], without the environments that need what no crate brings; see [`Registration::needs`].
+pub fn self_contained() -> Vec<Registration> {
+    all().into_iter().filter(|registration| registration.requirement().is_none()).collect()
+}
+
 /// The registration of an id.
 ///
 /// # Errors
@@ -174,14 +179,17 @@ fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a s
 
 /// The registry as a table of text: ids in columns, grouped by crate.
 pub fn pretty(columns: usize) -> String {
-    let mut groups: BTreeMap<&'static str, Vec<String>> = BTreeMap::new();
+    let mut groups: BTreeMap<&'static str, (Option<&'static str>, Vec<String>)> = BTreeMap::new();
     for registration in all() {
-        groups.entry(registration.crate_name).or_default().push(registration.id.into_owned());
+        let (requirement, ids) = groups.entry(registration.crate_name).or_default();
+        *requirement = registration.requirement();
+        ids.push(registration.id.into_owned());
     }
     let mut text = String::new();
-    for (crate_name, ids) in groups {
+    for (crate_name, (requirement, ids)) in groups {
         let title = if crate_name.is_empty() { "registered at run time" } else { crate_name };
-        text += &format!("===== {title} =====\n");
+        let needs = requirement.map(|what| format!(" (needs {what})")).unwrap_or_default();
+        text += &format!("===== {title}{needs} =====\n");
         let width = ids.iter().map(String::len).max().unwrap_or(0);
         for row in ids.chunks(columns.max(1)) {
             let cells: Vec<_> = row.iter().map(|id| format!("{id:width$}")).collect();

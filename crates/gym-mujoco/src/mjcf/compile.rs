@@ -389,6 +389,7 @@ fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         let (first, second) = (bodies[0].min(bodies[1]), bodies[0].max(bodies[1]));
         m.exclude_signature.push(((first as u32) << 16) + second as u32);
     }
+    m.exclude_signature.sort_unstable();
     Ok(())
 }
 

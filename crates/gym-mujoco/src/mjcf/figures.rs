@@ -129,9 +129,9 @@ fn derived(m: &Model) -> Value {
             row
         })
         .collect();
-    let tendon_length = |t: usize| {
+    let tendon_length = |t: usize, qpos: &[f64]| {
         let terms = m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t];
-        terms.map(|w| m.wrap_prm[w] * m.qpos0[m.jnt_qposadr[m.wrap_objid[w]]]).sum::<f64>()
+        terms.map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w]]]).sum::<f64>()
     };
     let sizes = body_sizes(m, &d);
     let dof_length = |i: usize| {
@@ -153,7 +153,8 @@ fn derived(m: &Model) -> Value {
         "actuator_length0": actuators.clone().map(|a| m.actuator_gear[a][0] * m.qpos0[m.jnt_qposadr[joint_of(a)]]).collect::<Vec<_>>(),
         "actuator_acc0": actuators.map(|a| norm(&solved(&along(joint_of(a), m.actuator_gear[a][0])))).collect::<Vec<_>>(),
         "dof_length": (0..m.nv()).map(dof_length).collect::<Vec<_>>(),
-        "tendon_length0": (0..m.ntendon()).map(tendon_length).collect::<Vec<_>>(),
+        "tendon_length0": (0..m.ntendon()).map(|t| tendon_length(t, &m.qpos0)).collect::<Vec<_>>(),
+        "tendon_lengthspring": (0..m.ntendon()).map(|t| [tendon_length(t, &m.qpos_spring); 2]).collect::<Vec<_>>(),
         "tendon_invweight0": tendon_rows.iter().map(|row| dot(row, &solved(row))).collect::<Vec<_>>(),
     })
 }
@@ -169,7 +170,7 @@ fn constant(m: &CompiledModel) -> Value {
         "actuator_biasprm": vec![[0.0; 3]; nu], "actuator_forcelimited": vec![false; nu],
         "tendon_limited": vec![false; nt], "tendon_stiffness": vec![0.0; nt], "tendon_damping": vec![0.0; nt],
         "tendon_frictionloss": vec![0.0; nt], "tendon_armature": vec![0.0; nt], "tendon_range": vec![[0.0; 2]; nt],
-        "tendon_margin": vec![0.0; nt], "tendon_lengthspring": vec![[0.0; 2]; nt],
+        "tendon_margin": vec![0.0; nt],
         "wrap_type": vec![1; m.wrap_objid.len()],
     })
 }

@@ -43,7 +43,8 @@ impl Model {
     /// makes no sense, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
         let spec = reader::read(text)?;
-        constants::add_constants(compile::compile(&spec)?, &spec.statistic)
+        let compiled = compile::compile(&spec)?;
+        constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
     }
 
     /// Compiles a model from a file in MJCF.

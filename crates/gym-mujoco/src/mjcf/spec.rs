@@ -5,8 +5,8 @@
 
 use super::orientation::{EPS, Orientation, norm};
 use super::xml::{Element, Place};
-use crate::Result;
 use crate::model::{GeomType, JointType, Options};
+use crate::{Error, Result};
 
 /// A whole model.
 #[derive(Debug, Default)]
@@ -23,6 +23,21 @@ pub(super) struct Spec {
     pub(super) tendons: Vec<Tendon>,
     pub(super) motors: Vec<Motor>,
     pub(super) keys: Vec<Key>,
+}
+
+impl Spec {
+    /// Says where in the text the cause of an error is that was found in the figures.
+    pub(super) fn located(&self, error: Error) -> Error {
+        let geom = match error {
+            Error::Pair { second, .. } => self.bodies.iter().flat_map(|body| &body.geoms).nth(second),
+            _ => None,
+        };
+        match (geom, self.bodies.first()) {
+            (Some(geom), _) => geom.place.attribute("type", error.to_string()),
+            (None, Some(world)) => world.place.error(error.to_string()),
+            (None, None) => error,
+        }
+    }
 }
 
 /// Settings of the compiler.

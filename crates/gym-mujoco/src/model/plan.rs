@@ -31,6 +31,20 @@ pub(crate) struct Plan {
     pub(crate) damped: bool,
 }
 
+/// The most constraints that a state can have, for buffers that never grow.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bounds {
+    pub(crate) contacts: usize,
+    /// Limits and contacts.
+    pub(crate) blocks: usize,
+    pub(crate) rows: usize,
+    /// Normals and tangents.
+    pub(crate) directions: usize,
+    pub(crate) columns: usize,
+    /// Elements of the Jacobians.
+    pub(crate) jac: usize,
+}
+
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
@@ -142,6 +156,38 @@ impl Plan {
         Ok(plan)
     }
 
+    /// The most constraints that there can be.
+    pub(crate) fn bounds(&self) -> Bounds {
+        // both sides of each limit
+        let limits = 2 * self.limits.len();
+        let mut bounds = Bounds {
+            contacts: 0,
+            blocks: limits,
+            rows: limits,
+            directions: limits,
+            columns: limits,
+            jac: limits,
+        };
+        for pair in &self.pairs {
+            let contacts = match pair.kind {
+                (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
+                (GeomType::Plane, GeomType::Cylinder) => 4,
+                (GeomType::Capsule, GeomType::Cylinder) => 5,
+                _ => 1,
+            };
+            let (rows, directions) = if pair.dim == 1 { (1, 1) } else { (4, 3) };
+            bounds.contacts += contacts;
+            bounds.blocks += contacts;
+            bounds.rows += contacts * rows;
+            bounds.directions += contacts * directions;
+            bounds.columns += contacts * pair.columns.len();
+            bounds.jac += contacts * directions * pair.columns.len();
+        }
+        // of so many rows hardly any state has all: buffers grow as they are needed
+        const MOST_ROWS: usize = 4000;
+        if bounds.rows > MOST_ROWS { Bounds::default() } else { bounds }
+    }
+
     /// The elements of a row of the inertia matrix; the last is the diagonal.
     #[inline]
     pub(crate) fn m_row(&self, i: usize) -> Range<usize> {
@@ -188,11 +234,11 @@ impl Plan {
         match kind {
             (GeomType::Plane, GeomType::Plane) => return Ok(None),
             (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
-                return Err(Error::Model(format!(
-                    "geoms {g1} and {g2} can touch, but contacts of {:?} and {:?} are not supported: a cylinder touches planes and \
-                     capsules only (exclude the bodies, or change contype and conaffinity)",
-                    kind.0, kind.1
-                )));
+                return Err(Error::Pair {
+                    first: g1,
+                    second: g2,
+                    kinds: format!("{:?} and {:?}", kind.0, kind.1),
+                });
             }
             _ => {}
         }

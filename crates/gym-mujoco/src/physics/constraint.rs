@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::spatial::{Vec3, add, cross, dot, rotate, sub};
 use crate::libm;
-use crate::model::{Pair, Softness};
+use crate::model::{Bounds, Pair, Softness};
 use crate::{Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
@@ -101,7 +101,28 @@ impl Constraints {
         self.blocks.last().map_or(0, |block| block.direction + block.dim)
     }
 
-    fn clear(&mut self) {
+    /// Makes room for the most constraints that there can be.
+    pub(crate) fn reserve(&mut self, bounds: &Bounds) {
+        self.blocks.reserve(bounds.blocks);
+        self.columns.reserve(bounds.columns);
+        self.jac.reserve(bounds.jac);
+        for column in [
+            &mut self.pos,
+            &mut self.margin,
+            &mut self.diag_approx,
+            &mut self.r,
+            &mut self.d,
+            &mut self.vel,
+            &mut self.aref,
+            &mut self.force,
+        ] {
+            column.reserve(bounds.rows);
+        }
+        self.kbip.reserve(bounds.rows);
+        self.island.reserve(bounds.rows);
+    }
+
+    pub(crate) fn clear(&mut self) {
         self.blocks.clear();
         self.columns.clear();
         self.jac.clear();
@@ -412,11 +433,11 @@ fn islands(m: &Model, d: &mut Data) {
         tree
     }
     for block in &d.efc.blocks {
-        if let Source::Contact(index) = block.source {
-            if let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees {
-                let (a, b) = (find(least, t1), find(least, t2));
-                least[a.max(b)] = a.min(b);
-            }
+        if let Source::Contact(index) = block.source
+            && let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees
+        {
+            let (a, b) = (find(least, t1), find(least, t2));
+            least[a.max(b)] = a.min(b);
         }
     }
     // islands in the order of their smallest trees

@@ -71,8 +71,19 @@ pub fn solve_m(m: &Model, d: &Data, x: &mut [f64]) {
 
 /// `x = (L' D L)^-1 x`.
 pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64]) {
+    solve_among(m, factors, diag_inv, 0..m.nv(), x);
+}
+
+/// The same for some whole trees, given by their degrees of freedom in order.
+pub(crate) fn solve_among(
+    m: &Model,
+    factors: &[f64],
+    diag_inv: &[f64],
+    dofs: impl DoubleEndedIterator<Item = usize> + Clone,
+    x: &mut [f64],
+) {
     let plan = m.plan();
-    for i in (0..m.nv()).rev() {
+    for i in dofs.clone().rev() {
         let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
         let xi = x[i];
         if xi != 0.0 {
@@ -81,7 +92,7 @@ pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64])
             }
         }
     }
-    for i in 0..m.nv() {
+    for i in dofs {
         let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
         let mut xi = x[i] * diag_inv[i];
         for (&j, l) in plan.m_colind[start..end].iter().zip(&factors[start..end]) {
@@ -93,8 +104,13 @@ pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64])
 
 /// `y = M x`: MuJoCo's `mj_mulM`.
 pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
+    mul_m_among(m, d, 0..m.nv(), x, y);
+}
+
+/// The same for some whole trees, given by their degrees of freedom in order.
+pub(crate) fn mul_m_among(m: &Model, d: &Data, dofs: impl Iterator<Item = usize>, x: &[f64], y: &mut [f64]) {
     let plan = m.plan();
-    for i in 0..m.nv() {
+    for i in dofs {
         let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
         let xi = x[i];
         let mut sum = d.qm[end] * xi;

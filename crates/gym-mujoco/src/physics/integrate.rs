@@ -49,26 +49,28 @@ pub fn euler(m: &Model, d: &mut Data) {
 
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done already.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
-    const STAGE: [f64; 3] = [0.5, 0.5, 1.0];
-    const WEIGHT: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+    const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+    // what part of the step leads from the start to the next stage
+    const PARTS: [f64; 4] = [0.5, 0.5, 1.0, 0.0];
     let (dt, start, nv) = (m.opt.timestep, d.time, m.nv());
     d.work.qpos_start.copy_from_slice(&d.qpos);
     d.work.qvel_start.copy_from_slice(&d.qvel);
     d.work.vel_sum.fill(0.0);
     d.work.acc_sum.fill(0.0);
-    for stage in 0..4 {
+    for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
         for i in 0..nv {
-            d.work.vel_sum[i] += WEIGHT[stage] * d.qvel[i];
-            d.work.acc_sum[i] += WEIGHT[stage] * d.qacc[i];
+            d.work.vel_sum[i] += weight * d.qvel[i];
+            d.work.acc_sum[i] += weight * d.qacc[i];
         }
-        let Some(&part) = STAGE.get(stage) else { break };
-        d.qpos.copy_from_slice(&d.work.qpos_start);
-        integrate_pos(m, &mut d.qpos, &d.qvel, part * dt);
-        for i in 0..nv {
-            d.qvel[i] = d.work.qvel_start[i] + part * dt * d.qacc[i];
+        if part > 0.0 {
+            d.qpos.copy_from_slice(&d.work.qpos_start);
+            integrate_pos(m, &mut d.qpos, &d.qvel, part * dt);
+            for i in 0..nv {
+                d.qvel[i] = d.work.qvel_start[i] + part * dt * d.qacc[i];
+            }
+            d.time = start + part * dt;
+            forward(m, d);
         }
-        d.time = start + part * dt;
-        forward(m, d);
     }
     d.qpos.copy_from_slice(&d.work.qpos_start);
     for i in 0..nv {

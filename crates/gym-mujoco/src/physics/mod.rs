@@ -13,7 +13,27 @@
 //! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
 //! | `integrate` | Euler, Runge-Kutta |
 //!
-//! Functions have the names of MuJoCo's, without the prefix `mj_`.
+//! Functions have the names of MuJoCo's, without the prefix `mj_`. They need nothing but a model and its data:
+//!
+//! ```
+//! use gym_mujoco::{Data, Model, step};
+//!
+//! let m = Model::from_xml(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <geom type="plane" size="5 5 1"/>
+//!            <body name="ball" pos="0 0 1"><freejoint/><geom type="sphere" size="0.1"/></body>
+//!          </worldbody>
+//!        </mujoco>"#,
+//! )?;
+//! let mut d = Data::new(&m);
+//! while d.time < 2.0 {
+//!     step(&m, &mut d);
+//! }
+//! let ball = m.body_id("ball").expect("the ball");
+//! assert!((d.xpos[ball][2] - 0.1).abs() < 1e-3, "it rests on the plane");
+//! # Ok::<(), gym_mujoco::Error>(())
+//! ```
 
 mod actuation;
 mod collision;

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::spatial::{add_scaled, cross, rotate, rotate_back, rotation, scale, sub, sub_quat, velocity_at};
+use super::spatial::{
+    MINVAL, add_scaled, cross, normalize_quat, rotate, rotate_back, rotation, scale, sub, sub_quat,
+    velocity_at,
+};
 use crate::model::JointType;
 use crate::{Data, Model};
 
@@ -21,10 +24,10 @@ pub fn passive(m: &Model, d: &mut Data) {
             for k in 0..3 {
                 d.qfrc_passive[i + k] -= stiffness * (d.qpos[p + k] - m.qpos_spring[p + k]);
             }
-            let quat = |q: &[f64]| super::spatial::normalize_quat([q[p + 3], q[p + 4], q[p + 5], q[p + 6]]);
+            let quat = |q: &[f64]| normalize_quat([q[p + 3], q[p + 4], q[p + 5], q[p + 6]]);
             let turned = sub_quat(quat(&d.qpos), quat(&m.qpos_spring));
-            for k in 0..3 {
-                d.qfrc_passive[i + 3 + k] -= stiffness * turned[k];
+            for (force, turned) in d.qfrc_passive[i + 3..i + 6].iter_mut().zip(turned) {
+                *force -= stiffness * turned;
             }
         } else {
             d.qfrc_passive[i] -= stiffness * (d.qpos[p] - m.qpos_spring[p]);
@@ -40,7 +43,7 @@ fn fluid(m: &Model, d: &mut Data) {
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);
     for b in 1..m.nbody() {
         let mass = m.body_mass[b];
-        if mass < super::spatial::MINVAL {
+        if mass < MINVAL {
             continue;
         }
         let i = m.body_inertia[b];

@@ -46,7 +46,17 @@ fn sizes(m: &Model) -> [usize; 8] {
 impl Work {
     pub(crate) fn new(m: &Model) -> Self {
         let nv = m.nv();
+        let bounds = m.plan().bounds();
+        let trees = m.ntree();
         Self {
+            tree_island: Vec::with_capacity(trees),
+            tree_least: Vec::with_capacity(trees),
+            tree_touched: Vec::with_capacity(trees),
+            island_dofs: Vec::with_capacity(nv),
+            island_blocks: Vec::with_capacity(bounds.blocks),
+            islands: Vec::with_capacity(trees),
+            newton: newton::Buffers::new(nv, bounds.rows),
+            pgs: pgs::Buffers::new(m.opt.solver, nv, trees, &bounds),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],
             acc: vec![[0.0; 6]; m.nbody()],
@@ -58,7 +68,6 @@ impl Work {
             vel_sum: vec![0.0; nv],
             qpos_start: vec![0.0; m.nq()],
             qvel_start: vec![0.0; nv],
-            ..Self::default()
         }
     }
 

@@ -19,6 +19,10 @@ impl ControlCost {
 
     pub(super) fn of(self, action: &[f32]) -> f64 {
         let sum = numpy::sum_of_squares_f32(action);
+        if !sum.is_finite() {
+            // beyond single precision Gymnasium's is infinite
+            return self.weight * numpy::sum_of_squares(action.len(), |i| f64::from(action[i]));
+        }
         if self.single { f64::from(self.weight as f32 * sum) } else { self.weight * f64::from(sum) }
     }
 }

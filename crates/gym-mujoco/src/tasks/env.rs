@@ -191,8 +191,9 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let model = &self.inner.simulation.model;
-        let valid = |episode: &Box<Episode<T::Step>>| episode.data.check(model).is_ok();
-        self.inner.episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
+        let episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        self.inner.episode = episode.map(Box::new);
         Ok(())
     }
 

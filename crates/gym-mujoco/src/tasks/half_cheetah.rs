@@ -134,5 +134,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    HalfCheetah, "Run on two legs, in a plane, as fast as possible.", steps 1000, threshold 4800.0, versions 2 3 4 5
+    HalfCheetah, "Run on two legs, in a plane, as fast as possible.", steps 1000, threshold 4800.0, versions [2 3 4 5]
 );

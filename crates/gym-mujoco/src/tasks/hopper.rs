@@ -113,5 +113,5 @@ impl RunnerArguments for Config {
 }
 
 super::register!(
-    Hopper, "Hop forward on one leg, in a plane.", steps 1000, threshold 3800.0, versions 2 3 4 5
+    Hopper, "Hop forward on one leg, in a plane.", steps 1000, threshold 3800.0, versions [2 3 4 5]
 );

@@ -155,5 +155,6 @@ impl env::Task for Task {
 }
 
 super::register!(
-    HumanoidStandup, "Stand up, from lying on the back.", steps 1000, versions 2 4 5
+    HumanoidStandup, "Stand up, from lying on the back.", steps 1000, versions [2 4 5],
+    idle 5 "uph_cost_weight has no effect, as in Gymnasium"
 );

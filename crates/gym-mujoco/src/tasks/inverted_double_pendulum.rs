@@ -129,5 +129,5 @@ impl env::Task for Task {
 
 super::register!(
     InvertedDoublePendulum, "Keep two poles, one on the other, upright on a cart.", steps 1000, threshold 9100.0,
-    versions 2 4 5
+    versions [2 4 5]
 );

@@ -104,5 +104,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    InvertedPendulum, "Keep a pole upright on a cart.", steps 1000, threshold 950.0, versions 2 4 5
+    InvertedPendulum, "Keep a pole upright on a cart.", steps 1000, threshold 950.0, versions [2 4 5]
 );

@@ -36,9 +36,21 @@ pub use simulation::{Simulation, load, models};
 
 use crate::{Data, Model};
 
-/// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions 2 3 4 5)`.
+/// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions [2 3 4 5])`. After `idle` may
+/// come a version some of whose arguments have no effect, as in Gymnasium, and why.
 macro_rules! register {
-    ($task:ident, $about:literal, steps $steps:literal $(, threshold $threshold:literal)?, versions 2 $($version:literal)+) => {
+    (
+        $task:ident, $about:literal, steps $steps:literal $(, threshold $threshold:literal)?,
+        versions [$($version:tt)+] $(, idle $idle:literal $reason:literal)?
+    ) => {
+        $crate::tasks::register!(
+            @each $task, $about, $steps, [$($threshold)?], [$($idle $reason)?], $($version)+
+        );
+    };
+    (@each $task:ident, $about:literal, $steps:literal, $threshold:tt, $idle:tt, $($version:tt)+) => {
+        $($crate::tasks::register!(@one $task, $about, $steps, $threshold, $idle, $version);)+
+    };
+    (@one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], [], 2) => {
         gym_core::register!(
             gym_core::Registration::new::<$task<2>>(concat!(stringify!($task), "-v2"))
                 .description($about)
@@ -46,17 +58,20 @@ macro_rules! register {
                 .max_episode_steps($steps)
                 $(.reward_threshold($threshold))?
         );
-        $crate::tasks::register!(@rest $task, $about, $steps, [$($threshold)?], $($version)+);
     };
-    (@rest $task:ident, $about:literal, $steps:literal, $threshold:tt, $($version:literal)+) => {
-        $($crate::tasks::register!(@one $task, $about, $steps, $threshold, $version);)+
+    (@one $task:ident, $about:literal, $steps:literal, $threshold:tt, [$idle:literal $reason:literal], 2) => {
+        $crate::tasks::register!(@one $task, $about, $steps, $threshold, [], 2);
     };
-    (@one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], $version:literal) => {
+    (
+        @one $task:ident, $about:literal, $steps:literal, [$($threshold:literal)?], [$($idle:literal $reason:literal)?],
+        $version:literal
+    ) => {
         gym_core::register!(
             gym_core::Registration::new::<$task<$version>>(concat!(stringify!($task), "-v", $version))
                 .description($about)
                 .max_episode_steps($steps)
                 $(.reward_threshold($threshold))?
+                $(.exceptions(if $version == $idle { &[("arguments-matter", $reason)] } else { &[] }))?
         );
     };
 }

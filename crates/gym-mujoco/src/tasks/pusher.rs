@@ -24,7 +24,7 @@ use super::Pusher;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
 use super::env;
-use super::numpy::{norm, sum_of_squares_f32};
+use super::numpy::norm;
 use super::simulation::{Simulation, uniform_velocities};
 use crate::Data;
 use crate::view::CameraConfig;
@@ -135,7 +135,7 @@ impl env::Task for Task {
         let ctrl = self.cost.of(action);
         let reward = -distance - ctrl - near;
         // before version 5 `info` has the cost without its weight
-        let told = if self.version >= 5 { ctrl } else { f64::from(sum_of_squares_f32(action)) };
+        let told = if self.version >= 5 { ctrl } else { ControlCost::new(1.0, self.version).of(action) };
         (Step { near, distance, ctrl: told }, reward, false)
     }
 
@@ -155,5 +155,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions 2 4 5
+    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions [2 4 5]
 );

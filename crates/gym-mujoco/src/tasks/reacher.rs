@@ -145,5 +145,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    Reacher, "Bring the tip of an arm to a target.", steps 50, threshold -3.75, versions 2 4 5
+    Reacher, "Bring the tip of an arm to a target.", steps 50, threshold -3.75, versions [2 4 5]
 );

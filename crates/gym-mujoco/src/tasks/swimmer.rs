@@ -141,5 +141,5 @@ impl env::Task for Task {
 }
 
 super::register!(
-    Swimmer, "Swim forward with three links.", steps 1000, threshold 360.0, versions 2 3 4 5
+    Swimmer, "Swim forward with three links.", steps 1000, threshold 360.0, versions [2 3 4 5]
 );

@@ -109,5 +109,5 @@ impl RunnerArguments for Config {
 }
 
 super::register!(
-    Walker2d, "Walk forward on two legs, in a plane.", steps 1000, versions 2 3 4 5
+    Walker2d, "Walk forward on two legs, in a plane.", steps 1000, versions [2 3 4 5]
 );

@@ -12,7 +12,7 @@ const ZENITH: Color = Color::rgb(96, 142, 190);
 const HORIZON: Color = Color::rgb(226, 236, 244);
 const BANDS: usize = 32;
 /// How many squares of the floor are drawn to each side of the focus.
-const SQUARES: i64 = 12;
+const SQUARES: i64 = 16;
 /// In how many steps they fade.
 const RINGS: usize = 6;
 const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
@@ -47,7 +47,10 @@ fn horizon(camera: &Camera) -> f64 {
 
 /// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
 pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, canvas: &mut dyn Canvas) {
-    if camera.pos[2] <= height {
+    // so far away, squares have no width among the numbers
+    const FARTHEST: f64 = 1e12;
+    let visible = camera.pos[2] > height && camera.focus.iter().all(|x| x.abs() < FARTHEST);
+    if !visible {
         return;
     }
     let light = blend(super::rgba(rgba), Color::rgb(206, 216, 226), 0.6);
@@ -58,7 +61,7 @@ pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, can
 
     // a small model stands on small squares
     let far = camera.pos[2] - height;
-    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 4.0 >= far).unwrap_or(10.0);
+    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 10.0 >= far).unwrap_or(10.0);
     let reach = square * SQUARES as f64;
     let center = [camera.focus[0], camera.focus[1]].map(|x| (x / square).floor() as i64);
     let corner = |i: i64, j: i64| [i as f64 * square, j as f64 * square, height];

@@ -49,6 +49,12 @@ impl Seed {
         Self(BigUint::from(seed))
     }
 
+    /// numpy's `SeedSequence(seed).generate_state(2)`: two words that the seed is spread over.
+    pub fn words(&self) -> [u32; 2] {
+        let [first, ..] = generate_state(self);
+        [first as u32, (first >> 32) as u32]
+    }
+
     /// The seed that is larger by `n`.
     #[must_use]
     pub fn plus(&self, n: u64) -> Self {

@@ -17,7 +17,7 @@ use super::source::{self, Member};
 /// # Errors
 /// If an environment has no page, or a source file lacks what its page is written from.
 pub(super) fn all(returns: &Returns) -> Result<Vec<Document>> {
-    let mut registrations = registry::all();
+    let mut registrations = registry::self_contained();
     let mut documents = Vec::new();
     let mut list = LIST_HEAD.to_owned();
     for page in &PAGES {

@@ -41,7 +41,7 @@ pub(super) fn read() -> Result<Returns> {
 
 /// Plays every environment.
 pub(super) fn measure() -> Result<Returns> {
-    registry::all()
+    registry::self_contained()
         .iter()
         .map(|registration| {
             let spec = registration.spec()?;

@@ -54,7 +54,7 @@ pub fn collision(m: &Model, d: &mut Data) {
             (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(a, b, pair.margin, &mut push),
             (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(a, b, pair.margin, &mut push),
             (GeomType::Capsule, GeomType::Capsule) => {
-                primitive::capsule_capsule(a, b, pair.margin, &mut push)
+                primitive::capsule_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);

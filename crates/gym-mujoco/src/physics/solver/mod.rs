@@ -5,7 +5,6 @@ pub(crate) mod newton;
 pub(crate) mod pgs;
 
 use super::constraint::put_rows;
-use super::inertia::mul_m;
 use crate::model::Solver;
 use crate::{Data, Model};
 
@@ -81,9 +80,4 @@ fn cost_of_rows(d: &[f64], jar: &[f64]) -> f64 {
 /// Half of `(M a - qfrc_smooth).(a - qacc_smooth)`: the cost of accelerating otherwise than without constraints.
 fn gauss(ma: &[f64], smooth: &[f64], a: &[f64], a_smooth: &[f64], dofs: &[usize]) -> f64 {
     0.5 * dofs.iter().map(|&i| (ma[i] - smooth[i]) * (a[i] - a_smooth[i])).sum::<f64>()
-}
-
-/// `ma = M a` for all degrees of freedom.
-fn mul_inertia_matrix(m: &Model, d: &Data, a: &[f64], ma: &mut [f64]) {
-    mul_m(m, d, a, ma);
 }

@@ -2,8 +2,9 @@
 //! push, so that few steps with exact line search reach the minimum.
 
 use super::line_search::{Point, line_search};
-use super::{cost_of_rows, gauss, mul_inertia_matrix, residuals};
+use super::{cost_of_rows, gauss, residuals};
 use crate::physics::constraint::{Block, Constraints, put_rows};
+use crate::physics::inertia::{mul_m, mul_m_among, solve_among};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
@@ -35,6 +36,14 @@ struct RowWork {
 }
 
 impl Buffers {
+    /// Buffers that need not grow up to so many degrees of freedom and rows.
+    pub(crate) fn new(nv: usize, nefc: usize) -> Self {
+        let mut buffers = Self::default();
+        buffers.fit(nv, nefc);
+        buffers.row_work.reserve(nefc);
+        buffers
+    }
+
     /// Makes room for so many degrees of freedom and rows.
     fn fit(&mut self, nv: usize, nefc: usize) {
         for vector in [
@@ -65,7 +74,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     let all = std::mem::take(&mut d.work.all_dofs);
     residuals(d, &d.qacc_warmstart, &mut b.jar);
     residuals(d, &d.qacc_smooth, &mut b.jar_smooth);
-    mul_inertia_matrix(m, d, &d.qacc_warmstart, &mut b.ma);
+    mul_m(m, d, &d.qacc_warmstart, &mut b.ma);
     let warm = cost_of_rows(&d.efc.d, &b.jar)
         + gauss(&b.ma, &d.qfrc_smooth, &d.qacc_warmstart, &d.qacc_smooth, &all);
     let smooth = cost_of_rows(&d.efc.d, &b.jar_smooth);
@@ -97,10 +106,12 @@ fn solve_island(m: &Model, d: &mut Data, b: &mut Buffers, dofs: &[usize], blocks
 
     let (mut cost, _) = update(d, b, dofs, blocks);
     let mut gradient = scale * norm(&b.grad, dofs);
-    b.mgrad.copy_from_slice(&b.grad);
-    solve_inertia(m, d, dofs, &mut b.mgrad);
-    if 0.5 * scale * dot(&b.grad, &b.mgrad, dofs) < tolerance && gradient < tolerance {
-        return 0;
+    if gradient < tolerance {
+        b.mgrad.copy_from_slice(&b.grad);
+        solve_among(m, &d.qld, &d.qld_diag_inv, dofs.iter().copied(), &mut b.mgrad);
+        if 0.5 * scale * dot(&b.grad, &b.mgrad, dofs) < tolerance {
+            return 0;
+        }
     }
     hessian(m, d, b, dofs, blocks);
     let decrement = direction(b, dofs);
@@ -276,7 +287,7 @@ fn search(m: &Model, d: &Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize]
     if length < MINVAL {
         return 0.0;
     }
-    mul_inertia(m, d, dofs, &b.search, &mut b.mv);
+    mul_m_among(m, d, dofs.iter().copied(), &b.search, &mut b.mv);
     let efc = &d.efc;
     b.row_work.clear();
     for &index in blocks {
@@ -322,39 +333,4 @@ fn dot(a: &[f64], b: &[f64], dofs: &[usize]) -> f64 {
 
 fn norm(a: &[f64], dofs: &[usize]) -> f64 {
     dot(a, a, dofs).sqrt()
-}
-
-/// `y = M x` within an island.
-fn mul_inertia(m: &Model, d: &Data, dofs: &[usize], x: &[f64], y: &mut [f64]) {
-    let plan = m.plan();
-    for &i in dofs {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-        let xi = x[i];
-        let mut sum = d.qm[end] * xi;
-        for (&j, value) in plan.m_colind[start..end].iter().zip(&d.qm[start..end]) {
-            sum += value * x[j];
-            y[j] += value * xi;
-        }
-        y[i] = sum;
-    }
-}
-
-/// `x = M^-1 x` within an island.
-fn solve_inertia(m: &Model, d: &Data, dofs: &[usize], x: &mut [f64]) {
-    let plan = m.plan();
-    for &i in dofs.iter().rev() {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-        let xi = x[i];
-        for (&j, l) in plan.m_colind[start..end].iter().zip(&d.qld[start..end]) {
-            x[j] -= l * xi;
-        }
-    }
-    for &i in dofs {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-        let mut xi = x[i] * d.qld_diag_inv[i];
-        for (&j, l) in plan.m_colind[start..end].iter().zip(&d.qld[start..end]) {
-            xi -= l * x[j];
-        }
-        x[i] = xi;
-    }
 }

@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use super::residuals;
+use crate::model::{Bounds, Solver};
 use crate::physics::constraint::Block;
 use crate::physics::inertia;
 use crate::{Data, Model};
@@ -14,6 +15,8 @@ use crate::{Data, Model};
 pub(crate) struct Buffers {
     /// `D^-1/2 L^-T J'` of normals and tangents, by block: nv numbers each.
     half: Vec<f64>,
+    /// The degrees of freedom, by block, beyond which these numbers are zero.
+    spans: Vec<Range<usize>>,
     /// Rows, by island; the vectors below have the same order.
     rows: Vec<usize>,
     /// `J M^-1 J' + R` of each island, row by row.
@@ -39,6 +42,35 @@ struct Part {
 }
 
 impl Buffers {
+    /// Buffers that need not grow; for another solver they stay empty.
+    pub(crate) fn new(solver: Solver, nv: usize, trees: usize, bounds: &Bounds) -> Self {
+        let mut buffers = Self::default();
+        if solver != Solver::PGS {
+            return buffers;
+        }
+        let rows = bounds.rows;
+        buffers.half.reserve(bounds.directions * nv);
+        buffers.spans.reserve(bounds.blocks);
+        buffers.rows.reserve(rows);
+        buffers.ar.reserve(rows * rows);
+        buffers.parts.reserve(trees);
+        buffers.order.reserve(rows);
+        for vector in [
+            &mut buffers.b,
+            &mut buffers.force,
+            &mut buffers.before,
+            &mut buffers.momentum,
+            &mut buffers.residual,
+            &mut buffers.residual_before,
+            &mut buffers.diag_inv,
+            &mut buffers.jar,
+            &mut buffers.sqrt_diag_inv,
+        ] {
+            vector.reserve(rows.max(nv));
+        }
+        buffers
+    }
+
     /// The dual cost of an island's forces.
     fn cost(&self, part: &Part) -> f64 {
         let n = part.rows.len();
@@ -102,8 +134,13 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
     s.sqrt_diag_inv.clear();
     s.sqrt_diag_inv.extend(d.qld_diag_inv.iter().map(|x| x.sqrt()));
     s.half.clear();
+    s.spans.clear();
     for block in &d.efc.blocks {
         let (columns, jac) = d.efc.jacobian(block);
+        let span = match (columns.first(), columns.last()) {
+            (Some(&first), Some(&last)) => plan.trees[m.dof_treeid[first]].start..last + 1,
+            _ => 0..0,
+        };
         for k in 0..block.dim {
             let start = s.half.len();
             s.half.resize(start + nv, 0.0);
@@ -111,7 +148,7 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
             for (&c, &j) in columns.iter().zip(&jac[k * block.width..]) {
                 x[c] = j;
             }
-            for i in (0..nv).rev() {
+            for i in span.clone().rev() {
                 let xi = x[i];
                 if xi != 0.0 {
                     let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
@@ -122,6 +159,7 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
                 }
             }
         }
+        s.spans.push(span);
     }
 }
 
@@ -136,26 +174,31 @@ fn gather(d: &Data, s: &mut Buffers, blocks: &[usize]) {
     let n = s.rows.len() - start;
     s.ar.resize(ar_start + n * n, 0.0);
     let ar = &mut s.ar[ar_start..];
-    let half = |block: &Block, k: usize| &s.half[(block.direction + k) * nv..(block.direction + k + 1) * nv];
+    let half = |block: &Block, k: usize, span: &Range<usize>| {
+        let start = (block.direction + k) * nv;
+        &s.half[start + span.start..start + span.end]
+    };
     let mut first = 0;
     for (index, &i) in blocks.iter().enumerate() {
         let a = &d.efc.blocks[i];
         let mut second = 0;
         for &j in &blocks[..=index] {
             let b = &d.efc.blocks[j];
+            let (low, high) = (s.spans[i].start.max(s.spans[j].start), s.spans[i].end.min(s.spans[j].end));
+            let shared = low..high.max(low);
             // products of normals and tangents, then of the rows of both pyramids
             let mut partial = [[0.0; 3]; 4];
             for k in 0..b.dim {
-                let along = [0, 1, 2].map(|i| if i < a.dim { dot(half(a, i), half(b, k)) } else { 0.0 });
-                for (row, value) in pyramid(a, along).into_iter().enumerate() {
-                    partial[row][k] = value;
+                let b_half = half(b, k, &shared);
+                let along = [0, 1, 2].map(|i| if i < a.dim { dot(half(a, i, &shared), b_half) } else { 0.0 });
+                for (partial, value) in partial.iter_mut().zip(pyramid(a, along)) {
+                    partial[k] = value;
                 }
             }
-            for r in 0..a.rows() {
-                let row = pyramid(b, partial[r]);
-                for c in 0..b.rows() {
-                    ar[(first + r) * n + second + c] = row[c];
-                    ar[(second + c) * n + first + r] = row[c];
+            for (r, along) in partial[..a.rows()].iter().enumerate() {
+                for (c, value) in pyramid(b, *along)[..b.rows()].iter().enumerate() {
+                    ar[(first + r) * n + second + c] = *value;
+                    ar[(second + c) * n + first + r] = *value;
                 }
             }
             second += b.rows();

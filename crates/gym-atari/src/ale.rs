@@ -1,0 +1,343 @@
+//! A game as an agent meets it: how it starts, what an action does for a frame, and what came of it.
+//!
+//! The rules are those that ale-py 0.12.1 shows from outside; `NOTICE.md` says how they were found.
+
+use serde::{Deserialize, Serialize};
+
+use crate::action::Action;
+use crate::cartridge::Cartridge;
+use crate::console::{Console, Input, Pictures, Row, State as ConsoleState, switch};
+use crate::games::{Controller, Game, Ram};
+use crate::mt19937::Mt19937;
+use crate::paddle::Paddle;
+
+/// RAM at power-on, the same each time.
+const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
+/// What the timer starts with, for each time that the power is switched on.
+const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
+/// The frames between power-on and RESET.
+const IDLE_FRAMES: usize = 60;
+/// The frames that RESET is pressed for, in every game.
+const RESET_FRAMES: u8 = 8;
+
+/// A game that is being played.
+#[derive(Clone, Debug)]
+pub struct Ale {
+    game: &'static Game,
+    console: Console,
+    settings: Settings,
+    progress: Progress,
+}
+
+/// How episodes are played.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The mode; `None` for the game's default.
+    pub mode: Option<u16>,
+    /// The difficulty; `None` for the game's default.
+    pub difficulty: Option<u8>,
+    /// After how many frames an episode ends; `None` for never.
+    pub max_frames: Option<u32>,
+}
+
+/// Where a game stands, beside the console.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Progress {
+    /// How often the power has been switched on.
+    power_ons: usize,
+    /// Draws whether an action sticks.
+    generator: Mt19937,
+    /// The action of the frame before.
+    previous: Action,
+    paddle: Paddle,
+    score: i32,
+    lives: i32,
+    over: bool,
+    frame_number: u32,
+    episode_frame_number: u32,
+}
+
+/// A game that can be stored: all but ROM and picture.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    console: ConsoleState,
+    progress: Progress,
+}
+
+/// A state, and which of the two pictures is being drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    state: State,
+    picture: usize,
+}
+
+impl Ale {
+    /// A game from its ROM, with the generator of sticky actions seeded. It stands at the start of an episode.
+    pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
+        let cartridge = Cartridge::new(rom, game.scheme);
+        let mut ale = Self {
+            game,
+            console: power_on(game, cartridge, 0),
+            settings: Settings::default(),
+            progress: Progress {
+                power_ons: 0,
+                generator: Mt19937::new(seed),
+                previous: Action::Noop,
+                paddle: Paddle::default(),
+                score: 0,
+                lives: 0,
+                over: false,
+                frame_number: 0,
+                episode_frame_number: 0,
+            },
+        };
+        ale.reset();
+        ale
+    }
+
+    /// Starts the first episode after loading the ROM, with the generator of sticky actions seeded anew.
+    pub fn reload(&mut self, seed: u32) {
+        self.progress.power_ons = 1; // loading took the first
+        self.progress.generator = Mt19937::new(seed);
+        self.progress.frame_number = 0;
+        self.reset();
+    }
+
+    /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
+    pub fn reset(&mut self) {
+        let cartridge = self.console.cartridge().clone();
+        self.console = power_on(self.game, cartridge, self.progress.power_ons);
+        self.progress.power_ons += 1;
+        self.progress.previous = Action::Noop;
+        self.progress.paddle = Paddle::default();
+        for _ in 0..IDLE_FRAMES {
+            self.frame(Action::Noop, switch::IDLE, true);
+        }
+        for _ in 0..RESET_FRAMES {
+            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+        }
+        self.progress.episode_frame_number = 0;
+        self.choose_mode();
+        for _ in RESET_FRAMES..self.game.reset_frames {
+            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+        }
+        for &action in self.game.start {
+            self.frame(action, switch::IDLE, true);
+        }
+        self.progress.score = (self.game.score)(&self.ram());
+        self.observe();
+    }
+
+    /// Presses SELECT as often as the mode needs; ale-py counts a frame for each.
+    fn choose_mode(&mut self) {
+        let (Some(mode), Some(held)) = (self.settings.mode, self.game.select_frames) else { return };
+        let presses =
+            self.game.modes.iter().find(|(number, _)| *number == mode).map_or(0, |(_, presses)| *presses);
+        for _ in 0..presses {
+            for _ in 0..held {
+                self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
+            }
+            self.frame(Action::Noop, switch::IDLE, true);
+        }
+        self.progress.frame_number += u32::from(presses);
+        self.progress.episode_frame_number += u32::from(presses);
+    }
+
+    /// Plays a frame; gives its reward. The action before it is repeated instead with probability
+    /// `repeat_action_probability`. Does nothing once the game is over.
+    pub fn act(&mut self, action: Action, repeat_action_probability: f64) -> i32 {
+        let action = self.stick(action, repeat_action_probability);
+        self.play(action, true)
+    }
+
+    /// The action that is executed: this one, or with a probability the one before.
+    pub(crate) fn stick(&mut self, action: Action, repeat_action_probability: f64) -> Action {
+        if self.progress.generator.random() < repeat_action_probability {
+            self.progress.previous
+        } else {
+            action
+        }
+    }
+
+    /// Plays a frame with exactly this action. An unseen frame leaves the picture as it is.
+    pub(crate) fn play(&mut self, action: Action, seen: bool) -> i32 {
+        self.progress.previous = action;
+        if self.has_ended() {
+            return 0;
+        }
+        self.frame(action, switch::IDLE, seen);
+        self.progress.frame_number += 1;
+        self.progress.episode_frame_number += 1;
+        let (before, after) = (self.progress.score, (self.game.score)(&self.ram()));
+        self.progress.score = after;
+        self.observe();
+        self.game.rewards.of(before, after)
+    }
+
+    /// Plays frames with one action, of which the last `seen` are to be seen; gives the sum of their rewards.
+    ///
+    /// A picture can show what an earlier frame left, where a frame ends early or the game does. Then the frames are played
+    /// again, with all of them drawn.
+    pub(crate) fn frames(
+        &mut self,
+        action: Action,
+        frames: u32,
+        seen: u32,
+        repeat_action_probability: f64,
+    ) -> i32 {
+        let unseen = frames.saturating_sub(seen);
+        if unseen == 0 {
+            return (0..frames).map(|_| self.act(action, repeat_action_probability)).sum();
+        }
+        let before = self.moment();
+        let mut reward = 0;
+        let mut complete = true;
+        for frame in 0..frames {
+            let had_ended = self.has_ended();
+            let executed = self.stick(action, repeat_action_probability);
+            reward += self.play(executed, frame >= unseen);
+            if !had_ended {
+                complete = frame >= unseen && !self.console.is_short();
+            }
+        }
+        if !complete {
+            self.set_moment(&before);
+            for _ in 0..frames {
+                self.act(action, repeat_action_probability);
+            }
+        }
+        reward
+    }
+
+    /// All that frames change, but the pictures.
+    pub(crate) fn moment(&self) -> Moment {
+        Moment { state: self.state(), picture: self.console.current_picture() }
+    }
+
+    /// Goes back to a moment of this game.
+    pub(crate) fn set_moment(&mut self, moment: &Moment) {
+        self.set_state(&moment.state);
+        self.console.set_current_picture(moment.picture);
+    }
+
+    fn observe(&mut self) {
+        let ram = self.ram();
+        let over = (self.game.over)(&ram);
+        let lives = match over {
+            true => 0,
+            false if (self.game.lives_count)(&ram) => (self.game.lives)(&ram),
+            false => self.progress.lives,
+        };
+        self.progress.over = over;
+        self.progress.lives = lives;
+    }
+
+    /// Runs the console for a frame.
+    fn frame(&mut self, action: Action, switches: u8, seen: bool) {
+        let difficulty = self.settings.difficulty.unwrap_or(self.game.difficulties[0]);
+        // bit 0 is the left switch, bit 1 the right one
+        let port_b = switches | difficulty << switch::LEFT_DIFFICULTY.trailing_zeros();
+        let input = match self.game.controller {
+            Controller::Joystick => {
+                Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
+            }
+            Controller::Paddle(paddle) => {
+                self.progress.paddle.turn(action.horizontal());
+                let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
+                let mut charge = [Some(Paddle::default().charge()); 2];
+                charge[paddle & 1] = Some(self.progress.paddle.charge());
+                let charge = [charge[0], charge[1], Some(0), Some(0)];
+                Input { port_a: !fire, port_b, fire: [false; 2], charge }
+            }
+        };
+        if seen {
+            self.console.frame(&input);
+        } else {
+            self.console.frame_unseen(&input);
+        }
+    }
+
+    /// The game.
+    pub fn game(&self) -> &'static Game {
+        self.game
+    }
+
+    /// The RAM.
+    pub fn ram(&self) -> Ram<'_> {
+        Ram(self.console.ram())
+    }
+
+    /// The picture: a colour index for each pixel.
+    pub fn picture(&self) -> &[Row] {
+        self.console.picture()
+    }
+
+    /// The console.
+    pub fn console(&self) -> &Console {
+        &self.console
+    }
+
+    /// The lives that are left; 0 where a game has none.
+    pub fn lives(&self) -> i32 {
+        self.progress.lives
+    }
+
+    /// Whether the game is over.
+    pub fn game_over(&self) -> bool {
+        self.progress.over
+    }
+
+    /// Whether no frame follows: the game is over, or the episode has as many frames as it may.
+    fn has_ended(&self) -> bool {
+        self.progress.over || self.is_truncated()
+    }
+
+    /// Whether the episode has as many frames as it may.
+    pub fn is_truncated(&self) -> bool {
+        self.settings.max_frames.is_some_and(|most| self.progress.episode_frame_number >= most)
+    }
+
+    /// The frames since the game was made.
+    pub fn frame_number(&self) -> u32 {
+        self.progress.frame_number
+    }
+
+    /// The frames of this episode.
+    pub fn episode_frame_number(&self) -> u32 {
+        self.progress.episode_frame_number
+    }
+
+    /// Chooses how the episodes that follow are played. Mode and difficulty must be among the game's.
+    pub fn configure(&mut self, settings: Settings) {
+        self.settings = settings;
+    }
+
+    /// Continues from a state, and shows the pictures of it; `false` and no change if they are not of this game.
+    pub fn restore(&mut self, state: &State, pictures: &Pictures) -> bool {
+        let mut restored = self.clone();
+        let fits = restored.set_state(state) && restored.console.set_pictures(pictures);
+        if fits {
+            *self = restored;
+        }
+        fits
+    }
+
+    /// All but ROM and picture.
+    pub fn state(&self) -> State {
+        State { console: self.console.state(), progress: self.progress.clone() }
+    }
+
+    /// Continues from a state; `false` and no change if it is not one of this game.
+    pub fn set_state(&mut self, state: &State) -> bool {
+        let fits = self.console.set_state(&state.console);
+        if fits {
+            self.progress = state.progress.clone();
+        }
+        fits
+    }
+}
+
+/// The console at power-on for the `n`-th time.
+fn power_on(game: &Game, cartridge: Cartridge, n: usize) -> Console {
+    Console::new(cartridge, game.display, *POWER_ON_RAM, POWER_ON_TIMER[n % POWER_ON_TIMER.len()])
+}

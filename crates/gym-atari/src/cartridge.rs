@@ -1,0 +1,184 @@
+//! Cartridges: the program, and how it switches the banks that do not fit into the 4096 addresses.
+//!
+//! The schemes are those of Kevin Horton's "Cart Information" (1997), under his names.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+/// How a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Scheme {
+    /// 2K, twice.
+    Rom2K,
+    /// 4K.
+    Rom4K,
+    /// Two banks of 4K: an access to `$1FF8` or `$1FF9` selects.
+    F8,
+    /// `F8` and 128 bytes of RAM: write at `$1000`, read at `$1080`.
+    F8SC,
+    /// Four banks of 4K: `$1FF6` to `$1FF9`.
+    F6,
+    /// `F6` and RAM as `F8SC`.
+    F6SC,
+    /// Parker Brothers: four windows of 1K, of which three choose among eight slices by `$1FE0` to `$1FF7`.
+    E0,
+    /// Activision: the bank follows bit 5 of the address that a `JSR` or an `RTS` has just put on the bus.
+    FE,
+}
+
+impl Scheme {
+    /// The scheme of an unknown ROM, by its size: `None` where no scheme has that size.
+    pub fn of_size(bytes: usize) -> Option<Self> {
+        match bytes {
+            0 => None,
+            1..=2048 => Some(Self::Rom2K),
+            2049..=4096 => Some(Self::Rom4K),
+            8192 => Some(Self::F8),
+            16384 => Some(Self::F6),
+            _ => None,
+        }
+    }
+
+    /// The bytes of ROM.
+    fn size(self) -> usize {
+        match self {
+            Self::Rom2K => 2048,
+            Self::Rom4K => 4096,
+            Self::F8 | Self::F8SC | Self::E0 | Self::FE => 8192,
+            Self::F6 | Self::F6SC => 16384,
+        }
+    }
+
+    fn has_ram(self) -> bool {
+        matches!(self, Self::F8SC | Self::F6SC)
+    }
+}
+
+/// A ROM and which parts of it the processor sees.
+#[derive(Clone, Debug)]
+pub struct Cartridge {
+    rom: Arc<[u8]>,
+    banks: Banks,
+}
+
+/// The state of a cartridge beside its ROM.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Banks {
+    scheme: Scheme,
+    /// Where in the ROM each window of 1K starts.
+    windows: [u16; 4],
+    #[serde(with = "crate::bytes")]
+    ram: [u8; 128],
+    /// `FE`: whether the access before this one was to `$01FE`.
+    stacked: bool,
+}
+
+impl Cartridge {
+    /// The cartridge at power-on. A ROM that is too short for its scheme is repeated to fill it, one that is too long is
+    /// cut off, and an empty one reads as zeros.
+    pub fn new(rom: &[u8], scheme: Scheme) -> Self {
+        let rom: Arc<[u8]> = match rom {
+            [] => vec![0; scheme.size()].into(),
+            _ => rom.iter().copied().cycle().take(scheme.size()).collect(),
+        };
+        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], stacked: false };
+        let mut cartridge = Self { rom, banks };
+        cartridge.reset();
+        cartridge
+    }
+
+    /// Back to the banks that are selected at power-on; the RAM is cleared.
+    pub fn reset(&mut self) {
+        self.banks.ram = [0; 128];
+        self.banks.stacked = false;
+        match self.banks.scheme {
+            Scheme::Rom2K => self.banks.windows = [0, 0x400, 0, 0x400],
+            Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
+            Scheme::F8 | Scheme::F8SC => self.banks.select(1),
+            Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],
+        }
+    }
+
+    /// The selected banks and the cartridge's RAM.
+    pub fn banks(&self) -> &Banks {
+        &self.banks
+    }
+
+    /// Selects banks and sets RAM as they were; `false` and no change if they are another scheme's.
+    pub fn set_banks(&mut self, banks: &Banks) -> bool {
+        let last = (self.rom.len() - 0x400) as u16;
+        let fits = banks.scheme == self.banks.scheme
+            && banks.windows.iter().all(|&start| start <= last && start % 0x400 == 0);
+        if fits {
+            self.banks = banks.clone();
+        }
+        fits
+    }
+
+    /// Reads a byte, of which only the lower 12 bits of the address count. The byte last seen on the bus is what
+    /// an address reads that nothing answers.
+    #[inline(always)]
+    pub fn read(&mut self, address: u16, bus: u8) -> u8 {
+        let low = address & 0x0fff;
+        if low >= 0x0fe0 {
+            self.banks.hotspot(low);
+        } else if low < 0x0100 && self.banks.scheme.has_ram() {
+            let cell = usize::from(low & 0x7f);
+            if low < 0x80 {
+                // a read of the write port stores what is on the bus
+                self.banks.ram[cell] = bus;
+                return bus;
+            }
+            return self.banks.ram[cell];
+        }
+        let start = self.banks.windows[usize::from(low >> 10)];
+        self.rom[usize::from(start) + usize::from(low & 0x03ff)]
+    }
+
+    /// Writes a byte.
+    #[inline(always)]
+    pub fn write(&mut self, address: u16, value: u8) {
+        let low = address & 0x0fff;
+        if low >= 0x0fe0 {
+            self.banks.hotspot(low);
+        } else if low < 0x80 && self.banks.scheme.has_ram() {
+            self.banks.ram[usize::from(low)] = value;
+        }
+    }
+
+    /// Every access to a bus address below the cartridge's, for the scheme that listens to the stack.
+    #[inline(always)]
+    pub fn listens(&self) -> bool {
+        self.banks.scheme == Scheme::FE
+    }
+
+    /// `FE`: an access to any address, and the byte on the bus.
+    pub fn listen(&mut self, address: u16, value: u8) {
+        if self.banks.stacked {
+            self.banks.select(u16::from(value & 0x20 == 0));
+        }
+        self.banks.stacked = address & 0x1fff == 0x01fe;
+    }
+}
+
+impl Banks {
+    /// Shows a whole bank of 4K.
+    fn select(&mut self, bank: u16) {
+        let start = bank << 12;
+        self.windows = [start, start + 0x400, start + 0x800, start + 0xc00];
+    }
+
+    fn hotspot(&mut self, low: u16) {
+        match (self.scheme, low) {
+            (Scheme::F8 | Scheme::F8SC, 0xff8..=0xff9) => self.select(low - 0xff8),
+            (Scheme::F6 | Scheme::F6SC, 0xff6..=0xff9) => self.select(low - 0xff6),
+            (Scheme::E0, 0xfe0..=0xff7) => {
+                let window = usize::from((low - 0xfe0) >> 3);
+                self.windows[window] = (low & 0x07) << 10;
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! The console: processor, RIOT, TIA and cartridge on one bus.
+//!
+//! ```
+//! use gym_atari::cartridge::{Cartridge, Scheme};
+//! use gym_atari::console::{Console, Input};
+//!
+//! // sta WSYNC; jmp $F000: a program that never ends a frame, which the console does for it
+//! let mut rom = [0xea; 4096];
+//! rom[..5].copy_from_slice(&[0x85, 0x02, 0x4c, 0x00, 0xf0]);
+//! rom[0xffc..0xffe].copy_from_slice(&[0x00, 0xf0]);
+//! let mut console = Console::new(Cartridge::new(&rom, Scheme::Rom4K), Default::default(), [0; 128], 74);
+//! console.frame(&Input::default());
+//! assert_eq!(console.ram().len(), 128);
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::cartridge::{Banks, Cartridge};
+use crate::cpu::{Bus, Cpu};
+use crate::riot::Riot;
+pub use crate::screen::Pictures;
+use crate::screen::Screen;
+use crate::tia::{Display, Request, Tia};
+
+/// After this many instructions a call returns, even if no frame has ended.
+const MOST_INSTRUCTIONS: u32 = 25_000;
+
+/// A row of the picture: a colour index, which is even, for each of 160 pixels.
+pub type Row = crate::screen::Row;
+
+/// What the controllers and switches do during a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Port A of the RIOT, `SWCHA`: joystick directions, the left stick in the upper four bits, 0 where pressed.
+    pub port_a: u8,
+    /// Port B, `SWCHB`: the console's switches; see [`switch`].
+    pub port_b: u8,
+    /// The fire buttons, read at `INPT4` and `INPT5`.
+    pub fire: [bool; 2],
+    /// Paddles, read at `INPT0` to `INPT3`: the charge time in colour clocks, or `None` where there is no paddle.
+    pub charge: [Option<u32>; 4],
+}
+
+impl Default for Input {
+    fn default() -> Self {
+        Self { port_a: 0xff, port_b: switch::IDLE, fire: [false; 2], charge: [None; 4] }
+    }
+}
+
+/// Bits of port B.
+pub mod switch {
+    /// Nothing pressed, colour, both difficulties B.
+    pub const IDLE: u8 = 0x3f;
+    /// 0 while RESET is pressed.
+    pub const RESET: u8 = 0x01;
+    /// 0 while SELECT is pressed.
+    pub const SELECT: u8 = 0x02;
+    /// 1 for the left player's difficulty A.
+    pub const LEFT_DIFFICULTY: u8 = 0x40;
+    /// 1 for the right player's difficulty A.
+    pub const RIGHT_DIFFICULTY: u8 = 0x80;
+}
+
+/// An Atari 2600 with a cartridge.
+#[derive(Clone, Debug)]
+pub struct Console {
+    cpu: Cpu,
+    board: Board,
+}
+
+/// All but the processor.
+#[derive(Clone, Debug)]
+struct Board {
+    riot: Riot,
+    tia: Tia,
+    screen: Screen,
+    cartridge: Cartridge,
+    /// The cycles since power-on.
+    cycle: u64,
+    /// The byte that was last on the bus.
+    data: u8,
+    frame_ended: bool,
+}
+
+/// Everything about a console that changes but the picture: a few hundred bytes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    cpu: Cpu,
+    riot: Riot,
+    tia: Tia,
+    banks: Banks,
+    cycle: u64,
+    data: u8,
+    frame_ended: bool,
+}
+
+impl Console {
+    /// Switches on: with this content of RAM, and the timer running as if `TIM64T` had been written with `timer`.
+    pub fn new(cartridge: Cartridge, display: Display, ram: [u8; 128], timer: u8) -> Self {
+        let mut board = Board {
+            riot: Riot::new(ram, timer),
+            tia: Tia::new(display),
+            screen: Screen::new(),
+            cartridge,
+            cycle: 0,
+            data: 0,
+            frame_ended: false,
+        };
+        board.cartridge.reset();
+        let pc = u16::from_le_bytes([board.look(0xfffc), board.look(0xfffd)]);
+        Self { cpu: Cpu::new(pc), board }
+    }
+
+    /// Runs a frame: until the program ends it, or for 25,000 instructions.
+    pub fn frame(&mut self, input: &Input) {
+        self.run(input, true);
+    }
+
+    /// As [`frame`](Self::frame), but leaves the picture as it is; all else comes out the same. Nearly twice as fast.
+    pub fn frame_unseen(&mut self, input: &Input) {
+        self.run(input, false);
+    }
+
+    fn run(&mut self, input: &Input, seen: bool) {
+        let board = &mut self.board;
+        board.riot.port_a = input.port_a;
+        board.riot.port_b = input.port_b;
+        board.tia.fire = input.fire;
+        board.tia.charge = input.charge;
+        board.screen.unseen = !seen;
+        if std::mem::take(&mut board.frame_ended) {
+            board.screen.swap();
+        }
+        for _ in 0..MOST_INSTRUCTIONS {
+            self.cpu.step(board);
+            if board.frame_ended {
+                break;
+            }
+        }
+    }
+
+    /// The 128 bytes of RAM.
+    pub fn ram(&self) -> &[u8; 128] {
+        &self.board.riot.ram
+    }
+
+    /// The same, to change.
+    pub fn ram_mut(&mut self) -> &mut [u8; 128] {
+        &mut self.board.riot.ram
+    }
+
+    /// The picture, row by row from the top.
+    pub fn picture(&self) -> &[Row] {
+        &self.board.screen.picture()[..self.board.tia.display().rows]
+    }
+
+    /// Whether the last frame ended before its picture was complete. The rest of the picture is then what it was two
+    /// frames ago.
+    pub fn is_short(&self) -> bool {
+        !self.board.frame_ended || self.board.tia.is_short()
+    }
+
+    /// Everything that changes but the picture.
+    pub fn state(&self) -> State {
+        let Board { riot, tia, screen: _, cartridge, cycle, data, frame_ended } = &self.board;
+        State {
+            cpu: self.cpu,
+            riot: riot.clone(),
+            tia: tia.clone(),
+            banks: cartridge.banks().clone(),
+            cycle: *cycle,
+            data: *data,
+            frame_ended: *frame_ended,
+        }
+    }
+
+    /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
+    /// cartridge.
+    pub fn set_state(&mut self, state: &State) -> bool {
+        let State { cpu, riot, tia, banks, cycle, data, frame_ended } = state;
+        if !tia.is_valid(*cycle) || !riot.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
+            return false;
+        }
+        let display = *self.board.tia.display();
+        self.cpu = *cpu;
+        self.board.riot = riot.clone();
+        self.board.tia = tia.clone();
+        self.board.tia.set_display(display);
+        self.board.cycle = *cycle;
+        self.board.data = *data;
+        self.board.frame_ended = *frame_ended;
+        true
+    }
+
+    /// The pictures, to be stored.
+    pub fn pictures(&self) -> Pictures {
+        Pictures::of(&self.board.screen)
+    }
+
+    /// Shows stored pictures; `false` and no change if they were damaged.
+    pub fn set_pictures(&mut self, pictures: &Pictures) -> bool {
+        let screen = pictures.screen();
+        let fits = screen.is_some();
+        if let Some(screen) = screen {
+            self.board.screen = screen;
+        }
+        fits
+    }
+
+    /// Which of the two pictures is being drawn.
+    pub(crate) fn current_picture(&self) -> usize {
+        self.board.screen.current
+    }
+
+    /// Draws on this of the two pictures.
+    pub(crate) fn set_current_picture(&mut self, picture: usize) {
+        self.board.screen.current = picture;
+    }
+
+    /// The cartridge.
+    pub fn cartridge(&self) -> &Cartridge {
+        &self.board.cartridge
+    }
+}
+
+impl Board {
+    /// Reads without a cycle, at power-on.
+    fn look(&mut self, address: u16) -> u8 {
+        self.cartridge.read(address, 0)
+    }
+
+    #[inline(never)]
+    fn read_chip(&mut self, address: u16) -> u8 {
+        match address & 0x0280 {
+            0x0080 => self.riot.ram[usize::from(address & 0x7f)],
+            0x0280 => self.riot.read(address, self.cycle),
+            _ => {
+                let (bits, driven) = self.tia.read(address, self.cycle, &mut self.screen);
+                bits | self.data & !driven
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn write_chip(&mut self, address: u16, value: u8) {
+        match address & 0x0280 {
+            0x0080 => self.riot.ram[usize::from(address & 0x7f)] = value,
+            0x0280 => self.riot.write(address, value, self.cycle),
+            _ => match self.tia.write(address, value, self.cycle, &mut self.screen) {
+                Request::None => {}
+                Request::Wait(cycles) => self.cycle += u64::from(cycles),
+                Request::FrameEnd => self.frame_ended = true,
+            },
+        }
+    }
+}
+
+impl Bus for Board {
+    #[inline(always)]
+    fn read(&mut self, address: u16) -> u8 {
+        self.cycle += 1;
+        self.data = if address & 0x1000 != 0 {
+            self.cartridge.read(address, self.data)
+        } else {
+            self.read_chip(address)
+        };
+        if self.cartridge.listens() {
+            self.cartridge.listen(address, self.data);
+        }
+        self.data
+    }
+
+    #[inline(always)]
+    fn write(&mut self, address: u16, value: u8) {
+        self.cycle += 1;
+        self.data = value;
+        if address & 0x1000 != 0 {
+            self.cartridge.write(address, value);
+        } else {
+            self.write_chip(address, value);
+        }
+        if self.cartridge.listens() {
+            self.cartridge.listen(address, value);
+        }
+    }
+
+    #[inline(always)]
+    fn idle(&mut self) {
+        self.cycle += 1;
+    }
+}

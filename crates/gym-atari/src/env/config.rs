@@ -1,0 +1,150 @@
+//! The arguments of the environments: those of ale-py's `AtariEnv`.
+
+use std::path::PathBuf;
+
+use gym_core::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::games::{self, Game};
+
+/// Arguments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The game, under ale-py's name: `space_invaders`.
+    pub game: String,
+    /// The game's mode; `None` for its default.
+    pub mode: Option<u16>,
+    /// The difficulty; `None` for the game's default.
+    pub difficulty: Option<u8>,
+    /// What the agent observes.
+    pub obs_type: ObsType,
+    /// For how many frames an action is executed: a number, or the ends of a range, the second excluded, of which each
+    /// step draws one.
+    pub frameskip: Frameskip,
+    /// The probability with which a frame repeats the action of the frame before.
+    pub repeat_action_probability: f64,
+    /// All 18 actions, instead of those that make a difference in the game.
+    pub full_action_space: bool,
+    /// Actions are a stick's radius and angle and a button's pressure.
+    pub continuous: bool,
+    /// Beyond which radius, and beyond which pressure, a continuous action counts.
+    pub continuous_action_threshold: f64,
+    /// After how many frames an episode is truncated; `None` for never.
+    pub max_num_frames_per_episode: Option<u32>,
+    /// Observing sound is not supported.
+    pub sound_obs: bool,
+    /// A folder with ROMs; `None` for `ALE_ROMS_DIR` or an installed ale-py.
+    pub rom_dir: Option<PathBuf>,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            game: "pong".to_owned(),
+            mode: None,
+            difficulty: None,
+            obs_type: ObsType::Rgb,
+            frameskip: Frameskip::Fixed(4),
+            repeat_action_probability: 0.25,
+            full_action_space: false,
+            continuous: false,
+            continuous_action_threshold: 0.5,
+            max_num_frames_per_episode: None,
+            sound_obs: false,
+            rom_dir: None,
+        }
+    }
+}
+
+/// What the agent observes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ObsType {
+    /// The picture in red, green and blue.
+    Rgb,
+    /// The picture in shades of gray.
+    Grayscale,
+    /// The RAM.
+    Ram,
+}
+
+/// For how many frames an action is executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Frameskip {
+    /// So many.
+    Fixed(i64),
+    /// At least the first number, and less than the second.
+    Range([i64; 2]),
+}
+
+/// No step is longer, so that none takes forever.
+const MOST_FRAMES: i64 = 10_000;
+
+impl Config {
+    /// The game, if these arguments are valid for it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for one that is not.
+    pub(super) fn check(&self) -> Result<&'static Game> {
+        let invalid = |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
+        let Some(game) = games::by_name(&self.game) else {
+            let names: Vec<_> = games::GAMES.iter().map(|game| game.name).collect();
+            return invalid(format!("game is not known: the games are {}", names.join(", ")));
+        };
+        match self.frameskip {
+            Frameskip::Range([low, _]) if low <= 0 => {
+                return invalid("Invalid stochastic frameskip, lower bound must be positive.".into());
+            }
+            Frameskip::Range([low, high]) if low >= high => {
+                return invalid(
+                    "Invalid stochastic frameskip, lower bound must be strictly less than upper bound."
+                        .into(),
+                );
+            }
+            Frameskip::Fixed(skip) if skip <= 0 => {
+                return invalid(format!("Invalid frameskip of {skip}, frameskip must be positive."));
+            }
+            Frameskip::Fixed(skip) | Frameskip::Range([_, skip]) if skip > MOST_FRAMES => {
+                return invalid(format!("frameskip is {skip}: it must be at most {MOST_FRAMES}"));
+            }
+            _ => {}
+        }
+        let modes: Vec<_> = game.modes.iter().map(|(number, _)| *number).collect();
+        if let Some(mode) = self.mode.filter(|mode| !modes.contains(mode)) {
+            return invalid(format!(
+                "Invalid game mode requested: mode is {mode}, and the modes are {modes:?}"
+            ));
+        }
+        if let Some(difficulty) = self.difficulty.filter(|difficulty| !game.difficulties.contains(difficulty))
+        {
+            return invalid(format!(
+                "Invalid difficulty requested: difficulty is {difficulty}, and the difficulties are {:?}",
+                game.difficulties
+            ));
+        }
+        if let Some(mode) = self.mode.filter(|mode| *mode != modes[0] && game.select_frames.is_none()) {
+            return invalid(format!(
+                "mode is {mode}: only the default mode, {}, of this game is supported",
+                modes[0]
+            ));
+        }
+        if !self.repeat_action_probability.is_finite() || self.repeat_action_probability < 0.0 {
+            return invalid(format!(
+                "repeat_action_probability is {}: it is a probability, 0 to 1",
+                self.repeat_action_probability
+            ));
+        }
+        if !self.continuous_action_threshold.is_finite() {
+            return invalid(format!(
+                "continuous_action_threshold is {}: it must be a finite number",
+                self.continuous_action_threshold
+            ));
+        }
+        if self.sound_obs {
+            return invalid("sound_obs is true: sound is not emulated, so it cannot be observed".into());
+        }
+        Ok(game)
+    }
+}

@@ -1,0 +1,344 @@
+//! The environments: ale-py's `AtariEnv` over the games of this crate.
+
+mod action;
+mod config;
+pub(crate) mod ids;
+
+use std::cell::Cell;
+
+use gym_core::canvas::{Canvas, Color};
+use gym_core::render::Metadata;
+use gym_core::spaces::BoxSpace;
+use gym_core::{
+    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::action::Action;
+use crate::ale::{Ale, Moment, Settings, State};
+use crate::console::{Pictures, Row};
+use crate::games::Game;
+use crate::palette;
+use crate::rom::{self, Rom};
+pub use action::AtariAction;
+pub use config::{Config, Frameskip, ObsType};
+
+/// The frames per second that ale-py states.
+const FPS: u32 = 30;
+
+/// What it is called.
+const NAME: &str = "AtariEnv";
+
+/// A game of the Atari 2600 as a task.
+#[derive(Clone, Debug)]
+pub struct AtariEnv {
+    config: Config,
+    md5: String,
+    ale: Ale,
+    episode: Option<Episode>,
+}
+
+/// What there is from the first reset on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode {
+    rng: Generator,
+    /// The two words of the seed, from a reset with one to the next step.
+    seeds: Option<[u32; 2]>,
+}
+
+/// An environment that can be stored. The ROM is named, not contained.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    md5: String,
+    ale: State,
+    screen: Pictures,
+    episode: Option<Episode>,
+}
+
+impl AtariEnv {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument that is not valid, and for a ROM that is missing: the message says what
+    /// to do.
+    pub fn new(config: Config) -> Result<Self> {
+        let rom = rom::load(config.check()?, config.rom_dir.as_deref())?;
+        Self::with_rom(config, &rom)
+    }
+
+    /// The environment on a ROM that was loaded before; [`Config::game`] is the ROM's.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument that is not valid.
+    pub fn with_rom(config: Config, rom: &Rom) -> Result<Self> {
+        let config = Config { game: rom.game().name.to_owned(), ..config };
+        let game = config.check()?;
+        let mut ale = Ale::new(game, rom.bytes(), 0);
+        let Config { mode, difficulty, max_num_frames_per_episode: max_frames, .. } = config;
+        ale.configure(Settings { mode, difficulty, max_frames });
+        Ok(Self { config, md5: rom.md5().to_owned(), ale, episode: None })
+    }
+
+    /// The game that is being played.
+    pub fn ale(&self) -> &Ale {
+        &self.ale
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The actions by index.
+    pub fn actions(&self) -> &'static [Action] {
+        if self.config.full_action_space { &Action::ALL } else { self.game().minimal }
+    }
+
+    fn game(&self) -> &'static Game {
+        self.ale.game()
+    }
+
+    /// The game's action for one of the agent's.
+    fn resolve(&self, action: &AtariAction) -> Result<Action> {
+        match *action {
+            AtariAction::Index(index) if !self.config.continuous => {
+                self.actions().get(index).copied().ok_or_else(|| self.refuse(&index))
+            }
+            AtariAction::Stick(stick) if self.config.continuous && stick.iter().all(|x| x.is_finite()) => {
+                Ok(action::from_stick(stick, self.config.continuous_action_threshold as f32))
+            }
+            AtariAction::Index(index) => Err(self.refuse(&index)),
+            AtariAction::Stick(stick) => Err(self.refuse(&stick)),
+        }
+    }
+
+    fn refuse(&self, action: &dyn std::fmt::Debug) -> Error {
+        Error::InvalidAction {
+            action: format!("{action:?}"),
+            space: self.action_space().to_string(),
+            hint: String::new(),
+        }
+    }
+
+    /// Starts an episode without looking at it.
+    pub(crate) fn start(&mut self, reset: &Reset) -> Result<()> {
+        let seed = match (&reset.seed, &self.episode) {
+            (Some(seed), _) => Some(seed.words()),
+            (None, Some(_)) => None,
+            (None, None) => Some(Seed::from_os()?.words()),
+        };
+        match seed {
+            Some([first, second]) => {
+                let seeds = reset.seed.is_some().then_some([first, second]);
+                let rng = Generator::new(&Seed::from(u64::from(first)));
+                self.episode = Some(Episode { rng, seeds });
+                self.ale.reload(second);
+            }
+            None => {
+                if let Some(episode) = &mut self.episode {
+                    episode.seeds = None;
+                }
+                self.ale.reset();
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a step without looking at what came of it. The last `seen` frames are drawn.
+    pub(crate) fn advance(&mut self, action: &AtariAction, seen: u32) -> Result<Outcome> {
+        let action = self.resolve_for_step(action)?;
+        let (frames, seen) = match self.config.frameskip {
+            Frameskip::Fixed(frames) => (frames, seen),
+            // which frames the next step builds on is not known
+            Frameskip::Range([low, high]) => {
+                let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+                (episode.rng.integers(low, high), seen.max(2))
+            }
+        };
+        let reward = self.ale.frames(action, frames as u32, seen, self.config.repeat_action_probability);
+        Ok(self.outcome(reward))
+    }
+
+    /// The game's action for the agent's, at the start of a step that plays its frames itself.
+    pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Action> {
+        let action = self.resolve(action)?;
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        episode.seeds = None;
+        Ok(action)
+    }
+
+    /// Plays one frame of a step.
+    pub(crate) fn play_frame(&mut self, action: Action, seen: bool) -> Outcome {
+        let executed = self.ale.stick(action, self.config.repeat_action_probability);
+        let reward = self.ale.play(executed, seen);
+        self.outcome(reward)
+    }
+
+    /// All that frames change, but the pictures.
+    pub(crate) fn moment(&self) -> Moment {
+        self.ale.moment()
+    }
+
+    /// Goes back to a moment of this environment.
+    pub(crate) fn set_moment(&mut self, moment: &Moment) {
+        self.ale.set_moment(moment);
+    }
+
+    fn outcome(&self, reward: i32) -> Outcome {
+        Outcome {
+            reward: f64::from(reward),
+            terminated: self.ale.game_over(),
+            truncated: self.ale.is_truncated(),
+        }
+    }
+
+    /// Writes the observation.
+    fn observe(&self, observation: &mut Array) {
+        let picture = self.ale.picture();
+        match self.config.obs_type {
+            ObsType::Ram => buffer(observation, &[128]).copy_from_slice(self.ale.ram().0),
+            ObsType::Grayscale => {
+                let out = buffer(observation, &[picture.len(), 160]);
+                for (gray, &index) in out.iter_mut().zip(picture.as_flattened()) {
+                    *gray = palette::GRAY[usize::from(index)];
+                }
+            }
+            ObsType::Rgb => {
+                let out = buffer(observation, &[picture.len(), 160, 3]);
+                for (rgb, &index) in out.as_chunks_mut::<3>().0.iter_mut().zip(picture.as_flattened()) {
+                    *rgb = palette::RGB[usize::from(index)];
+                }
+            }
+        }
+    }
+}
+
+/// The bytes of an array of a shape, which is made anew where it is not of that shape.
+pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] {
+    if array.shape() != shape || array.dtype() != DType::U8 {
+        *array = Array::zeros(DType::U8, shape);
+    }
+    array.as_mut_slice::<u8>().unwrap_or_default()
+}
+
+/// The space of bytes in a shape.
+pub(crate) fn bytes(shape: &[usize]) -> Space {
+    Space::Box(BoxSpace::uniform(0.0, 255.0, shape, DType::U8).expect("a box of bytes"))
+}
+
+impl Env for AtariEnv {
+    type Observation = Array;
+    type Action = AtariAction;
+
+    fn observation_space(&self) -> Space {
+        let rows = self.game().display.rows;
+        match self.config.obs_type {
+            ObsType::Rgb => bytes(&[rows, 160, 3]),
+            ObsType::Grayscale => bytes(&[rows, 160]),
+            ObsType::Ram => bytes(&[128]),
+        }
+    }
+
+    fn action_space(&self) -> Space {
+        if self.config.continuous {
+            Space::boxed([0.0, -action::MOST_ANGLE, 0.0], [1.0, action::MOST_ANGLE, 1.0])
+        } else {
+            Space::discrete(self.actions().len() as i64)
+        }
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.start(reset)?;
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
+        let outcome = self.advance(action, 1)?;
+        self.observe(observation);
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        let stored = Stored {
+            md5: self.md5.clone(),
+            ale: self.ale.state(),
+            screen: self.ale.console().pictures(),
+            episode: self.episode.clone(),
+        };
+        Snapshot::with_config(NAME, &self.config, &Some(stored))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let stored: Option<Stored> = snapshot.for_config(NAME, &self.config, |_| true)?;
+        let not_a_state = || Error::Snapshot(format!("what it holds is not a state of {}", self.config.game));
+        let Some(stored) = stored else { return Err(not_a_state()) };
+        if stored.md5 != self.md5 {
+            let reason = format!("it was taken with the ROM of MD5 {}, not {}", stored.md5, self.md5);
+            return Err(Error::Snapshot(reason));
+        }
+        if !self.ale.restore(&stored.ale, &stored.screen) {
+            return Err(not_a_state());
+        }
+        self.episode = stored.episode;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let Some(episode) = &self.episode else { return };
+        visit("lives", Value::Int(self.ale.lives().into()));
+        visit("episode_frame_number", Value::Int(self.ale.episode_frame_number().into()));
+        visit("frame_number", Value::Int(self.ale.frame_number().into()));
+        if let Some(seeds) = episode.seeds {
+            visit("seeds", Value::Tuple(seeds.map(|seed| Value::Int(seed.into())).to_vec()));
+        }
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(FPS, (160, self.game().display.rows as u32))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        draw(self.ale.picture(), canvas);
+    }
+
+    fn describe(&self) -> String {
+        NAME.to_owned()
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}
+
+impl Configure for AtariEnv {
+    type Config = Config;
+
+    fn configure(config: Config) -> Result<Self> {
+        Self::new(config)
+    }
+}
+
+/// Draws a picture as rectangles of one colour: as wide as there are equal pixels, as high as there are equal rows.
+fn draw(picture: &[Row], canvas: &mut dyn Canvas) {
+    canvas.clear(Color::BLACK);
+    let mut top = 0;
+    while top < picture.len() {
+        let row = &picture[top];
+        let height = picture[top..].iter().take_while(|other| *other == row).count();
+        let x = Cell::new(0);
+        for run in row.chunk_by(|a, b| a == b) {
+            let [red, green, blue] = palette::RGB[usize::from(run[0])];
+            if run[0] > 1 {
+                let color = Color::rgb(red, green, blue);
+                canvas.rect([x.get() as f64, top as f64], [run.len() as f64, height as f64], color);
+            }
+            x.set(x.get() + run.len());
+        }
+        top += height;
+    }
+}

@@ -1,0 +1,181 @@
+//! What is known of each game: its ROM, how it starts, and where its RAM holds score and lives.
+//!
+//! Everything here was measured from outside; `NOTICE.md` says how.
+
+mod special;
+mod table;
+
+use crate::action::Action;
+use crate::cartridge::Scheme;
+use crate::tia::Display;
+
+pub use table::GAMES;
+
+/// A game of the 2600.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Game {
+    /// ale-py's name: `space_invaders`. The ROM's file is `space_invaders.bin`.
+    pub name: &'static str,
+    /// The name in ids: `SpaceInvaders`.
+    pub title: &'static str,
+    /// The MD5 of the ROM.
+    pub md5: &'static str,
+    /// How the cartridge switches banks.
+    pub scheme: Scheme,
+    /// Where the picture starts, how high it is, and whether it shows the comb of `HMOVE`.
+    pub display: Display,
+    /// What the player holds.
+    pub controller: Controller,
+    /// For how many frames RESET is pressed at the start.
+    pub reset_frames: u8,
+    /// The actions after RESET, a frame each.
+    pub start: &'static [Action],
+    /// The minimal action set.
+    pub minimal: &'static [Action],
+    /// The modes that there are, under ale-py's numbers, and how often SELECT is pressed for each; the first is the default.
+    pub modes: &'static [(u16, u16)],
+    /// For how many frames SELECT is held when it is pressed; `None` where only the default mode was found to be exact.
+    pub select_frames: Option<u8>,
+    /// The difficulties that there are.
+    pub difficulties: &'static [u8],
+    /// The points, from RAM.
+    pub score: fn(&Ram<'_>) -> i32,
+    /// How points become rewards.
+    pub rewards: Rewards,
+    /// The lives, from RAM; 0 where the game is over.
+    pub lives: fn(&Ram<'_>) -> i32,
+    /// Whether the lives in RAM count at the moment; where not, the number before stays.
+    pub lives_count: fn(&Ram<'_>) -> bool,
+    /// Whether the game is over, from RAM.
+    pub over: fn(&Ram<'_>) -> bool,
+}
+
+/// What most games have in common.
+const DEFAULT: Game = Game {
+    name: "",
+    title: "",
+    md5: "",
+    scheme: Scheme::Rom4K,
+    display: Display::NTSC,
+    controller: Controller::Joystick,
+    reset_frames: 8,
+    start: &[],
+    minimal: &Action::ALL,
+    modes: &[(0, 0)],
+    select_frames: None,
+    difficulties: &[0],
+    score: |_| 0,
+    rewards: Rewards::Difference,
+    lives: |_| 0,
+    lives_count: |_| true,
+    over: |_| false,
+};
+
+/// How a game's points become rewards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rewards {
+    /// The points that a frame brought.
+    Difference,
+    /// The counter starts again at 0 after this many points.
+    Wrap(i32),
+    /// A counter that falls gives 0.
+    NeverNegative,
+}
+
+impl Rewards {
+    /// The reward of a frame.
+    pub(crate) fn of(self, before: i32, after: i32) -> i32 {
+        match (self, after - before) {
+            (Self::Wrap(limit), fall @ ..0) => fall + limit,
+            (Self::NeverNegative, ..0) => 0,
+            (_, difference) => difference,
+        }
+    }
+}
+
+/// What the player holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Controller {
+    /// A joystick in the left port.
+    Joystick,
+    /// Paddles in the left port; the agent turns this one.
+    Paddle(usize),
+}
+
+/// The console's 128 bytes of RAM, `$80` to `$FF`, and how games write numbers into them.
+#[derive(Clone, Copy, Debug)]
+pub struct Ram<'a>(pub &'a [u8; 128]);
+
+impl Ram<'_> {
+    /// A byte.
+    pub fn at(&self, index: usize) -> i32 {
+        i32::from(self.0[index & 0x7f])
+    }
+
+    /// The lower four bits.
+    pub fn low(&self, index: usize) -> i32 {
+        self.at(index) & 0x0f
+    }
+
+    /// The upper four bits.
+    pub fn high(&self, index: usize) -> i32 {
+        self.at(index) >> 4
+    }
+
+    /// Two decimal digits.
+    pub fn bcd(&self, index: usize) -> i32 {
+        10 * self.high(index) + self.low(index)
+    }
+
+    /// Two decimal digits in each byte, the most significant byte first.
+    pub fn decimal(&self, indices: &[usize]) -> i32 {
+        indices.iter().fold(0, |number, &index| 100 * number + self.bcd(index))
+    }
+
+    /// One decimal digit in the lower four bits of each byte, the most significant byte first; above 9 is a blank.
+    pub fn low_digits(&self, indices: &[usize]) -> i32 {
+        indices.iter().fold(0, |number, &index| 10 * number + digit(self.low(index)))
+    }
+
+    /// Two decimal digits in each byte, of which those above 9 are blank.
+    pub fn blank_decimal(&self, indices: &[usize]) -> i32 {
+        indices
+            .iter()
+            .fold(0, |number, &index| 100 * number + 10 * digit(self.high(index)) + digit(self.low(index)))
+    }
+
+    /// A byte that counts below zero.
+    pub fn signed(&self, index: usize) -> i32 {
+        i32::from(self.0[index & 0x7f] as i8)
+    }
+
+    /// How many bytes of a range have a value.
+    pub fn count(&self, range: std::ops::Range<usize>, value: u8) -> i32 {
+        self.0[range].iter().filter(|&&byte| byte == value).count() as i32
+    }
+
+    /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a picture of nothing.
+    pub fn pictures(&self, indices: &[usize], blank: u8) -> i32 {
+        indices.iter().fold(0, |number, &index| {
+            let digit = if self.0[index] == blank { 0 } else { self.at(index) / 8 };
+            10 * number + digit
+        })
+    }
+}
+
+/// A digit; what is above 9 shows as a blank.
+fn digit(value: i32) -> i32 {
+    if value > 9 { 0 } else { value }
+}
+
+/// The game of a name.
+pub fn by_name(name: &str) -> Option<&'static Game> {
+    GAMES.iter().find(|game| game.name == name)
+}
+
+/// The game of a ROM.
+pub fn by_md5(md5: &str) -> Option<&'static Game> {
+    GAMES.iter().find(|game| game.md5 == md5)
+}

@@ -1,0 +1,346 @@
+//! The games, one entry each, by name.
+//!
+//! `r` is the RAM by index: `$80` of the processor is index `0x00`.
+
+use super::{Controller, DEFAULT, Game, Rewards};
+use crate::action::Action;
+use crate::action::Action::*;
+use crate::cartridge::Scheme::*;
+use crate::env::ids::ids;
+use crate::tia::Display;
+
+/// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic` ids, or `v5` where
+/// ale-py has no older ids of it.
+macro_rules! games {
+    ($($name:ident $title:literal $family:tt { $($field:ident: $value:expr,)* })*) => {
+        /// Each game that comes out exactly as in ale-py.
+        pub static GAMES: &[Game] = &[$(
+            Game { name: stringify!($name), title: $title, $($field: $value,)* ..DEFAULT },
+        )*];
+        $(ids!(stringify!($name), $title, $family);)*
+    };
+}
+
+games! {
+    amidar "Amidar" 4 {
+        md5: "acb7750b4d0c4bd34969802a7deb2990", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
+        difficulties: &[0, 3],
+        score: |r| r.decimal(&[0x5b, 0x5a, 0x59]),
+        lives: |r| r.low(0x56),
+        over: |r| r.at(0x56) == 0x80,
+    }
+    assault "Assault" 4 {
+        md5: "de78b3a064d374390ac0710f95edde92", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, RightFire, LeftFire],
+        score: |r| r.decimal(&[0x00, 0x01, 0x02]),
+        lives: |r| r.at(0x65),
+        over: |r| r.at(0x65) == 0,
+    }
+    asterix "Asterix" 4 {
+        md5: "89a68746eff7f266bbf08de2483abe55", scheme: F8,
+        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        start: &[Fire],
+        score: |r| r.decimal(&[0x5e, 0x5f, 0x60]),
+        lives: |r| r.low(0x53),
+        over: |r| r.at(0x53) == 1 && r.at(0x47) == 1,
+    }
+    asteroids "Asteroids" 4 {
+        md5: "ccbd36746ed4525821a8083b0d6d2c2c", scheme: F8,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
+        reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
+        rewards: Rewards::Wrap(100_000),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10),
+            (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21),
+            (22, 22), (23, 23), (24, 24), (25, 25), (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 32)],
+        select_frames: Some(2), difficulties: &[0, 3],
+        score: |r| 10 * r.decimal(&[0x3d, 0x3e]),
+        lives: |r| r.high(0x3c),
+        over: |r| r.high(0x3c) == 0,
+    }
+    bank_heist "BankHeist" 4 {
+        md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
+        minimal: &Action::ALL,
+        reset_frames: 12, modes: &[(0, 0), (4, 1), (8, 2), (12, 3), (16, 4), (20, 5), (24, 6), (28, 7)],
+        select_frames: Some(1), difficulties: &[0, 1, 2, 3],
+        score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
+        lives: |r| r.at(0x55),
+        over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
+    }
+    beam_rider "BeamRider" 4 {
+        md5: "79ab4123a83dc11d468fb2108ea09e2e", scheme: F8,
+        minimal: &[Noop, Fire, Up, Right, Left, UpRight, UpLeft, RightFire, LeftFire],
+        start: &[Right], difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x0b, 0x0a, 0x09]),
+        lives: |r| r.at(0x05) + 1,
+        lives_count: |r| r.at(0x0c) == 1,
+        over: |r| r.at(0x05) == 0xff,
+    }
+    bowling "Bowling" 4 {
+        md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
+        minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
+        reset_frames: 12, modes: &[(0, 0), (2, 0), (4, 0)], difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x26, 0x21]),
+        over: |r| r.at(0x24) > 0x10,
+    }
+    boxing "Boxing" 4 {
+        md5: "c3ef5c4653212088eda54dc91d787870", scheme: Rom2K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.boxing(0x12) - r.boxing(0x13),
+        over: |r| r.at(0x12) == 0xc0 || r.at(0x13) == 0xc0 || r.at(0x15) == 0x0c,
+    }
+    breakout "Breakout" 4 {
+        md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
+        minimal: &[Noop, Fire, Right, Left],
+        reset_frames: 12, controller: Controller::Paddle(0),
+        modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
+        select_frames: Some(1), difficulties: &[0, 1],
+        score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
+        lives: |r| r.at(0x39),
+        over: |r| r.at(0x39) == 0,
+    }
+    carnival "Carnival" 4 {
+        md5: "028024fb8e5e5f18ea586652f9799c96", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        display: Display { first_line: 26, rows: 214, ..Display::NTSC },
+        score: |r| 10 * r.decimal(&[0x2d, 0x2e]),
+        over: |r| r.at(0x03) == 0,
+    }
+    centipede "Centipede" 4 {
+        md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
+        minimal: &Action::ALL,
+        reset_frames: 12, rewards: Rewards::NeverNegative, modes: &[(22, 0), (86, 1)],
+        select_frames: Some(2),
+        score: |r| r.decimal(&[0x74, 0x75, 0x76]),
+        lives: |r| (r.high(0x6d) & 7) + 1,
+        over: |r| r.at(0x26) & 0x40 != 0,
+    }
+    chopper_command "ChopperCommand" 4 {
+        md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
+        minimal: &Action::ALL,
+        reset_frames: 12, modes: &[(0, 0), (2, 2)], select_frames: Some(2), difficulties: &[0, 1],
+        score: |r| 100 * r.decimal(&[0x6c, 0x6e]),
+        lives: |r| r.low(0x64),
+        over: |r| r.low(0x64) == 0,
+    }
+    crazy_climber "CrazyClimber" 4 {
+        md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
+        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        reset_frames: 12, modes: &[(0, 0), (1, 0), (2, 0), (3, 0)], difficulties: &[0, 1],
+        score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
+        lives: |r| r.at(0x2a),
+        over: |r| r.at(0x2a) == 0,
+    }
+    demon_attack "DemonAttack" 4 {
+        md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        reset_frames: 12, modes: &[(1, 0), (3, 0), (5, 0), (7, 0)], difficulties: &[0, 1],
+        score: |r| r.demon_attack(),
+        lives: |r| r.at(0x72) + 1,
+        over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
+    }
+    enduro "Enduro" 4 {
+        md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire],
+        start: &[Fire],
+        score: |r| r.enduro(),
+        over: |r| r.at(0x2f) == 0xff,
+    }
+    fishing_derby "FishingDerby" 4 {
+        md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.bcd(0x3d) - r.bcd(0x3e),
+        over: |r| r.at(0x3d) == 0x99 || r.at(0x3e) == 0x99,
+    }
+    freeway "Freeway" 4 {
+        md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
+        minimal: &[Noop, Up, Down],
+        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
+        select_frames: Some(1), difficulties: &[0, 1],
+        score: |r| r.bcd(0x67),
+        over: |r| r.at(0x16) == 1,
+    }
+    frogger "Frogger" v5 {
+        md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
+        minimal: &[Noop, Up, Right, Left, Down],
+        reset_frames: 12, modes: &[(0, 0), (1, 0), (2, 0)], difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x4c, 0x4e]),
+        lives: |r| r.at(0x50),
+        over: |r| r.at(0x50) == 0xff,
+    }
+    frostbite "Frostbite" 4 {
+        md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
+        minimal: &Action::ALL,
+        reset_frames: 12, modes: &[(0, 0), (2, 0)],
+        score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
+        lives: |r| r.low(0x4c) + 1,
+        over: |r| r.low(0x4c) == 0 && r.at(0x71) == 0x80,
+    }
+    galaxian "Galaxian" v5 {
+        md5: "211774f4c5739042618be8ff67351177", scheme: F8,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        reset_frames: 12, rewards: Rewards::Wrap(1_000_000),
+        modes: &[(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 5), (7, 6), (8, 7), (9, 8)],
+        select_frames: Some(1), difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
+        lives: |r| r.at(0x39) + 1,
+        over: |r| r.at(0x3f) & 0x80 != 0,
+    }
+    hero "Hero" 4 {
+        md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
+        minimal: &Action::ALL,
+        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)], select_frames: Some(1),
+        score: |r| r.decimal(&[0x37, 0x38, 0x39]),
+        lives: |r| r.at(0x33),
+        over: |r| r.at(0x33) == 0,
+    }
+    ice_hockey "IceHockey" 4 {
+        md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
+        minimal: &Action::ALL,
+        reset_frames: 12, modes: &[(0, 0), (2, 3)], select_frames: Some(2), difficulties: &[0, 1, 2, 3],
+        score: |r| r.bcd(0x0a) - r.bcd(0x0b),
+        over: |r| r.at(0x06) | r.at(0x07) == 0,
+    }
+    jamesbond "Jamesbond" 4 {
+        md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
+        minimal: &Action::ALL,
+        modes: &[(0, 0), (1, 0)],
+        score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
+        lives: |r| r.low(0x06) + 1,
+        over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0,
+    }
+    kaboom "Kaboom" v5 {
+        md5: "5428cdfada281c569c74c7308c7f2c26", scheme: Rom2K,
+        minimal: &[Noop, Fire, Right, Left],
+        start: &[Fire], controller: Controller::Paddle(0),
+        score: |r| r.decimal(&[0x24, 0x25]),
+        lives: |_| 1,
+        over: |r| r.at(0x21) == 0,
+    }
+    kangaroo "Kangaroo" 4 {
+        md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
+        minimal: &Action::ALL,
+        modes: &[(0, 0), (1, 0)],
+        score: |r| 100 * r.decimal(&[0x27, 0x28]),
+        lives: |r| (r.at(0x2d) & 7) + 1,
+        over: |r| r.at(0x2d) == 0xff,
+    }
+    krull "Krull" 4 {
+        md5: "4baada22435320d185c95b7dd2bcdb24", scheme: F8,
+        minimal: &Action::ALL,
+        score: |r| r.decimal(&[0x1c, 0x1d, 0x1e]),
+        lives: |r| (r.at(0x1f) & 7) + 1,
+        over: |r| r.at(0x1f) & 7 == 0 && r.at(0x22) == 0x03,
+    }
+    montezuma_revenge "MontezumaRevenge" 4 {
+        md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
+        minimal: &Action::ALL,
+        score: |r| r.decimal(&[0x13, 0x14, 0x15]),
+        lives: |r| (r.at(0x3a) & 7) + 1,
+        over: |r| r.at(0x3a) == 0 && r.at(0x7e) == 0x60,
+    }
+    ms_pacman "MsPacman" 4 {
+        md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
+        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
+        modes: &[(0, 0), (1, 0), (2, 0), (3, 0)],
+        score: |r| r.decimal(&[0x7a, 0x79, 0x78]),
+        lives: |r| (r.at(0x7b) & 7) + 1,
+        over: |r| r.low(0x7b) == 0 && r.at(0x27) == 0x53,
+    }
+    phoenix "Phoenix" 4 {
+        md5: "7e52a95074a66640fcfde124fffd491a", scheme: F8,
+        minimal: &[Noop, Fire, Right, Left, Down, RightFire, LeftFire, DownFire],
+        score: |r| 10_000 * r.bcd(0x49) + 100 * r.bcd(0x48) + 10 * r.high(0x47),
+        lives: |r| r.at(0x4b) & 7,
+        over: |r| r.at(0x4c) == 0x80,
+    }
+    pitfall "Pitfall" 4 {
+        md5: "3e90cf23106f2e08b2781e41299de556", scheme: Rom4K,
+        minimal: &Action::ALL,
+        start: &[Up],
+        score: |r| r.decimal(&[0x55, 0x56, 0x57]),
+        lives: |r| match r.high(0x00) { 0xa => 3, 0x8 => 2, _ => 1 },
+        over: |r| r.high(0x00) == 0 && r.at(0x1e) != 0,
+    }
+    pong "Pong" 4 {
+        md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        reset_frames: 12, controller: Controller::Paddle(1), modes: &[(0, 0), (1, 0)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.at(0x0e) - r.at(0x0d),
+        over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
+    }
+    private_eye "PrivateEye" 4 {
+        md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
+        minimal: &Action::ALL,
+        reset_frames: 12, start: &[Up], modes: &[(0, 0), (1, 0), (2, 0), (3, 0), (4, 0)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
+        over: |r| r.at(0x42) > 1,
+    }
+    qbert "Qbert" 4 {
+        md5: "484b0076816a104875e00467d431c2d2", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down],
+        display: Display { first_line: 40, ..Display::NTSC }, difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x59, 0x5a, 0x5b]),
+        lives: |r| if r.at(0x01) == 0 && r.at(0x08) == 0 { 4 } else { r.signed(0x08) + 2 },
+        over: |r| r.at(0x08) == 0xfe,
+    }
+    riverraid "Riverraid" 4 {
+        md5: "393948436d1f4cc3192410bb918f9724", scheme: Rom4K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1],
+        score: |r| r.pictures(&[0x4d, 0x4f, 0x51, 0x53, 0x55, 0x57], 0x58),
+        lives: |r| match r.at(0x40) { 0x58 => 4, 0x59 => 1, byte => byte / 8 + 1 },
+        over: |r| r.at(0x40) == 0x58 && r.at(0x46) == 0xff,
+    }
+    road_runner "RoadRunner" 4 {
+        md5: "ce5cc62608be2cd3ed8abd844efb8919", scheme: F6,
+        minimal: &Action::ALL,
+        score: |r| 100 * r.low_digits(&[0x4c, 0x4b, 0x4a, 0x49]),
+        lives: |r| (r.at(0x44) & 7) + 1,
+        over: |r| r.at(0x44) & 7 == 0 && (r.at(0x39) > 1 || r.at(0x3d) != 0),
+    }
+    seaquest "Seaquest" 4 {
+        md5: "240bfbac5163af4df5ae713985386f92", scheme: Rom4K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x38, 0x39, 0x3a]),
+        lives: |r| r.at(0x3b) + 1,
+        over: |r| r.at(0x23) != 0,
+    }
+    space_invaders "SpaceInvaders" 3 {
+        md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        reset_frames: 12, modes: &[(0, 0), (1, 2), (2, 3), (3, 5), (4, 7), (5, 9)], select_frames: Some(2),
+        difficulties: &[0, 1],
+        score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
+        lives: |r| r.at(0x49),
+        over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
+    }
+    tetris "Tetris" v5 {
+        md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
+        minimal: &[Noop, Fire, Right, Left, Down],
+        score: |r| r.decimal(&[0x72, 0x71]),
+        over: |r| r.at(0x73) & 0x80 != 0,
+    }
+    trondead "Trondead" v5 {
+        md5: "fb27afe896e7c928089307b32e5642ee", scheme: Rom4K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x3d, 0x3e, 0x3f]),
+        lives: |r| 5 - r.at(0x48),
+        over: |r| r.at(0x48) == 5,
+    }
+    video_pinball "VideoPinball" 4 {
+        md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
+        reset_frames: 12, modes: &[(0, 0), (2, 2)], select_frames: Some(2), difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x34, 0x32, 0x30]),
+        lives: |r| 4 - (r.at(0x19) & 7) + (r.at(0x28) & 1),
+        over: |r| r.at(0x2f) & 1 != 0,
+    }
+}

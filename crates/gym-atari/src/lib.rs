@@ -1,0 +1,29 @@
+//! The Atari 2600 in pure Rust, and ale-py's environments on top.
+#![forbid(unsafe_code)]
+
+mod action;
+pub mod ale;
+mod bytes;
+pub mod cartridge;
+pub mod console;
+pub mod cpu;
+mod env;
+pub mod games;
+mod mt19937;
+mod paddle;
+pub mod palette;
+mod preprocessing;
+pub mod recording;
+pub mod riot;
+pub mod rom;
+mod screen;
+mod shrink;
+mod tia;
+mod words;
+
+pub use action::Action;
+pub use ale::Ale;
+pub use env::{AtariAction, AtariEnv, Config, Frameskip, ObsType};
+pub use preprocessing::{AtariPreprocessing, Preprocessing};
+pub use rom::{Rom, RomDir};
+pub use tia::Display;

@@ -1,0 +1,254 @@
+//! What the field does to Atari before a network sees it: Gymnasium's `AtariPreprocessing`.
+//!
+//! Source: Gymnasium 1.4.0, `wrappers/atari_preprocessing.py`; Machado et al., "Revisiting the Arcade Learning
+//! Environment" (2018).
+
+use gym_core::canvas::Canvas;
+use gym_core::render::Metadata;
+use gym_core::{Array, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use serde::{Deserialize, Serialize};
+
+use crate::action::Action;
+use crate::env::{AtariAction, AtariEnv, Frameskip, buffer, bytes};
+use crate::palette;
+use crate::shrink::Shrink;
+
+/// How an environment is preprocessed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Preprocessing {
+    /// An episode starts with at least one and at most so many steps of doing nothing; 0 for none.
+    pub noop_max: u32,
+    /// For how many frames an action is executed.
+    pub frame_skip: u32,
+    /// Height and width of the observation.
+    pub screen_size: [usize; 2],
+    /// Whether losing a life terminates.
+    pub terminal_on_life_loss: bool,
+}
+
+impl Default for Preprocessing {
+    fn default() -> Self {
+        Self { noop_max: 30, frame_skip: 4, screen_size: [84, 84], terminal_on_life_loss: false }
+    }
+}
+
+/// Observes the game small and in gray: the brighter of the last two frames of each step, shrunk.
+///
+/// The frames that nobody looks at are played without being drawn.
+///
+/// ```no_run
+/// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
+/// use gym_core::{Env, Wrap};
+///
+/// # fn main() -> gym_core::Result<()> {
+/// let config = Config { game: "breakout".to_owned(), frameskip: Frameskip::Fixed(1), ..Config::default() };
+/// let env = AtariPreprocessing::new(AtariEnv::new(config)?, Default::default())?;
+/// let mut env = env.frame_stack_observation(4)?;
+/// env.reset(42)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct AtariPreprocessing {
+    env: AtariEnv,
+    settings: Preprocessing,
+    shrink: Shrink,
+    /// The last frame, or the brighter of two; and the one before.
+    frames: [Vec<u8>; 2],
+    lives: i32,
+}
+
+/// The state beside the environment's.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    env: Snapshot,
+    settings: Preprocessing,
+    frames: [String; 2],
+    lives: i32,
+}
+
+impl AtariPreprocessing {
+    /// Preprocesses `env`, whose own `frameskip` must be 1.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the
+    /// picture.
+    pub fn new(env: AtariEnv, settings: Preprocessing) -> Result<Self> {
+        let refuse = |reason: String| Err(Error::argument("AtariPreprocessing", reason));
+        if env.config().frameskip != Frameskip::Fixed(1) {
+            return refuse(format!(
+                "the environment's frameskip is {:?}: it must be 1",
+                env.config().frameskip
+            ));
+        }
+        if !(1..=10_000).contains(&settings.frame_skip) {
+            return refuse(format!(
+                "frame_skip is {}: it must be at least 1 and at most 10000",
+                settings.frame_skip
+            ));
+        }
+        let source = (env.ale().picture().len(), 160);
+        let [height, width] = settings.screen_size;
+        let Some(shrink) = Shrink::new(source, (height, width)) else {
+            return refuse(format!(
+                "screen_size is {height}x{width}: it must be at most the picture's {}x{}, and at least a 14th of it",
+                source.0, source.1
+            ));
+        };
+        let frames = [vec![0; source.0 * source.1], vec![0; source.0 * source.1]];
+        Ok(Self { env, settings, shrink, frames, lives: 0 })
+    }
+
+    /// How it preprocesses.
+    pub fn settings(&self) -> &Preprocessing {
+        &self.settings
+    }
+
+    /// The environment within.
+    pub fn get_ref(&self) -> &AtariEnv {
+        &self.env
+    }
+
+    /// The environment within, without the wrapper.
+    pub fn into_inner(self) -> AtariEnv {
+        self.env
+    }
+
+    /// Plays a step's frames; `seen` says which are drawn. What they leave is the sum of rewards, how it ended, and the
+    /// two last frames; and whether a picture shows what an undrawn frame left.
+    fn play(&mut self, action: Action, first_seen: u32) -> (Outcome, bool) {
+        let Self { env, settings, frames, lives, .. } = self;
+        let (mut total, mut incomplete) = (Outcome::default(), false);
+        for frame in 0..settings.frame_skip {
+            let outcome = env.play_frame(action, frame >= first_seen);
+            total = Outcome { reward: total.reward + outcome.reward, ..outcome };
+            if settings.terminal_on_life_loss {
+                let left = env.ale().lives();
+                total.terminated |= left < *lives;
+                *lives = left;
+            }
+            if total.done() {
+                break;
+            }
+            if frame + 2 == settings.frame_skip {
+                incomplete |= env.ale().console().is_short();
+                gray(env, &mut frames[1]);
+            } else if frame + 1 == settings.frame_skip {
+                incomplete |= env.ale().console().is_short();
+                gray(env, &mut frames[0]);
+            }
+        }
+        (total, incomplete && first_seen > 0)
+    }
+
+    fn observe(&mut self, observation: &mut Array) {
+        let [last, before] = &mut self.frames;
+        if self.settings.frame_skip > 1 {
+            last.iter_mut().zip(&*before).for_each(|(last, before)| *last = (*last).max(*before));
+        }
+        self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
+    }
+}
+
+/// The picture in shades of gray.
+fn gray(env: &AtariEnv, out: &mut [u8]) {
+    let picture = env.ale().picture().as_flattened();
+    out.iter_mut().zip(picture).for_each(|(out, &index)| *out = palette::GRAY[usize::from(index)]);
+}
+
+impl Env for AtariPreprocessing {
+    type Observation = Array;
+    type Action = AtariAction;
+
+    fn observation_space(&self) -> Space {
+        bytes(&self.settings.screen_size)
+    }
+
+    fn action_space(&self) -> Space {
+        self.env.action_space()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        self.env.start(reset)?;
+        let noops = match (self.settings.noop_max, self.env.generator()) {
+            (1.., Some(rng)) => rng.integers(1, i64::from(self.settings.noop_max) + 1),
+            _ => 0,
+        };
+        for _ in 0..noops {
+            if self.env.play_frame(Action::Noop, true).done() {
+                self.env.start(reset)?;
+            }
+        }
+        self.lives = self.env.ale().lives();
+        gray(&self.env, &mut self.frames[0]);
+        self.frames[1].fill(0);
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
+        let action = self.env.resolve_for_step(action)?;
+        let first_seen = self.settings.frame_skip.saturating_sub(2);
+        let (before, lives) = (self.env.moment(), self.lives);
+        let (mut outcome, incomplete) = self.play(action, first_seen);
+        if incomplete {
+            self.env.set_moment(&before);
+            self.lives = lives;
+            (outcome, _) = self.play(action, 0);
+        }
+        self.observe(observation);
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        let frames = [0, 1].map(|i| crate::bytes::encode(&self.frames[i]));
+        Snapshot::of(&Stored {
+            env: self.env.snapshot()?,
+            settings: self.settings,
+            frames,
+            lives: self.lives,
+        })
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let Stored { env, settings, frames: [last, before], lives } = snapshot.get()?;
+        if settings != self.settings {
+            return Err(Error::Snapshot("it was taken with other settings of AtariPreprocessing".to_owned()));
+        }
+        let pixels = self.frames[0].len();
+        let decode = |text: &str| {
+            crate::bytes::decode_vec(text, pixels)
+                .ok_or_else(|| Error::Snapshot(format!("a frame of it is not {pixels} bytes")))
+        };
+        let frames = [decode(&last)?, decode(&before)?];
+        self.env.restore(&env)?;
+        self.frames = frames;
+        self.lives = lives;
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.env.info(visit);
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.env.metadata()
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        self.env.draw(canvas);
+    }
+
+    fn describe(&self) -> String {
+        format!("<AtariPreprocessing{}>", self.env.describe())
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.env.generator()
+    }
+
+    fn close(&mut self) {
+        self.env.close();
+    }
+}

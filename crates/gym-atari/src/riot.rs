@@ -1,0 +1,112 @@
+//! The 6532 RIOT: 128 bytes of RAM, two ports, and the interval timer.
+//!
+//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". What the timer reads
+//! after its end was measured: see `NOTICE.md`.
+
+use serde::{Deserialize, Serialize};
+
+/// RAM, ports and timer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Riot {
+    /// The machine's RAM, `$80` to `$FF` of the processor.
+    #[serde(with = "crate::bytes")]
+    pub ram: [u8; 128],
+    /// What the controllers drive onto port A, read at `SWCHA`.
+    pub port_a: u8,
+    /// What the console's switches drive onto port B, read at `SWCHB`.
+    pub port_b: u8,
+    swcha: u8,
+    swacnt: u8,
+    swchb: u8,
+    swbcnt: u8,
+    timer: Timer,
+}
+
+impl Riot {
+    /// At power-on: the timer runs as if `TIM64T` had been written with `timer`.
+    pub fn new(ram: [u8; 128], timer: u8) -> Self {
+        Self {
+            ram,
+            port_a: 0xff,
+            port_b: 0xff,
+            swcha: 0,
+            swacnt: 0,
+            swchb: 0,
+            swbcnt: 0,
+            timer: Timer { value: timer, shift: 6, written: 0, read_after_end: None },
+        }
+    }
+
+    /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been damaged.
+    pub(crate) fn is_valid(&self, cycle: u64) -> bool {
+        let Timer { value: _, shift, written, read_after_end } = self.timer;
+        written <= cycle && shift <= 10 && read_after_end.is_none_or(|below| below.unsigned_abs() < 1 << 61)
+    }
+
+    /// Reads a register at a cycle.
+    pub fn read(&mut self, address: u16, cycle: u64) -> u8 {
+        match address & 0x07 {
+            0 => self.port_a & (self.swcha | !self.swacnt), // SWCHA
+            1 => self.swacnt,                               // SWACNT
+            2 => self.port_b & (self.swchb | !self.swbcnt), // SWCHB
+            3 => self.swbcnt,                               // SWBCNT
+            4 | 6 => self.timer.intim(cycle),               // INTIM
+            _ => self.timer.instat(cycle),                  // INSTAT
+        }
+    }
+
+    /// Writes a register at a cycle.
+    pub fn write(&mut self, address: u16, value: u8, cycle: u64) {
+        match (address & 0x14, address & 0x03) {
+            // TIM1T, TIM8T, TIM64T, T1024T
+            (0x14, interval) => {
+                let shift = [0, 3, 6, 10][usize::from(interval)];
+                self.timer = Timer { value, shift, written: cycle, read_after_end: None };
+            }
+            (0x04, _) => {} // PA7 edge detection: not wired to anything
+            (_, 0) => self.swcha = value,
+            (_, 1) => self.swacnt = value,
+            (_, 2) => self.swchb = value,
+            (_, _) => self.swbcnt = value,
+        }
+    }
+}
+
+/// The interval timer: counts down once each interval, and below zero once each cycle.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Timer {
+    value: u8,
+    /// The interval is `1 << shift` cycles.
+    shift: u8,
+    written: u64,
+    /// What the first read after the end found; it puts the interval back.
+    read_after_end: Option<i64>,
+}
+
+impl Timer {
+    /// The cycles since the write, and the count where it is not below zero.
+    fn count(&self, cycle: u64) -> (i64, i64) {
+        let elapsed = cycle as i64 - self.written as i64 - 1;
+        (elapsed, i64::from(self.value) - (elapsed >> self.shift) - 1)
+    }
+
+    fn intim(&mut self, cycle: u64) -> u8 {
+        let (elapsed, count) = self.count(cycle);
+        if count >= 0 {
+            return count as u8;
+        }
+        let below = (i64::from(self.value) << self.shift) - elapsed - 1;
+        if self.read_after_end.is_none() && below < -1 {
+            self.read_after_end = Some(below);
+        }
+        match self.read_after_end {
+            Some(first) => (first + i64::from(self.value) - (elapsed >> self.shift)) as u8,
+            None => below as u8,
+        }
+    }
+
+    fn instat(&self, cycle: u64) -> u8 {
+        let ended = self.count(cycle).1 < 0 && self.read_after_end.is_none();
+        if ended { 0x80 } else { 0 }
+    }
+}

@@ -1,0 +1,162 @@
+//! Where the games come from: ROMs are the user's, and none is part of this crate.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gym_core::{Error, Result};
+
+use crate::games::{self, Game};
+
+/// The variable that names a folder of ROMs, as ale-py has it.
+pub const VARIABLE: &str = "ALE_ROMS_DIR";
+
+/// A ROM of a game that is known, checked by its MD5.
+#[derive(Clone, Debug)]
+pub struct Rom {
+    game: &'static Game,
+    md5: String,
+    bytes: Arc<[u8]>,
+}
+
+impl Rom {
+    /// A ROM from its bytes, if they are those of a game.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if no game has a ROM of this MD5.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let md5 = format!("{:x}", md5::compute(bytes));
+        match games::by_md5(&md5) {
+            Some(game) => Ok(Self { game, md5, bytes: bytes.into() }),
+            None => Err(Error::argument(
+                "a ROM",
+                format!("its MD5 is {md5}, which is no game's: {} games are known", games::GAMES.len()),
+            )),
+        }
+    }
+
+    /// A program of one's own, played under the settings of a game, whose MD5 it need not have.
+    pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
+        Self { game, md5: format!("{:x}", md5::compute(bytes)), bytes: bytes.into() }
+    }
+
+    /// The MD5 of the bytes.
+    pub fn md5(&self) -> &str {
+        &self.md5
+    }
+
+    /// The game.
+    pub fn game(&self) -> &'static Game {
+        self.game
+    }
+
+    /// The bytes.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// A folder with ROMs under ale-py's names: `breakout.bin`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RomDir(PathBuf);
+
+impl RomDir {
+    /// This folder.
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self(path.into())
+    }
+
+    /// The folder that `ALE_ROMS_DIR` names; otherwise that of ale-py, if it is installed where Python looks first:
+    /// in the active virtual environment or the one named `.venv` here, or beside a `python3` of the `PATH`.
+    pub fn find() -> Option<Self> {
+        if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
+            return Some(Self(path.into()));
+        }
+        let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);
+        let of_path = env::var_os("PATH").into_iter().flat_map(|path| {
+            let folders: Vec<_> = env::split_paths(&path).collect();
+            folders.into_iter().filter(|folder| folder.join("python3").exists())
+        });
+        let prefixes = of_path.filter_map(|folder| folder.parent().map(Path::to_owned));
+        active
+            .into_iter()
+            .chain([PathBuf::from(".venv")])
+            .chain(prefixes)
+            .find_map(|prefix| roms_of_ale_py(&prefix))
+            .map(Self)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// The ROM of a game.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there is none, or if it is not the one that the game was checked with.
+    pub fn rom(&self, game: &'static Game) -> Result<Rom> {
+        let path = self.0.join(format!("{}.bin", game.name));
+        let bytes = fs::read(&path).map_err(|error| {
+            Error::argument(
+                game.title,
+                format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()),
+            )
+        })?;
+        let md5 = format!("{:x}", md5::compute(&bytes));
+        if md5 != game.md5 {
+            return Err(Error::argument(
+                game.title,
+                format!(
+                    "the ROM {} has the MD5 {md5}, not {}: it is another game or another edition",
+                    path.display(),
+                    game.md5
+                ),
+            ));
+        }
+        Ok(Rom { game, md5, bytes: bytes.into() })
+    }
+}
+
+/// The ROM of a game, from a folder or from where [`RomDir::find`] looks.
+///
+/// # Errors
+/// As [`RomDir::rom`]; without any folder, what to do about it.
+pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
+    match folder.map(RomDir::new).or_else(RomDir::find) {
+        Some(folder) => folder.rom(game),
+        None => Err(Error::argument(game.title, format!("no ROMs were found. {}", advice()))),
+    }
+}
+
+/// Whether there are ROMs where [`RomDir::find`] looks.
+pub fn available() -> bool {
+    RomDir::find().is_some_and(|folder| games::GAMES.iter().any(|game| folder.rom(game).is_ok()))
+}
+
+fn advice() -> String {
+    format!(
+        "ROMs are not part of this crate: `pip install ale-py` brings them, in the active virtual environment or in \
+         `.venv`; or set {VARIABLE} to a folder with files such as `breakout.bin`, or give the argument `rom_dir`"
+    )
+}
+
+/// ale-py's folder of ROMs under a prefix of Python, such as a virtual environment.
+fn roms_of_ale_py(prefix: &Path) -> Option<PathBuf> {
+    let site_packages = ["lib", "lib64"].iter().flat_map(|lib| {
+        let mut pythons: Vec<_> = fs::read_dir(prefix.join(lib))
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("python3")))
+            .collect();
+        pythons.sort();
+        pythons.into_iter().map(|python| python.join("site-packages"))
+    });
+    site_packages
+        .chain([prefix.join("Lib").join("site-packages")])
+        .map(|folder| folder.join("ale_py").join("roms"))
+        .find(|folder| folder.is_dir())
+}

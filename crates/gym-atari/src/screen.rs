@@ -1,0 +1,66 @@
+//! The picture that is being drawn and the one before.
+
+use serde::{Deserialize, Serialize};
+
+use crate::tia::WIDTH;
+
+/// The rows of a picture at most.
+pub(crate) const HEIGHT: usize = 250;
+
+/// A row of a picture: a colour index, which is even, for each pixel.
+pub(crate) type Row = [u8; WIDTH];
+
+/// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was two frames ago.
+#[derive(Clone, Debug)]
+pub(crate) struct Screen {
+    pictures: [[Row; HEIGHT]; 2],
+    pub(crate) current: usize,
+    /// Whether colours are left out.
+    pub(crate) unseen: bool,
+}
+
+impl Screen {
+    pub(crate) fn new() -> Self {
+        Self { pictures: [[[0; WIDTH]; HEIGHT]; 2], current: 0, unseen: false }
+    }
+
+    pub(crate) fn swap(&mut self) {
+        self.current = 1 - self.current;
+    }
+
+    pub(crate) fn picture(&self) -> &[Row; HEIGHT] {
+        &self.pictures[self.current]
+    }
+
+    pub(crate) fn row(&mut self, row: usize) -> &mut Row {
+        &mut self.pictures[self.current][row]
+    }
+}
+
+/// The pictures of a console in a form that can be stored: runs of equal pixels.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pictures {
+    current: usize,
+    /// Length and colour of each run, of both pictures.
+    runs: Vec<(u32, u8)>,
+}
+
+impl Pictures {
+    pub(crate) fn of(screen: &Screen) -> Self {
+        let pixels = screen.pictures.as_flattened().as_flattened();
+        let runs = pixels.chunk_by(|a, b| a == b).map(|run| (run.len() as u32, run[0])).collect();
+        Self { current: screen.current, runs }
+    }
+
+    /// The pictures, unless they were damaged.
+    pub(crate) fn screen(&self) -> Option<Screen> {
+        let mut screen = Screen { current: (self.current < 2).then_some(self.current)?, ..Screen::new() };
+        let mut rest = screen.pictures.as_flattened_mut().as_flattened_mut();
+        for &(length, color) in &self.runs {
+            let run;
+            (run, rest) = rest.split_at_mut_checked(length as usize)?;
+            run.fill(color);
+        }
+        rest.is_empty().then_some(screen)
+    }
+}

@@ -1,0 +1,112 @@
+//! The movable objects and the playfield, as the pixels that they cover on a line.
+
+use super::pixels::Pixels;
+
+/// Where the copies of a player or missile start, by the lower three bits of `NUSIZx`; and how wide a player's
+/// pixel is.
+struct Copies {
+    offsets: &'static [u8],
+    scale: u8,
+}
+
+const COPIES: [Copies; 8] = [
+    Copies { offsets: &[0], scale: 1 },
+    Copies { offsets: &[0, 16], scale: 1 },
+    Copies { offsets: &[0, 32], scale: 1 },
+    Copies { offsets: &[0, 16, 32], scale: 1 },
+    Copies { offsets: &[0, 64], scale: 1 },
+    Copies { offsets: &[0], scale: 2 },
+    Copies { offsets: &[0, 32, 64], scale: 1 },
+    Copies { offsets: &[0], scale: 4 },
+];
+
+fn copies(nusiz: u8) -> &'static Copies {
+    &COPIES[usize::from(nusiz & 0x07)]
+}
+
+/// How wide a pixel of a player is: 1, 2 or 4.
+pub(super) fn scale(nusiz: u8) -> u8 {
+    copies(nusiz).scale
+}
+
+/// `x` positions further right, around the line's end.
+pub(super) fn around(x: u8, shift: i32) -> u8 {
+    (i32::from(x) + shift).rem_euclid(160) as u8
+}
+
+/// A byte of graphics as a pattern whose lowest bit is the leftmost pixel.
+fn pattern(graphics: u8, reflected: bool, scale: u8) -> u32 {
+    let bits = if reflected { graphics } else { graphics.reverse_bits() };
+    WIDENED[usize::from(scale >> 1)][usize::from(bits)]
+}
+
+/// Bytes with each bit once, twice and four times.
+static WIDENED: [[u32; 256]; 3] = {
+    let mut table = [[0; 256]; 3];
+    let mut bits = 0;
+    while bits < 256 {
+        let mut bit = 0;
+        while bit < 8 {
+            if bits >> bit & 1 == 1 {
+                table[0][bits] |= 0x1 << bit;
+                table[1][bits] |= 0x3 << (2 * bit);
+                table[2][bits] |= 0xf << (4 * bit);
+            }
+            bit += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// A player: `without_main` leaves out the first copy, on the line of a `RESPx`.
+pub(super) fn player(x: u8, nusiz: u8, graphics: u8, reflected: bool, without_main: bool) -> Pixels {
+    let mut pixels = Pixels::default();
+    if graphics != 0 {
+        let Copies { offsets, scale } = copies(nusiz);
+        // a wide player starts one pixel later
+        let start = i32::from(*scale > 1);
+        let pattern = pattern(graphics, reflected, *scale);
+        for &offset in &offsets[usize::from(without_main)..] {
+            pixels.stamp(around(x, i32::from(offset) + start), pattern);
+        }
+    }
+    pixels
+}
+
+/// Where a player's copies start.
+pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
+    copies(nusiz).offsets.iter().map(move |&offset| around(x, i32::from(offset)))
+}
+
+/// A missile; its width is in bits 4 and 5 of `NUSIZx`.
+pub(super) fn missile(x: u8, nusiz: u8) -> Pixels {
+    let mut pixels = Pixels::default();
+    for &offset in copies(nusiz).offsets {
+        pixels.stamp(around(x, i32::from(offset)), bar(nusiz));
+    }
+    pixels
+}
+
+/// The ball; its width is in bits 4 and 5 of `CTRLPF`.
+pub(super) fn ball(x: u8, ctrlpf: u8) -> Pixels {
+    let mut pixels = Pixels::default();
+    pixels.stamp(x, bar(ctrlpf));
+    pixels
+}
+
+/// 1, 2, 4 or 8 pixels.
+fn bar(register: u8) -> u32 {
+    (1 << (1 << (register >> 4 & 0x03))) - 1
+}
+
+/// The playfield: 20 bits, each 4 pixels wide, repeated on the right half or reflected there.
+pub(super) fn playfield(pf: [u8; 3], reflected: bool) -> Pixels {
+    let left = u32::from(pf[0] >> 4) | u32::from(pf[1].reverse_bits()) << 4 | u32::from(pf[2]) << 12;
+    let right = if reflected { left.reverse_bits() >> 12 } else { left };
+    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|byte| {
+        let bits = (u64::from(left) | u64::from(right) << 20) >> (8 * byte);
+        u64::from(WIDENED[2][bits as usize & 0xff])
+    });
+    Pixels([a | b << 32, c | d << 32, e])
+}

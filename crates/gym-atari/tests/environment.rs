@@ -1,0 +1,153 @@
+//! The environments, on a program of our own.
+
+use gym_atari::{
+    AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games,
+};
+use gym_core::{Env, Error, Value};
+
+/// Shows a colour that depends on the stick and on a counter of frames.
+fn homebrew() -> Rom {
+    let code = [
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x4d, 0x80, 0x02, 0x85,
+        0x09, // inc $80; lda $80; asl; eor SWCHA; sta COLUBK
+        0x18, 0x65, 0x81, 0x85, 0x81, 0x85, 0x0e, // clc; adc $81; sta $81; sta PF1
+        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+        0x4c, 0x0c, 0xf0,
+    ];
+    let mut rom = vec![0xea; 4096];
+    rom[..code.len()].copy_from_slice(&code);
+    rom[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
+    Rom::homebrew(games::by_name("seaquest").unwrap(), &rom)
+}
+
+fn env(config: Config) -> AtariEnv {
+    AtariEnv::with_rom(config, &homebrew()).unwrap()
+}
+
+#[test]
+fn observations_have_the_shape_of_their_space() {
+    for (obs_type, shape) in
+        [(ObsType::Rgb, vec![210, 160, 3]), (ObsType::Grayscale, vec![210, 160]), (ObsType::Ram, vec![128])]
+    {
+        let mut env = env(Config { obs_type, ..Config::default() });
+        let observation = env.reset(1).unwrap();
+        assert_eq!(observation.shape(), shape);
+        assert!(env.observation_space().contains(&Value::Array(observation)));
+    }
+}
+
+/// Skipping frames shows what playing them one by one shows, whichever were drawn.
+#[test]
+fn skipped_frames_show_the_same() {
+    for skip in [2, 3, 4, 5] {
+        let config = |frameskip| Config { frameskip, repeat_action_probability: 0.25, ..Config::default() };
+        let mut skipping = env(config(Frameskip::Fixed(skip)));
+        let mut single = env(config(Frameskip::Fixed(1)));
+        assert_eq!(skipping.reset(5).unwrap(), single.reset(5).unwrap());
+        for step in 0..30usize {
+            let action = (step * 7 % 18).into();
+            let expected = (0..skip).map(|_| single.step(&action).unwrap()).last().unwrap();
+            assert_eq!(
+                skipping.step(&action).unwrap().observation,
+                expected.observation,
+                "skip {skip}, step {step}"
+            );
+        }
+    }
+}
+
+#[test]
+fn snapshots_continue_in_another_environment() {
+    let config = Config { frameskip: Frameskip::Range([2, 5]), ..Config::default() };
+    let mut first = env(config.clone());
+    first.reset(3).unwrap();
+    for step in 0..7usize {
+        first.step(&(step % 18).into()).unwrap();
+    }
+    let snapshot = first.snapshot().unwrap();
+    let mut second = env(config);
+    second.restore(&snapshot).unwrap();
+    assert_eq!(second.info_map(), first.info_map());
+    for step in 0..20usize {
+        let action = (step % 18).into();
+        assert_eq!(second.step(&action).unwrap(), first.step(&action).unwrap());
+    }
+    assert_eq!(second.snapshot().unwrap(), first.snapshot().unwrap());
+    let mut other = env(Config::default());
+    assert!(matches!(other.restore(&snapshot), Err(Error::Snapshot(_))), "other arguments");
+}
+
+#[test]
+fn preprocessing_takes_the_brighter_of_two_frames() {
+    let settings = Preprocessing { noop_max: 0, screen_size: [210, 160], ..Preprocessing::default() };
+    let gray = Config { frameskip: Frameskip::Fixed(1), obs_type: ObsType::Grayscale, ..Config::default() };
+    let mut plain = env(gray.clone());
+    let mut small = AtariPreprocessing::new(env(gray), settings).unwrap();
+    assert_eq!(small.reset(9).unwrap(), plain.reset(9).unwrap());
+    for step in 0..20usize {
+        let action = (step * 5 % 18).into();
+        let frames: Vec<_> = (0..4).map(|_| plain.step(&action).unwrap().observation).collect();
+        let [.., before, last] = &frames[..] else { unreachable!() };
+        let pairs = before.as_slice::<u8>().unwrap().iter().zip(last.as_slice::<u8>().unwrap());
+        let brighter: Vec<u8> = pairs.map(|(a, b)| *a.max(b)).collect();
+        let observed = small.step(&action).unwrap().observation;
+        assert_eq!(observed.as_slice::<u8>().unwrap(), brighter, "step {step}");
+    }
+    let snapshot = small.snapshot().unwrap();
+    let next = small.step(&3.into()).unwrap();
+    small.restore(&snapshot).unwrap();
+    assert_eq!(small.step(&3.into()).unwrap(), next);
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    let config = Config { frameskip: Frameskip::Fixed(1), ..Config::default() };
+    let mut small = AtariPreprocessing::new(env(config), Preprocessing::default()).unwrap();
+    let mut large = env(Config::default());
+    let (mut a, mut b) = (small.reset(1).unwrap(), large.reset(1).unwrap());
+    let allocations = allocation_counter::measure(|| {
+        for step in 0..20usize {
+            small.step_into(&(step % 18).into(), &mut a).unwrap();
+            large.step_into(&(step % 18).into(), &mut b).unwrap();
+        }
+    });
+    assert_eq!(allocations.count_total, 0);
+}
+
+#[test]
+fn mistakes_are_named() {
+    let refused = |config: Config| AtariEnv::with_rom(config, &homebrew()).unwrap_err().to_string();
+    for (config, expected) in [
+        (Config { frameskip: Frameskip::Fixed(0), ..Config::default() }, "Invalid frameskip of 0"),
+        (Config { frameskip: Frameskip::Range([0, 3]), ..Config::default() }, "lower bound must be positive"),
+        (
+            Config { frameskip: Frameskip::Range([3, 3]), ..Config::default() },
+            "strictly less than upper bound",
+        ),
+        (Config { difficulty: Some(9), ..Config::default() }, "Invalid difficulty requested"),
+        (Config { mode: Some(9), ..Config::default() }, "Invalid game mode requested"),
+        (Config { sound_obs: true, ..Config::default() }, "sound"),
+    ] {
+        let error = refused(config);
+        assert!(error.contains(expected), "{error}");
+    }
+    let mut env = env(Config::default());
+    assert!(matches!(env.step(&0.into()), Err(Error::ResetNeeded(_))));
+    env.reset(0).unwrap();
+    assert!(matches!(env.step(&18.into()), Err(Error::InvalidAction { .. })));
+}
+
+#[test]
+fn missing_and_wrong_roms_are_named() {
+    let folder = std::env::temp_dir().join(format!("gym-atari-roms-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let game = games::by_name("breakout").unwrap();
+    let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
+    assert!(error.contains("pip install ale-py") && error.contains("breakout.bin"), "{error}");
+    std::fs::write(folder.join("breakout.bin"), [0; 2048]).unwrap();
+    let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
+    assert!(error.contains(game.md5), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

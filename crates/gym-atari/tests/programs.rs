@@ -1,0 +1,177 @@
+//! Programs of our own, assembled here, beside what ale-py 0.12.1 answered to them.
+
+use gym_atari::cartridge::{Cartridge, Scheme};
+use gym_atari::console::{Console, Input};
+use gym_atari::{Action, Ale, Display, games};
+
+/// A program of 4K that starts at `$F000`.
+fn rom(code: &[u8]) -> Vec<u8> {
+    let mut rom = vec![0xea; 4096];
+    rom[..code.len()].copy_from_slice(code);
+    rom[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
+    rom
+}
+
+/// As ale-py plays a file named `seaquest.bin`: loaded, and reset once.
+fn played(rom: &[u8]) -> Ale {
+    let mut ale = Ale::new(games::by_name("seaquest").unwrap(), rom, 0);
+    ale.reset();
+    ale
+}
+
+fn checksum(ale: &Ale) -> u32 {
+    crc32fast::hash(ale.picture().as_flattened())
+}
+
+/// Sets a colour of the playfield and its pattern, and counts frames.
+#[test]
+fn a_playfield_and_a_counter() {
+    let code: Vec<u8> = "78d8a2ff9aa9009500cad0fba90e8508a9848509a9a5850ea9028500850285028502a9008500e680a2ff8502cad0fb4c18f0"
+        .as_bytes()
+        .chunks(2)
+        .map(|digits| u8::from_str_radix(std::str::from_utf8(digits).unwrap(), 16).unwrap())
+        .collect();
+    let mut ale = played(&rom(&code));
+    assert_eq!(ale.ram().0[0], 67);
+    assert!(ale.ram().0[1..].iter().all(|&byte| byte == 0));
+    assert_eq!(checksum(&ale), 0x2ce8_d529);
+    ale.act(Action::Right, 0.0);
+    assert_eq!(ale.ram().0[0], 68);
+}
+
+/// Numbers that choose what a program writes.
+struct Lcg(u32);
+
+impl Lcg {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 16) % n
+    }
+}
+
+/// Each frame writes 330 random numbers to random registers, at random times.
+fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
+    let mut random = Lcg(seed);
+    let lines = |n: u8| [0xa2, n, 0x85, 0x02, 0xca, 0xd0, 0xfb]; // ldx #n; loop: sta WSYNC; dex; bne loop
+    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
+    code.extend([0xa9, 0x02, 0x85, 0x00]); // VSYNC
+    code.extend(lines(3));
+    code.extend([0xa9, 0x00, 0x85, 0x00]);
+    code.extend(lines(40));
+    for _ in 0..330 {
+        let register = registers[random.below(registers.len() as u32) as usize];
+        code.extend([0xa9, random.below(256) as u8]); // lda #value
+        code.extend(vec![0xea; random.below(4) as usize]); // nop
+        code.extend([0x85, register]); // sta register
+    }
+    code.extend([0xe6, 0x80]); // inc $80
+    code.extend(lines(160));
+    code.extend([0x4c, low, high]); // jmp
+    rom(&code)
+}
+
+/// Writes at any time of a line show where ale-py shows them.
+#[test]
+fn writes_show_when_they_do_in_ale_py() {
+    // colours, graphics, enabling, reflection, vertical delay
+    let objects: &[u8] = &[2, 6, 7, 8, 9, 27, 28, 29, 30, 31, 11, 12, 37, 38, 39];
+    // motion at all times of a line
+    let hmove: &[u8] = &[2, 2, 6, 7, 8, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 42];
+    // copies and widths
+    let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
+    let cases = [
+        (objects, [0xd65e_0466, 0x2d1e_5550, 0x07a1_be42, 0x8d4e_d54b, 0xc673_bb73, 0xfa37_a9d9]),
+        (hmove, [0x90cb_33a4, 0xb13d_efb2, 0x9b00_9857, 0x9002_1e60, 0xb461_5fcc, 0x8ce7_7f31]),
+        (nusiz, [0x3539_9903, 0xa399_9366, 0x91e1_a5ce, 0xaa6d_b565, 0xfec6_8985, 0x9355_c372]),
+    ];
+    for (registers, expected) in cases {
+        for (seed, expected) in (0..).zip(expected) {
+            let mut ale = played(&random_writes(seed, registers));
+            ale.act(Action::Noop, 0.0);
+            assert_eq!(checksum(&ale), expected, "registers {registers:?}, seed {seed}");
+        }
+    }
+}
+
+/// A frame that nobody looks at changes the same, but for the picture.
+#[test]
+fn unseen_frames_play_the_same() {
+    let rom =
+        random_writes(1, &[2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 42]);
+    let console = || Console::new(Cartridge::new(&rom, Scheme::Rom4K), Display::NTSC, [0; 128], 74);
+    let (mut seen, mut unseen) = (console(), console());
+    for _ in 0..20 {
+        seen.frame(&Input::default());
+        unseen.frame_unseen(&Input::default());
+    }
+    assert_eq!(serde_json::to_value(seen.state()).unwrap(), serde_json::to_value(unseen.state()).unwrap());
+    seen.frame(&Input::default());
+    unseen.frame(&Input::default());
+    assert_eq!(seen.picture(), unseen.picture());
+}
+
+/// Each bank of a program holds its number where it is read from.
+#[test]
+fn banks_follow_accesses() {
+    let numbered = |banks: usize, size: usize| {
+        let mut rom = vec![0; banks * size];
+        rom.chunks_mut(size).enumerate().for_each(|(bank, bytes)| bytes.fill(bank as u8));
+        rom
+    };
+    let mut f8 = Cartridge::new(&numbered(2, 4096), Scheme::F8);
+    assert_eq!(f8.read(0x1000, 0), 1, "starts in the last bank");
+    f8.read(0x1ff8, 0);
+    assert_eq!(f8.read(0x1000, 0), 0);
+    f8.write(0x1ff9, 0);
+    assert_eq!(f8.read(0x1000, 0), 1, "a write selects as well");
+
+    let mut f6 = Cartridge::new(&numbered(4, 4096), Scheme::F6SC);
+    for bank in [3, 0, 2, 1] {
+        f6.read(0x1ff6 + bank, 0);
+        assert_eq!(f6.read(0x1800, 0), bank as u8);
+    }
+    f6.write(0x1005, 0x5a);
+    assert_eq!(f6.read(0x1085, 0), 0x5a, "RAM is read 128 bytes above where it is written");
+
+    let mut e0 = Cartridge::new(&numbered(8, 1024), Scheme::E0);
+    let windows = |e0: &mut Cartridge| [0x1000, 0x1400, 0x1800, 0x1c00].map(|address| e0.read(address, 0));
+    assert_eq!(windows(&mut e0), [4, 5, 6, 7]);
+    e0.read(0x1fe2, 0);
+    e0.read(0x1fe9, 0);
+    e0.read(0x1ff7, 0);
+    assert_eq!(windows(&mut e0), [2, 1, 7, 7]);
+
+    let mut small = Cartridge::new(&[7; 2048], Scheme::Rom2K);
+    assert_eq!((small.read(0x1000, 0), small.read(0x1fff, 0)), (7, 7));
+}
+
+/// Bytes of no sense neither panic nor hang, and come out the same twice.
+#[test]
+fn any_bytes_can_be_played() {
+    let schemes = [
+        Scheme::Rom2K,
+        Scheme::Rom4K,
+        Scheme::F8,
+        Scheme::F8SC,
+        Scheme::F6,
+        Scheme::F6SC,
+        Scheme::E0,
+        Scheme::FE,
+    ];
+    let mut random = Lcg(7);
+    for round in 0..160 {
+        let length = [0, 1, 2048, 4096, 8192, 16384, 20000][random.below(7) as usize];
+        let rom: Vec<u8> = (0..length).map(|_| random.below(256) as u8).collect();
+        let scheme = schemes[round % schemes.len()];
+        let play = || {
+            let mut console = Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0xa5; 128], 30);
+            for frame in 0..6u8 {
+                let input = Input { port_a: frame, charge: [Some(900); 4], ..Input::default() };
+                console.frame(&input);
+            }
+            (*console.ram(), crc32fast::hash(console.picture().as_flattened()))
+        };
+        assert_eq!(play(), play(), "{scheme:?}, round {round}");
+    }
+}

@@ -1,0 +1,134 @@
+//! Arguments of the tasks, by version; snapshots; models of users.
+
+use gym_core::{Array, BoxEnv, Env, Value, builder, make, registry};
+use gym_mujoco as _;
+use serde_json::{Value as Json, json};
+
+fn refusal(id: &str, name: &str, value: Json) -> String {
+    let taken = format!("{id} takes {name}: {value}");
+    match builder(id).arg(name, value).build() {
+        Ok(_) => panic!("{taken}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn there_are_thirty_nine_ids() {
+    let ids: Vec<String> = registry::all().iter().map(|entry| entry.id().to_owned()).collect();
+    assert_eq!(ids.len(), 39, "{ids:?}");
+    for version in ["v2", "v4", "v5"] {
+        assert_eq!(ids.iter().filter(|id| id.ends_with(version)).count(), 11);
+    }
+    assert_eq!(ids.iter().filter(|id| id.ends_with("-v3")).count(), 6);
+}
+
+#[test]
+fn versions_have_gymnasiums_spaces() {
+    // id, numbers observed, numbers of an action and their bound
+    for (id, observed, actions, bound) in [
+        ("InvertedPendulum-v5", 4, 1, 3.0),
+        ("InvertedDoublePendulum-v4", 11, 1, 1.0),
+        ("InvertedDoublePendulum-v5", 9, 1, 1.0),
+        ("Reacher-v2", 11, 2, 1.0),
+        ("Reacher-v5", 10, 2, 1.0),
+        ("Pusher-v4", 23, 7, 2.0),
+        ("Swimmer-v3", 8, 2, 1.0),
+        ("HalfCheetah-v5", 17, 6, 1.0),
+        ("Hopper-v5", 11, 3, 1.0),
+        ("Walker2d-v5", 17, 6, 1.0),
+        ("Ant-v3", 111, 8, 1.0),
+        ("Ant-v4", 27, 8, 1.0),
+        ("Ant-v5", 105, 8, 1.0),
+        ("Humanoid-v4", 376, 17, 0.4),
+        ("Humanoid-v5", 348, 17, 0.4),
+        ("HumanoidStandup-v2", 376, 17, 0.4),
+        ("HumanoidStandup-v5", 348, 17, 0.4),
+    ] {
+        let env = make(id).unwrap();
+        assert_eq!(
+            env.observation_space().to_string(),
+            format!("Box(-inf, inf, ({observed},), float64)"),
+            "{id}"
+        );
+        assert_eq!(
+            env.action_space().to_string(),
+            format!("Box(-{bound:.1}, {bound:.1}, ({actions},), float32)"),
+            "{id}"
+        );
+    }
+}
+
+#[test]
+fn each_version_takes_its_own_arguments() {
+    assert!(
+        refusal("HalfCheetah-v4", "xml_file", json!("half_cheetah.xml"))
+            .contains("unknown argument `xml_file`")
+    );
+    assert!(refusal("HalfCheetah-v3", "width", json!(100)).contains("ctrl_cost_weight"));
+    assert!(refusal("Ant-v5", "use_contact_forces", json!(true)).contains("contact_force_range"));
+    assert!(refusal("Ant-v2", "ctrl_cost_weight", json!(1.0)).contains("no arguments"));
+    builder("HalfCheetah-v3").arg("xml_file", "half_cheetah.xml").build().unwrap();
+    builder("Ant-v4").arg("use_contact_forces", true).build().unwrap();
+    builder("Hopper-v5").arg("healthy_z_range", json!([0.5, null])).build().unwrap();
+    builder("Ant-v5").arg("main_body", "aux_1").build().unwrap();
+}
+
+#[test]
+fn bad_arguments_say_what_is_wrong() {
+    for (id, name, value, said) in [
+        ("Ant-v5", "xml_file", json!("cat.xml"), "humanoid.xml"),
+        ("Ant-v5", "xml_file", json!("./no_such_file.xml"), "no_such_file.xml"),
+        ("Ant-v5", "main_body", json!("tail"), "tail"),
+        ("Ant-v5", "main_body", json!(99), "0 to 13"),
+        ("Ant-v5", "frame_skip", json!(0), "frame_skip"),
+        ("Ant-v5", "camera_name", json!("none"), "track"),
+        ("Ant-v5", "camera_id", json!(7), "1 cameras"),
+        ("Ant-v5", "healthy_z_range", json!([1.0, 0.2]), "healthy_z_range"),
+        ("Ant-v5", "default_camera_config", json!({"distance": -1.0}), "distance"),
+        ("Reacher-v5", "xml_file", json!("pusher.xml"), "fingertip"),
+        ("InvertedDoublePendulum-v5", "xml_file", json!("swimmer.xml"), "sites"),
+    ] {
+        let message = refusal(id, name, value);
+        assert!(message.contains(said), "{id} {name}: {message}");
+    }
+}
+
+#[test]
+fn files_of_users_are_models() {
+    let folder = std::env::temp_dir().join(format!("gym-mujoco-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("lizard.xml");
+    let text = "<mujoco><worldbody><body><joint type=\"slide\" axis=\"1 0 0\" name=\"x\"/><geom size=\"0.1\"/></body></worldbody>\
+                <actuator><motor joint=\"x\" ctrlrange=\"-2 2\"/></actuator></mujoco>";
+    std::fs::write(&path, text).unwrap();
+    let mut env = builder("HalfCheetah-v5").arg("xml_file", path.to_str().unwrap()).build().unwrap();
+    assert_eq!(env.action_space().to_string(), "Box(-2.0, 2.0, (1,), float32)");
+    env.reset(0).unwrap();
+    let step = env.step(&Value::Array(Array::from([1.0f32]))).unwrap();
+    assert!(step.reward.is_finite());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+fn play(env: &mut BoxEnv, seed: u64, steps: usize) -> Vec<f64> {
+    let mut actions = env.action_sampler(seed).unwrap();
+    let mut seen = Vec::new();
+    for _ in 0..steps {
+        let step = env.step(&actions.sample()).unwrap();
+        seen.push(step.reward);
+        seen.extend(step.observation.as_slice::<f64>().unwrap());
+    }
+    seen
+}
+
+#[test]
+fn a_snapshot_in_mid_contact_continues_bit_for_bit() {
+    for id in ["HalfCheetah-v5", "Ant-v5", "Humanoid-v5", "Pusher-v5", "InvertedDoublePendulum-v4"] {
+        let mut env = builder(id).build().unwrap();
+        env.reset(5).unwrap();
+        play(&mut env, 1, 12);
+        let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
+        let mut other = make(id).unwrap();
+        other.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+        assert_eq!(play(&mut env, 2, 8), play(&mut other, 2, 8), "{id}");
+    }
+}

@@ -86,7 +86,7 @@ pub(crate) fn refill<'py>(
     if let (Value::Array(numbers), Some(old)) = (value, old) {
         let reused = with_dtype!(numbers.dtype(), T => {
             let target = old.cast::<PyArrayDyn<T>>().ok().filter(|array| array.shape() == numbers.shape());
-            match target.map(|array| array.try_readwrite()) {
+            match target.map(PyArrayMethods::try_readwrite) {
                 Some(Ok(mut array)) => {
                     array.as_slice_mut()?.copy_from_slice(numbers.as_slice::<T>().unwrap_or_default());
                     true

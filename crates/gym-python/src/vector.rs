@@ -263,6 +263,7 @@ impl Vector {
     }
 
     /// Lets some take a step, without waiting for them.
+    #[expect(clippy::needless_pass_by_value, reason = "Python lends no slice of them")]
     fn send(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, ids: Vec<usize>) -> PyResult<()> {
         let space = self.spec_action_space(py)?.batch(ids.len().max(1)).or_raise()?;
         let actions = self.actions(&space, actions)?;
@@ -339,7 +340,7 @@ impl Vector {
 
     /// Puts environments in the place of the vector's own.
     fn set_envs(&self, py: Python<'_>, envs: Vec<Bound<'_, Env>>) -> PyResult<()> {
-        let copies = envs.iter().map(|env| env.get().inner(py)).collect::<PyResult<Vec<_>>>()?;
+        let copies = envs.into_iter().map(|env| env.get().inner(py)).collect::<PyResult<Vec<_>>>()?;
         let mut core = self.lock(py)?;
         let mut copies = copies.into_iter();
         core.envs

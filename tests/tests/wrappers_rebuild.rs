@@ -312,7 +312,7 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
         13 => BoxEnv::new(MaxAndSkipObservation::new(env, n + 1)?),
         14 => BoxEnv::new(ClipAction::new(env)?),
         15 => BoxEnv::new(RescaleAction::new(env, -f64::from(n), 2.0)?),
-        16 => BoxEnv::new(DiscretizeAction::new(env, usize::from(x % 5) + 1, x % 2 == 0)?),
+        16 => BoxEnv::new(DiscretizeAction::new(env, u32::from(x % 5) + 1, x % 2 == 0)?),
         17 => BoxEnv::new(StickyAction::new(env, 0.5)?.with_duration(1..=n)?),
         18 => BoxEnv::new(RepeatAction::new(env, n)?),
         19 => BoxEnv::new(ClipReward::new(env, (x % 2 == 0).then_some(-0.5), 0.25 * f64::from(n))?),
@@ -368,7 +368,7 @@ proptest! {
         if let Some(spec) = spec {
             let json = serde_json::to_string(&spec).unwrap();
             let mut rebuilt = serde_json::from_str::<EnvSpec>(&json).unwrap().make().unwrap();
-            prop_assert_eq!(rebuilt.spec().as_ref(), Some(&spec), "{}", json);
+            prop_assert_eq!(rebuilt.spec(), Some(spec), "{}", json);
             prop_assert_eq!(rebuilt.observation_space(), env.observation_space(), "{}", json);
             prop_assert_eq!(rebuilt.action_space(), env.action_space(), "{}", json);
             prop_assert_eq!(rebuilt.render_mode(), env.render_mode(), "{}", json);

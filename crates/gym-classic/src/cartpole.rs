@@ -150,8 +150,8 @@ impl Dynamics for CartPoleDynamics {
         let State { x, x_dot, theta, theta_dot, fallen } = *state;
         let (state, mut reward, terminated) =
             native::advance(self, [x, x_dot, theta, theta_dot], false, *action);
-        if fallen && !terminated {
-            reward = 0.0;
+        if fallen && terminated && !self.config.sutton_barto_reward {
+            reward = 0.0; // the end of the episode was paid before
         }
         let [x, x_dot, theta, theta_dot] = state;
         let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };

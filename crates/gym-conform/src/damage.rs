@@ -37,7 +37,7 @@ pub(crate) fn difference(good: &Json, bad: &Json) -> String {
         good.pointer(&pointer) != bad.pointer(&pointer)
     });
     let pointer = pointer(&path.unwrap_or_default());
-    let text = |json: &Json| json.pointer(&pointer).map_or("nothing".into(), |part| part.to_string());
+    let text = |json: &Json| json.pointer(&pointer).map_or("nothing".into(), ToString::to_string);
     let short = |text: String| text.chars().take(60).collect::<String>();
     format!("{} for {} at `{pointer}`", short(text(bad)), short(text(good)))
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use gym_core::Env;
 use gym_core::render::{Frame, RenderMode, painter};
 use gym_core::wrappers::Render;
-use gym_core::{BoxEnv, Env};
 
 use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken, skipped};
@@ -38,18 +38,19 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
 
 /// Shows `visit` the pictures of some steps, each with the text of its observation and the place to name it by.
 fn each_frame(subject: &Subject<'_>, mut visit: impl FnMut(&Frame, &str, &str) -> Verdict) -> Verdict {
-    let mut env = subject.make()?;
+    let env = subject.make()?;
     if !env.metadata().render_modes.contains(&RenderMode::RgbArray) {
         return skipped("it draws no pictures");
     }
     if painter().is_none() {
         return skipped("no crate that draws is linked: add gym-render and `use gym_render as _;`");
     }
+    let mut env = Render::new(env, RenderMode::RgbArray)?;
     for seed in SEEDS {
         let mut actions = env.action_sampler(seed)?;
         let mut observation = env.reset(seed)?;
         for step in 0..FRAMES {
-            let frame = frame(&env)?;
+            let frame = frame(&mut env)?;
             visit(&frame, &format!("{observation:?}"), &format!("seed {seed}, step {step}"))?;
             let next = env.step(&actions.sample())?;
             observation = if next.done() { env.reset(())? } else { next.observation };
@@ -58,7 +59,6 @@ fn each_frame(subject: &Subject<'_>, mut visit: impl FnMut(&Frame, &str, &str) -
     Ok(())
 }
 
-fn frame(env: &BoxEnv) -> gym_core::Result<Frame> {
-    let rendered = Render::new(env.clone(), RenderMode::RgbArray)?.render()?;
-    rendered.into_frame().ok_or_else(|| gym_core::Error::custom("the mode rgb_array gives no frame"))
+fn frame(env: &mut Render) -> gym_core::Result<Frame> {
+    env.render()?.into_frame().ok_or_else(|| gym_core::Error::custom("the mode rgb_array gives no frame"))
 }

@@ -107,6 +107,14 @@ impl Env for Spy {
         serde_json::from_str(r#"{"id": "Spy-v0", "max_episode_steps": 9, "render_mode": "rgb_array"}"#).ok()
     }
 
+    fn start_rendering(&mut self) {
+        self.note("start_rendering");
+    }
+
+    fn picture_taken(&mut self) {
+        self.note("picture_taken");
+    }
+
     fn describe(&self) -> String {
         self.note("describe");
         "Spy".into()
@@ -151,6 +159,8 @@ const CALLS: &[Call] = &[
     ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
     ("render_mode", |env| assert!(env.render_mode().is_some())),
     ("render_into", |env| drop(env.render().unwrap())),
+    ("start_rendering", |env| env.start_rendering()),
+    ("picture_taken", |env| env.picture_taken()),
     ("spec", |env| drop(env.spec())),
     ("describe", |env| assert!(env.describe().contains("Spy"))),
     ("layer", |env| assert!(env.unwrapped::<Spy>().is_some())),

@@ -156,7 +156,7 @@ impl<E: Env> crate::Wrapper for Render<E> {
         let size = (self.size != self.env.metadata().render_size).then_some(self.size);
         let spec = self.env.spec()?;
         // a spec has one render mode, inside all wrappers
-        (spec.render_mode.is_none() && spec.additional_wrappers.is_empty()).then(|| EnvSpec {
+        (spec.render_mode.is_none() && spec.additional_wrappers.is_empty()).then_some(EnvSpec {
             render_mode: Some(self.mode),
             render_size: size,
             ..spec

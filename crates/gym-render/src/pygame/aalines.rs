@@ -105,12 +105,10 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     };
     let mut x = from[0] as i32;
     let mut y = from[1] + gradient * (x as f32 - from[0]);
-    if !join.off || join.turns || join.is_first {
-        if to[0] > 0.0 {
-            pair(x, y, (1 + x) as f32 - from[0]);
-            y += gradient;
-            x += 1;
-        }
+    if (!join.off || join.turns || join.is_first) && to[0] > 0.0 {
+        pair(x, y, (1 + x) as f32 - from[0]);
+        y += gradient;
+        x += 1;
     }
     if join.off && !join.is_first {
         x = from[0].ceil() as i32;

@@ -62,7 +62,7 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
         cuts.then(|| {
             let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
             // which way a cut is rounded depends on the order of the points
-            x1 + if before % 2 == 0 { q.floor() } else { q.ceil() } as i32
+            x1 + if before.is_multiple_of(2) { q.floor() } else { q.ceil() } as i32
         })
     };
     edges.scan(pixels.rows(), cut, |a, b, y| pixels.hline(a, b, y, color));

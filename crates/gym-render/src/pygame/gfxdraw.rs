@@ -20,10 +20,10 @@ const TOP: u8 = 8;
 /// Cuts a line at the edges of the surface. The ends may come back swapped.
 fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[[i16; 2]; 2]> {
     let outside = |[x, y]: [i16; 2]| {
-        u8::from(x < 0) * LEFT
-            | u8::from(x > right) * RIGHT
-            | u8::from(y > bottom) * BOTTOM
-            | u8::from(y < 0) * TOP
+        (u8::from(x < 0) * LEFT)
+            | (u8::from(x > right) * RIGHT)
+            | (u8::from(y > bottom) * BOTTOM)
+            | (u8::from(y < 0) * TOP)
     };
     // each turn brings an end to an edge; rounding can take it back a few times, but never for long
     for _ in 0..64 {

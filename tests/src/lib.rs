@@ -55,6 +55,7 @@ mod documents {
 
     // `tests/book.rs` checks that none is missing
     documents! {
+        Atari: "docs/atari.md",
         ComingFromGymnasium: "docs/coming-from-gymnasium.md",
         Faq: "docs/faq.md",
         FirstSteps: "docs/first-steps.md",

@@ -256,8 +256,7 @@ fn every_method_reaches_the_vector_within() {
         }
         envs.close();
 
-        let mut reached: BTreeSet<String> =
-            calls.lock().unwrap().iter().map(|call| call.to_string()).collect();
+        let mut reached: BTreeSet<String> = calls.lock().unwrap().iter().map(ToString::to_string).collect();
         // the spaces that a wrapper replaces are its own
         if observes {
             reached.extend(["observation_space", "single_observation_space"].map(str::to_owned));

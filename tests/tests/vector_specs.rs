@@ -48,8 +48,11 @@ fn env_wrapper(which: u32, x: f64) -> WrapperSpec {
     }
 }
 
+/// Observations, rewards, flags and infos of a step.
+type Seen = (Value, Vec<f64>, Vec<bool>, Vec<bool>, Info);
+
 /// The answers to some steps and resets by mask, without the clock.
-fn play(envs: &mut dyn VectorEnv, steps: usize) -> Vec<(Value, Vec<f64>, Vec<bool>, Vec<bool>, Info)> {
+fn play(envs: &mut dyn VectorEnv, steps: usize) -> Vec<Seen> {
     let mut columns = envs.columns().unwrap();
     let mut actions = envs.action_space().unwrap().sampler(5);
     let mut history = Vec::new();

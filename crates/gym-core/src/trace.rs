@@ -447,7 +447,8 @@ mod tests {
         }
     }
 
-    fn trace(events: Json) -> Trace {
+    fn trace(events: impl Into<Json>) -> Trace {
+        let events: Json = events.into();
         serde_json::from_value(json!({ "id": "None-v0", "events": events })).unwrap()
     }
 

@@ -7,6 +7,9 @@ use serde_json::{Map, Value as Json};
 
 use crate::view::CameraConfig;
 
+/// More timesteps in one step would seem to hang.
+const LONGEST_SKIP: usize = 1000;
+
 /// The arguments of a task, in all its versions.
 pub trait TaskArguments:
     Clone + PartialEq + Serialize + DeserializeOwned + std::fmt::Debug + Send + Sync + 'static
@@ -81,8 +84,9 @@ impl Common {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        if self.frame_skip == 0 {
-            return Err(Error::argument("frame_skip", "must be at least 1"));
+        if !(1..=LONGEST_SKIP).contains(&self.frame_skip) {
+            let reason = format!("{} is not from 1 to {LONGEST_SKIP}", self.frame_skip);
+            return Err(Error::argument("frame_skip", reason));
         }
         if self.width == 0 || self.height == 0 || self.width > 16_384 || self.height > 16_384 {
             return Err(Error::argument("width and height", "must lie between 1 and 16384 pixels"));

@@ -367,7 +367,7 @@ impl<C: 'static> Env for Walk<C> {
         if let Some(state) = &self.state {
             match self.fault {
                 Fault::InfoConstantType if state.steps > 3 => {
-                    visit("steps", Value::Float(state.steps.into()))
+                    visit("steps", Value::Float(state.steps.into()));
                 }
                 _ => visit("steps", Value::Int(state.steps.into())),
             }

@@ -164,7 +164,7 @@ pub const CHECKS: &[Check] = &[
         "wrappers and vectors gather entries by name, whenever they ask",
         "show each entry of `info` once, from the state alone",
     ),
-    error!(
+    warning!(
         "info-constant",
         info::constant,
         EPISODES,
@@ -269,7 +269,7 @@ pub const CHECKS: &[Check] = &[
         "a file from somewhere else must not become a state that nobody meant",
         "return Err(Error::Snapshot(..)) for what `snapshot` cannot have written, before anything changes",
     ),
-    error!(
+    warning!(
         "snapshot-legal",
         copies::snapshot_legal,
         ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "observation-in-space"],
@@ -346,7 +346,7 @@ pub const CHECKS: &[Check] = &[
         "a misspelt argument that is ignored costs a day of training",
         "put #[serde(default, deny_unknown_fields)] on the `Config`",
     ),
-    error!(
+    warning!(
         "arguments-matter",
         arguments::matter,
         ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],

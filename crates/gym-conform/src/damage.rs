@@ -11,13 +11,13 @@ type Path = Vec<String>;
 /// elements of a long array the first and the last.
 pub(crate) fn damaged(good: &Json) -> Vec<Json> {
     /// So many copies at most, unless there are more fields.
-    const MAX: usize = 1500;
+    const MAX: usize = 300;
     let parts = representatives(good);
     let mut copies = Vec::new();
     for (turn, path) in parts.iter().enumerate() {
         let Some(part) = good.pointer(&pointer(path)) else { continue };
         let others = others(part);
-        let few = (MAX / parts.len()).clamp(3, others.len().max(3)).min(others.len());
+        let few = (MAX / parts.len()).clamp(1, others.len().max(1)).min(others.len());
         // each kind of damage has its turn where there is no room for all
         for other in others.iter().cycle().skip(turn).take(few) {
             let mut copy = good.clone();

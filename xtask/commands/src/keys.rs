@@ -162,7 +162,9 @@ mod tests {
 
     #[test]
     fn every_linked_environment_has_keys_that_fit() {
-        for registration in gym::registry::self_contained() {
+        // MuJoCo's bodies have more joints than there are keys to know
+        let is_played = |entry: &&gym::Registration| entry.crate_name() != "gym-mujoco";
+        for registration in gym::registry::self_contained().iter().filter(is_played) {
             let space = gym::Env::action_space(&gym::make(registration.id()).unwrap());
             Keys::of(registration.id(), &space).check(&space).unwrap();
         }

@@ -14,6 +14,7 @@ pub mod registry;
 pub mod render;
 mod reset;
 mod snapshot;
+mod snapshot_json;
 pub mod spaces;
 pub mod statistics;
 

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Value as Json, json};
 
-use crate::{Error, Result};
+use crate::{Error, Result, snapshot_json};
 
-/// The whole state of an environment and its wrappers, as JSON data.
+/// The whole state of an environment and its wrappers, as JSON data, with every float it had.
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,8 +16,7 @@ impl Snapshot {
     /// The snapshot of some state.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the state holds a map whose keys are not strings. A number that is not finite has no
-    /// form in JSON: it is stored as nothing, and such a snapshot is refused when it is restored.
+    /// [`Error::Snapshot`] if the state holds a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
         to_json(state).map(Self)
     }
@@ -27,7 +26,7 @@ impl Snapshot {
     /// # Errors
     /// As [`of`](Self::of).
     pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
-        Self::of(&json!({ "env": env, "config": to_json(config)?, "episode": to_json(episode)? }))
+        Ok(Self(json!({ "env": env, "config": to_json(config)?, "episode": to_json(episode)? })))
     }
 
     /// The name of the environment under all wrappers, where it was taken by
@@ -89,7 +88,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if this is the snapshot of something else.
     pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
-        T::deserialize(&self.0).map_err(|error| {
+        snapshot_json::read(&self.0).map_err(|error| {
             Error::Snapshot(match self.env() {
                 Some(env) => format!("this is a snapshot of {env}, or of other wrappers around it: {error}"),
                 None => error.to_string(),
@@ -99,5 +98,5 @@ impl Snapshot {
 }
 
 fn to_json<T: Serialize>(state: &T) -> Result<Json> {
-    serde_json::to_value(state).map_err(|error| Error::Snapshot(error.to_string()))
+    snapshot_json::write(state).map_err(|error| Error::Snapshot(error.to_string()))
 }

@@ -56,6 +56,7 @@ mod documents {
     // `tests/book.rs` checks that none is missing
     documents! {
         Atari: "docs/atari.md",
+        Bridge: "docs/bridge.md",
         ComingFromGymnasium: "docs/coming-from-gymnasium.md",
         Faq: "docs/faq.md",
         FirstSteps: "docs/first-steps.md",

@@ -9,7 +9,6 @@ use crate::{Error, Result, snapshot_json};
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
 pub struct Snapshot(Json);
 
 impl Snapshot {
@@ -99,4 +98,20 @@ impl Snapshot {
 
 fn to_json<T: Serialize>(state: &T) -> Result<Json> {
     snapshot_json::write(state).map_err(|error| Error::Snapshot(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn snapshots_within_snapshots_keep_every_float() {
+        let inner = Snapshot::of(&[f64::INFINITY, 0.5]).unwrap();
+        let outer = Snapshot::of(&(&inner, 7)).unwrap();
+        let stored = serde_json::to_string(&outer).unwrap();
+        let (read, count): (Snapshot, u32) =
+            serde_json::from_str::<Snapshot>(&stored).unwrap().get().unwrap();
+        assert_eq!((&read, count), (&inner, 7));
+        assert_eq!(read.get::<[f64; 2]>().unwrap(), [f64::INFINITY, 0.5]);
+    }
 }

@@ -253,10 +253,14 @@ impl<'de> Deserializer<'de> for Stored<'de> {
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
-        _: &'static str,
+        name: &'static str,
         visitor: V,
     ) -> Result<V::Value, Error> {
-        visitor.visit_newtype_struct(self)
+        match name {
+            // the snapshot within a wrapper's is JSON, and stays as it is stored
+            "Snapshot" => visitor.visit_newtype_struct(self.0),
+            _ => visitor.visit_newtype_struct(self),
+        }
     }
 
     fn deserialize_enum<V: Visitor<'de>>(

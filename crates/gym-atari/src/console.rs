@@ -15,12 +15,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::cartridge::{Banks, Cartridge};
-use crate::cpu::{Bus, Cpu};
+use crate::cartridge::{Banks, Cartridge, ReadWrite, Slot};
+use crate::cpu::Cpu;
 use crate::riot::Riot;
 pub use crate::screen::Pictures;
 use crate::screen::Screen;
-use crate::tia::{Display, Request, Tia};
+use crate::tia::{Display, Tia};
+use crate::wires::{Chips, Wires};
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
@@ -75,8 +76,6 @@ struct Board {
     tia: Tia,
     screen: Screen,
     cartridge: Cartridge,
-    /// The cycles since power-on.
-    cycle: u64,
     /// The byte that was last on the bus.
     data: u8,
     frame_ended: bool,
@@ -89,7 +88,6 @@ pub struct State {
     riot: Riot,
     tia: Tia,
     banks: Banks,
-    cycle: u64,
     data: u8,
     frame_ended: bool,
 }
@@ -102,12 +100,11 @@ impl Console {
             tia: Tia::new(display),
             screen: Screen::new(),
             cartridge,
-            cycle: 0,
             data: 0,
             frame_ended: false,
         };
         board.cartridge.reset();
-        let pc = u16::from_le_bytes([board.look(0xfffc), board.look(0xfffd)]);
+        let pc = u16::from_le_bytes([0xfffc, 0xfffd].map(|address| board.cartridge.read(address, 0)));
         Self { cpu: Cpu::new(pc), board }
     }
 
@@ -131,12 +128,13 @@ impl Console {
         if std::mem::take(&mut board.frame_ended) {
             board.screen.swap();
         }
-        for _ in 0..MOST_INSTRUCTIONS {
-            self.cpu.step(board);
-            if board.frame_ended {
-                break;
-            }
-        }
+        let Board { riot, tia, screen, cartridge, data, frame_ended } = board;
+        let chips = Chips { riot, tia, screen, data: *data, frame_ended: false };
+        (*data, *frame_ended) = match cartridge.slot() {
+            Slot::Fixed(slot) => run_on(&mut self.cpu, Wires { chips, slot }),
+            Slot::Switched(slot) => run_on(&mut self.cpu, Wires { chips, slot }),
+            Slot::Other(slot) => run_on(&mut self.cpu, Wires { chips, slot }),
+        };
     }
 
     /// The 128 bytes of RAM.
@@ -162,13 +160,12 @@ impl Console {
 
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
-        let Board { riot, tia, screen: _, cartridge, cycle, data, frame_ended } = &self.board;
+        let Board { riot, tia, screen: _, cartridge, data, frame_ended } = &self.board;
         State {
             cpu: self.cpu,
             riot: riot.clone(),
             tia: tia.clone(),
             banks: cartridge.banks().clone(),
-            cycle: *cycle,
             data: *data,
             frame_ended: *frame_ended,
         }
@@ -177,8 +174,8 @@ impl Console {
     /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
     /// cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
-        let State { cpu, riot, tia, banks, cycle, data, frame_ended } = state;
-        if !tia.is_valid(*cycle) || !riot.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
+        let State { cpu, riot, tia, banks, data, frame_ended } = state;
+        if !tia.is_valid(cpu.cycle) || !riot.is_valid(cpu.cycle) || !self.board.cartridge.set_banks(banks) {
             return false;
         }
         let display = *self.board.tia.display();
@@ -186,7 +183,6 @@ impl Console {
         self.board.riot = riot.clone();
         self.board.tia = tia.clone();
         self.board.tia.set_display(display);
-        self.board.cycle = *cycle;
         self.board.data = *data;
         self.board.frame_ended = *frame_ended;
         true
@@ -223,69 +219,8 @@ impl Console {
     }
 }
 
-impl Board {
-    /// Reads without a cycle, at power-on.
-    fn look(&mut self, address: u16) -> u8 {
-        self.cartridge.read(address, 0)
-    }
-
-    #[inline(never)]
-    fn read_chip(&mut self, address: u16) -> u8 {
-        match address & 0x0280 {
-            0x0080 => self.riot.ram[usize::from(address & 0x7f)],
-            0x0280 => self.riot.read(address, self.cycle),
-            _ => {
-                let (bits, driven) = self.tia.read(address, self.cycle, &mut self.screen);
-                bits | self.data & !driven
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn write_chip(&mut self, address: u16, value: u8) {
-        match address & 0x0280 {
-            0x0080 => self.riot.ram[usize::from(address & 0x7f)] = value,
-            0x0280 => self.riot.write(address, value, self.cycle),
-            _ => match self.tia.write(address, value, self.cycle, &mut self.screen) {
-                Request::None => {}
-                Request::Wait(cycles) => self.cycle += u64::from(cycles),
-                Request::FrameEnd => self.frame_ended = true,
-            },
-        }
-    }
-}
-
-impl Bus for Board {
-    #[inline(always)]
-    fn read(&mut self, address: u16) -> u8 {
-        self.cycle += 1;
-        self.data = if address & 0x1000 != 0 {
-            self.cartridge.read(address, self.data)
-        } else {
-            self.read_chip(address)
-        };
-        if self.cartridge.listens() {
-            self.cartridge.listen(address, self.data);
-        }
-        self.data
-    }
-
-    #[inline(always)]
-    fn write(&mut self, address: u16, value: u8) {
-        self.cycle += 1;
-        self.data = value;
-        if address & 0x1000 != 0 {
-            self.cartridge.write(address, value);
-        } else {
-            self.write_chip(address, value);
-        }
-        if self.cartridge.listens() {
-            self.cartridge.listen(address, value);
-        }
-    }
-
-    #[inline(always)]
-    fn idle(&mut self) {
-        self.cycle += 1;
-    }
+/// Runs the processor on these wires; gives the last byte on the bus, and whether the frame ended.
+fn run_on<S: ReadWrite>(cpu: &mut Cpu, mut wires: Wires<'_, S>) -> (u8, bool) {
+    cpu.run(&mut wires, MOST_INSTRUCTIONS);
+    (wires.chips.data, wires.chips.frame_ended)
 }

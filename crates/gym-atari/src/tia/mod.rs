@@ -10,15 +10,17 @@
 //! Nothing is drawn until something changes: a write first paints what lies before it with what was, and a write of what
 //! is there already does nothing.
 
+mod draw;
 mod objects;
 mod paint;
 mod pixels;
 
 use serde::{Deserialize, Serialize};
 
-use paint::{Colors, Objects};
+use paint::Objects;
 pub(crate) use pixels::WIDTH;
 
+use crate::cpu::Ready;
 use crate::screen::Screen;
 
 /// The rows of most games' pictures.
@@ -53,22 +55,18 @@ impl Default for Display {
     }
 }
 
-/// What a write asks of the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Request {
-    /// Go on.
-    None,
-    /// `WSYNC`: let this many cycles pass.
-    Wait(u32),
-    /// The frame is complete.
-    FrameEnd,
-}
-
 /// A player or a missile, or the ball: which one a register is of.
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
 const BL: usize = 4;
+
+/// The playfield.
+const PF: usize = 5;
+/// The objects.
+const OBJECTS: usize = 6;
+/// A bit for each object that moves.
+const MOVABLE: u8 = 0x1f;
 
 /// The chip, without the picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -104,13 +102,22 @@ pub(crate) struct Tia {
     line: u32,
     line_start: u64,
     vsync_since: u64,
-    /// Until where the picture is drawn: the line, and the clock in it.
-    drawn: (u32, u32),
+    /// The line that is being drawn, at most one ahead of the beam's.
+    drawn_line: u32,
+    /// How many pixels of it are painted.
+    painted: u8,
     comb: bool,
     /// Whether the last frame ended before its picture was complete.
     short: bool,
-    // what is on the line now
+    // what is on the line that is being drawn
     objects: Objects,
+    /// The objects, by bit, that changed since they were placed, and the pixel from which on they did.
+    stale: u8,
+    from: [u8; OBJECTS],
+    /// The objects, by bit, that changed within the line.
+    mixed: u8,
+    /// The collisions on the whole line, as far as its objects are placed.
+    touching: u16,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -122,7 +129,6 @@ pub(crate) struct Tia {
 
 impl Tia {
     pub(crate) fn new(display: Display) -> Self {
-        let none = pixels::Pixels::default();
         Self {
             display,
             vsync: 0,
@@ -148,10 +154,15 @@ impl Tia {
             line: 0,
             line_start: 0,
             vsync_since: 0,
-            drawn: (0, 0),
+            drawn_line: 0,
+            painted: 0,
             comb: false,
             short: false,
-            objects: Objects { p0: none, p1: none, m0: none, m1: none, bl: none, pf: none },
+            objects: Objects::default(),
+            stale: 0,
+            from: [0; OBJECTS],
+            mixed: 0,
+            touching: 0,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -177,9 +188,10 @@ impl Tia {
             && self.vsync_since <= cycle
             && self.released <= 3 * cycle
             && self.line < 1 << 30
-            && self.drawn.0 <= self.line + 1
-            && self.line - self.drawn.0.min(self.line) < 1 << 16
-            && self.drawn.1 <= CLOCKS_PER_LINE
+            && self.drawn_line <= self.line + 1
+            && self.line - self.drawn_line.min(self.line) < 1 << 16
+            && usize::from(self.painted) <= WIDTH
+            && self.from.iter().all(|&x| usize::from(x) <= WIDTH)
             && self.x.iter().all(|&x| usize::from(x) < WIDTH)
             && self.hm.iter().all(|&nibble| nibble < 16)
     }
@@ -190,7 +202,7 @@ impl Tia {
             // CXM0P, CXM1P, CXP0FB, CXP1FB, CXM0FB, CXM1FB, CXBLPF, CXPPMM
             register @ 0..8 => {
                 self.beam(cycle);
-                self.draw(self.clock(cycle), screen);
+                self.paint_to(self.clock(cycle), screen);
                 (((self.collisions >> (2 * register)) as u8) << 6, 0xc0)
             }
             // INPT0, INPT1, INPT2, INPT3
@@ -219,82 +231,79 @@ impl Tia {
     }
 
     /// Writes a register.
-    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Request {
+    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
         if self.line >= LAST_LINE {
             self.end_frame(cycle, screen);
             self.register(address, value, cycle, c, screen);
-            return Request::FrameEnd;
+            return Ready::Return;
         }
         self.register(address, value, cycle, c, screen)
     }
 
-    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Request {
+    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Ready {
         let clock = 3 * c;
         match address & 0x3f {
             0x00 => return self.write_vsync(value, cycle, screen), // VSYNC
             0x01 => self.write_vblank(value, cycle, screen),       // VBLANK
             // WSYNC
-            0x02 if c > 0 => return Request::Wait(CYCLES_PER_LINE - c),
+            0x02 if c > 0 => return Ready::After(CYCLES_PER_LINE - c),
             // RSYNC is not modelled
             // NUSIZ0, NUSIZ1
-            register @ (0x04 | 0x05) => {
+            register @ (0x04 | 0x05) if self.nusiz[usize::from(register) - 0x04] != value => {
                 let i = usize::from(register) - 0x04;
-                self.draw(clock + 8, screen);
+                self.change(1 << (P0 + i) | 1 << (M0 + i), clock + 8, screen);
                 self.nusiz[i] = value;
-                self.place_player(i);
-                self.place_missile(i);
             }
             // COLUP0, COLUP1
             register @ (0x06 | 0x07) => {
                 let i = usize::from(register) - 0x06;
                 if self.colup[i] != value & 0xfe {
-                    self.draw(clock, screen);
+                    self.paint_to(clock, screen);
                     self.colup[i] = value & 0xfe;
                 }
             }
             // COLUPF
             0x08 if self.colupf != value & 0xfe => {
-                self.draw(clock, screen);
+                self.paint_to(clock, screen);
                 self.colupf = value & 0xfe;
             }
             // COLUBK
             0x09 if self.colubk != value & 0xfe => {
-                self.draw(clock, screen);
+                self.paint_to(clock, screen);
                 self.colubk = value & 0xfe;
             }
             // CTRLPF
-            0x0a => {
-                self.draw(clock, screen);
+            0x0a if self.ctrlpf != value => {
+                self.paint_to(clock, screen);
+                self.change(1 << PF | 1 << BL, clock, screen);
                 self.ctrlpf = value;
                 // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
                 if (clock as i32) < BLANK + 79 {
                     self.reflected = value & 0x01 != 0;
                 }
-                self.place_playfield();
-                self.place_ball();
             }
             // REFP0, REFP1
             register @ (0x0b | 0x0c) => {
                 let i = usize::from(register) - 0x0b;
-                self.draw(clock + 1, screen);
-                self.refp[i] = value & 0x08 != 0;
-                self.place_player(i);
+                let reflected = value & 0x08 != 0;
+                if self.refp[i] != reflected {
+                    self.change(1 << (P0 + i), clock + 1, screen);
+                    self.refp[i] = reflected;
+                }
             }
             // PF0, PF1, PF2
             register @ 0x0d..=0x0f if self.pf[usize::from(register) - 0x0d] != value => {
-                self.draw(clock + [4, 5, 2, 3][c as usize % 4], screen);
+                self.change(1 << PF, clock + [4, 5, 2, 3][c as usize % 4], screen);
                 self.pf[usize::from(register) - 0x0d] = value;
-                self.place_playfield();
             }
             // RESP0, RESP1
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             // RESM0, RESM1, RESBL
             register @ 0x12..=0x14 => {
-                self.draw(clock, screen);
-                self.x[usize::from(register) - 0x10] =
-                    if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
-                self.place_all();
+                let object = usize::from(register) - 0x10;
+                self.change(1 << object, clock, screen);
+                self.x[object] = if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
             }
             // AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
             0x15..=0x1a => {}
@@ -306,31 +315,30 @@ impl Tia {
             register @ (0x1d | 0x1e) => {
                 let i = usize::from(register) - 0x1d;
                 if self.enam[i] != (value & 0x02 != 0) {
-                    self.draw(clock, screen);
+                    self.change(1 << (M0 + i), clock, screen);
                     self.enam[i] = value & 0x02 != 0;
-                    self.place_missile(i);
                 }
             }
             // ENABL
             0x1f if self.enabl[0] != (value & 0x02 != 0) => {
-                self.draw(clock, screen);
+                self.change(1 << BL, clock, screen);
                 self.enabl[0] = value & 0x02 != 0;
-                self.place_ball();
             }
             // HMP0, HMP1, HMM0, HMM1, HMBL
             register @ 0x20..=0x24 => self.hm[usize::from(register) - 0x20] = value >> 4,
             // VDELP0, VDELP1
             register @ (0x25 | 0x26) => {
                 let i = usize::from(register) - 0x25;
-                self.draw(clock, screen);
-                self.vdelp[i] = value & 0x01 != 0;
-                self.place_player(i);
+                let delayed = value & 0x01 != 0;
+                if self.vdelp[i] != delayed {
+                    self.change(1 << (P0 + i), clock, screen);
+                    self.vdelp[i] = delayed;
+                }
             }
             // VDELBL
-            0x27 => {
-                self.draw(clock, screen);
+            0x27 if self.vdelbl != (value & 0x01 != 0) => {
+                self.change(1 << BL, clock, screen);
                 self.vdelbl = value & 0x01 != 0;
-                self.place_ball();
             }
             // RESMP0, RESMP1
             register @ (0x28 | 0x29) => self.write_resmp(usize::from(register) - 0x28, value, clock, screen),
@@ -340,15 +348,15 @@ impl Tia {
             0x2b => self.hm = [0; 5],
             // CXCLR
             0x2c => {
-                self.draw(clock, screen);
+                self.paint_to(clock, screen);
                 self.collisions = 0;
             }
             _ => {}
         }
-        Request::None
+        Ready::Now
     }
 
-    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Request {
+    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
         self.vsync = value;
         if is && !was {
@@ -356,13 +364,15 @@ impl Tia {
         }
         if was && !is && cycle - self.vsync_since >= u64::from(CYCLES_PER_LINE) {
             self.end_frame(cycle, screen);
-            return Request::FrameEnd;
+            return Ready::Return;
         }
-        Request::None
+        Ready::Now
     }
 
     fn write_vblank(&mut self, value: u8, cycle: u64, screen: &mut Screen) {
-        self.draw(self.clock(cycle) + 1, screen);
+        if (self.vblank ^ value) & 0x02 != 0 {
+            self.paint_to(self.clock(cycle) + 1, screen);
+        }
         if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
             self.released = 3 * cycle;
         }
@@ -381,30 +391,31 @@ impl Tia {
         if grp == self.grp && ball == self.enabl {
             return;
         }
-        self.draw(clock + 1, screen);
+        let mut changed = 0;
         for player in [P0, P1] {
             let shown = usize::from(self.vdelp[player]);
-            let changed = self.grp[player][shown] != grp[player][shown];
-            self.grp[player] = grp[player];
-            if changed {
-                self.place_player(player);
-            }
+            changed |= u8::from(self.grp[player][shown] != grp[player][shown]) << player;
         }
-        if self.enabl != ball {
-            self.enabl = ball;
-            self.place_ball();
+        let shown = usize::from(self.vdelbl);
+        changed |= u8::from(self.enabl[shown] != ball[shown]) << BL;
+        if changed != 0 {
+            self.change(changed, clock + 1, screen);
         }
+        self.grp = grp;
+        self.enabl = ball;
     }
 
     fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
-        self.draw(clock, screen);
         let locked = value & 0x02 != 0;
-        if self.resmp[i] && !locked {
+        if self.resmp[i] == locked {
+            return;
+        }
+        self.change(1 << (M0 + i), clock, screen);
+        if !locked {
             let middle = 4 * objects::scale(self.nusiz[i]);
             self.x[M0 + i] = objects::around(self.x[P0 + i], i32::from(middle));
         }
         self.resmp[i] = locked;
-        self.place_missile(i);
     }
 
     /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
@@ -423,17 +434,16 @@ impl Tia {
                 about_to_start |= (-5..0).contains(&passed);
             }
         }
-        self.draw(if running { clock + 11 } else { clock }, screen);
+        self.change(1 << (P0 + i), if running { clock + 11 } else { clock }, screen);
         self.x[i] = if c >= 23 { ((beam + 5) % 160) as u8 } else { 3 };
         self.without_main[i] = !about_to_start;
-        self.place_player(i);
     }
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
     /// gives fewer.
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         // the last cycle of a line is the first of the next
-        self.draw(if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c }, screen);
+        self.change(MOVABLE, if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c }, screen);
         let c = c as i32;
         let shift = |m: i32| match c {
             ..=20 => 8 - m.min((70 - 3 * c) / 4),
@@ -447,42 +457,6 @@ impl Tia {
         if self.display.comb && (c <= 20 || c >= 75) {
             self.comb = true;
         }
-        self.place_all();
-    }
-
-    fn place_all(&mut self) {
-        for i in 0..2 {
-            self.place_player(i);
-            self.place_missile(i);
-        }
-        self.place_ball();
-    }
-
-    fn place_player(&mut self, i: usize) {
-        let graphics = self.grp[i][usize::from(self.vdelp[i])];
-        let pixels = objects::player(self.x[i], self.nusiz[i], graphics, self.refp[i], self.without_main[i]);
-        *[&mut self.objects.p0, &mut self.objects.p1][i] = pixels;
-    }
-
-    fn place_missile(&mut self, i: usize) {
-        let pixels = if self.enam[i] && !self.resmp[i] {
-            objects::missile(self.x[M0 + i], self.nusiz[i])
-        } else {
-            pixels::Pixels::default()
-        };
-        *[&mut self.objects.m0, &mut self.objects.m1][i] = pixels;
-    }
-
-    fn place_ball(&mut self) {
-        self.objects.bl = if self.enabl[usize::from(self.vdelbl)] {
-            objects::ball(self.x[BL], self.ctrlpf)
-        } else {
-            pixels::Pixels::default()
-        };
-    }
-
-    fn place_playfield(&mut self) {
-        self.objects.pf = objects::playfield(self.pf, self.reflected);
     }
 
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
@@ -509,78 +483,9 @@ impl Tia {
     /// The beam's line becomes the first of a new frame.
     fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
-        self.draw(self.clock(cycle), screen);
-        self.short = self.row().is_some() || self.drawn.0 < self.display.first_line;
-        self.drawn.0 = self.drawn.0.saturating_sub(self.line);
+        self.paint_to(self.clock(cycle), screen);
+        self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
+        self.drawn_line = self.drawn_line.saturating_sub(self.line);
         self.line = 0;
-    }
-
-    /// Draws up to a clock of the beam's line, which may lie beyond its end.
-    fn draw(&mut self, clock: u32, screen: &mut Screen) {
-        let ahead = clock / CLOCKS_PER_LINE;
-        let (line, clock) = (self.line + ahead, clock % CLOCKS_PER_LINE);
-        if self.drawn.0 > line {
-            return;
-        }
-        while self.drawn.0 < line {
-            self.draw_within_line(CLOCKS_PER_LINE, screen);
-            self.start_line(screen);
-        }
-        self.draw_within_line(clock, screen);
-    }
-
-    fn start_line(&mut self, screen: &mut Screen) {
-        // a comb ahead of the picture waits for its first row
-        if self.comb
-            && let Some(row) = self.row()
-        {
-            screen.row(row)[..8].fill(0);
-            self.comb = false;
-        }
-        self.drawn = (self.drawn.0 + 1, 0);
-        let reflected = self.ctrlpf & 0x01 != 0;
-        if self.reflected != reflected {
-            self.reflected = reflected;
-            self.place_playfield();
-        }
-        for i in [P0, P1] {
-            if self.without_main[i] {
-                self.without_main[i] = false;
-                self.place_player(i);
-            }
-        }
-    }
-
-    /// The row of the picture that is being drawn.
-    fn row(&self) -> Option<usize> {
-        let row = self.drawn.0.checked_sub(self.display.first_line)? as usize;
-        (row < self.display.rows).then_some(row)
-    }
-
-    fn draw_within_line(&mut self, clock: u32, screen: &mut Screen) {
-        let from = (self.drawn.1 as usize).saturating_sub(BLANK as usize);
-        let to = (clock as usize).saturating_sub(BLANK as usize);
-        self.drawn.1 = self.drawn.1.max(clock);
-        if from >= to {
-            return;
-        }
-        let Some(row) = self.row() else { return };
-        if self.vblank & 0x02 != 0 {
-            screen.row(row)[from..to].fill(0);
-            return;
-        }
-        self.collisions |= self.objects.collisions(from, to);
-        if !screen.unseen {
-            let colors = Colors {
-                p0: self.colup[0],
-                p1: self.colup[1],
-                pf: self.colupf,
-                bk: self.colubk,
-                playfield_first: self.ctrlpf & 0x04 != 0,
-                // the playfield's priority ends the score mode only where there is something to be before
-                score: self.ctrlpf & 0x02 != 0 && (self.ctrlpf & 0x04 == 0 || self.objects.only_playfield()),
-            };
-            self.objects.paint(screen.row(row), from, to, &colors);
-        }
     }
 }

@@ -29,9 +29,11 @@ pub(super) fn scale(nusiz: u8) -> u8 {
     copies(nusiz).scale
 }
 
-/// `x` positions further right, around the line's end.
+/// `x < 160`, less than 160 positions further right or left, around the line's ends.
 pub(super) fn around(x: u8, shift: i32) -> u8 {
-    (i32::from(x) + shift).rem_euclid(160) as u8
+    let x = i32::from(x) + shift;
+    let x = if x < 0 { x + 160 } else { x };
+    (if x >= 160 { x - 160 } else { x }) as u8
 }
 
 /// A byte of graphics as a pattern whose lowest bit is the leftmost pixel.

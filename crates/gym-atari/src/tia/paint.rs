@@ -2,18 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pixels::{Pixels, WIDTH};
+use super::pixels::{Pixels, WIDTH, window};
+use super::{OBJECTS, PF};
 
-/// The pixels of each object on a line.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Objects {
-    pub(super) p0: Pixels,
-    pub(super) p1: Pixels,
-    pub(super) m0: Pixels,
-    pub(super) m1: Pixels,
-    pub(super) bl: Pixels,
-    pub(super) pf: Pixels,
-}
+/// The pixels of each object on a line: `P0`, `P1`, `M0`, `M1`, `BL`, `PF`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Objects(pub(super) [Pixels; OBJECTS]);
 
 /// What decides about colours.
 #[derive(Clone, Copy, Debug)]
@@ -45,79 +39,102 @@ fn pairs([p0, p1, m0, m1, bl, pf]: [u64; 6]) -> u16 {
     .fold(0, |bits, &(six, seven)| bits << 2 | u16::from(seven != 0) << 1 | u16::from(six != 0))
 }
 
-/// The bits of word `word` that lie in `from..to`.
-fn window(word: usize, from: usize, to: usize) -> u64 {
-    let clamp = |x: usize| x.saturating_sub(64 * word).min(64) as u32;
-    let below = |x: u32| if x == 64 { u64::MAX } else { (1 << x) - 1 };
-    below(clamp(to)) & !below(clamp(from))
-}
-
 impl Objects {
-    fn word(&self, word: usize) -> [u64; 6] {
-        [self.p0, self.p1, self.m0, self.m1, self.bl, self.pf].map(|pixels| pixels.0[word])
+    fn word(&self, word: usize) -> [u64; OBJECTS] {
+        self.0.map(|pixels| pixels.0[word])
     }
 
     /// Whether nothing but the playfield is on the line.
     pub(super) fn only_playfield(&self) -> bool {
-        [self.p0, self.p1, self.m0, self.m1, self.bl].iter().all(|pixels| pixels.0 == [0; 3])
+        let [movable @ .., _] = &self.0;
+        movable.iter().all(|pixels| *pixels == Pixels::default())
     }
 
-    /// The collisions within `from..to`.
-    pub(super) fn collisions(&self, from: usize, to: usize) -> u16 {
+    /// The collisions within a window.
+    pub(super) fn collisions(&self, window: Pixels) -> u16 {
         let mut found = 0;
-        for word in from / 64..to.div_ceil(64) {
-            let window = window(word, from, to);
-            let [p0, p1, m0, m1, bl, pf] = self.word(word).map(|bits| bits & window);
-            // two objects at least, one of which is not the playfield
-            if p0 | p1 | m0 | m1 | bl != 0 {
-                found |= pairs([p0, p1, m0, m1, bl, pf]);
+        for (word, window) in window.0.into_iter().enumerate() {
+            let objects = self.word(word);
+            let (mut once, mut twice) = (0, 0);
+            for object in objects {
+                twice |= once & object;
+                once |= object;
+            }
+            if twice & window != 0 {
+                found |= pairs(objects.map(|object| object & window));
             }
         }
         found
     }
 
-    /// Paints `from..to` of a row.
+    /// Paints `from..to` of a row, which is not empty: background and playfield in cells of eight pixels, the others
+    /// where they are.
     pub(super) fn paint(&self, row: &mut [u8; WIDTH], from: usize, to: usize, colors: &Colors) {
-        for word in from / 64..to.div_ceil(64) {
-            let window = window(word, from, to);
+        let cells = row.as_chunks_mut::<8>().0;
+        let (first, last) = (from / 8, (to - 1) / 8);
+        let (before, after) = (cells[first], cells[last]);
+
+        let playfield = self.0[PF].bytes();
+        if colors.score {
+            let half = WIDTH / 16;
+            let middle = half.clamp(first, last + 1);
+            paint_playfield(&mut cells[first..middle], &playfield[first..middle], colors.bk, colors.p0);
+            paint_playfield(&mut cells[middle..=last], &playfield[middle..=last], colors.bk, colors.p1);
+        } else {
+            paint_playfield(&mut cells[first..=last], &playfield[first..=last], colors.bk, colors.pf);
+        }
+        let window = window(8 * first, 8 * last + 8);
+        for (word, window) in window.0.into_iter().enumerate() {
             let [p0, p1, m0, m1, bl, pf] = self.word(word);
             let (zero, one) = (p0 | m0, p1 | m1);
-            for group in 8 * word..(8 * word + 8).min(WIDTH / 8) {
-                let shift = 8 * (group % 8);
-                let byte = |bits: u64| EXPANDED[(bits >> shift) as usize & 0xff];
-                let inside = byte(window);
-                if inside == 0 {
-                    continue;
-                }
-                let playfield = match (colors.score, group < WIDTH / 16) {
-                    (false, _) => colors.pf,
-                    (true, true) => colors.p0,
-                    (true, false) => colors.p1,
-                };
-                let mut painted = solid(colors.bk);
-                let mut over = |mask: u64, color: u8| painted = painted & !mask | solid(color) & mask;
-                if colors.playfield_first {
-                    over(byte(one), colors.p1);
-                    over(byte(zero), colors.p0);
-                    over(byte(bl), colors.pf);
-                    over(byte(pf), playfield);
-                } else {
-                    over(byte(bl), colors.pf);
-                    over(byte(pf), playfield);
-                    over(byte(one), colors.p1);
-                    over(byte(zero), colors.p0);
-                }
-                let cells: &mut [u8; 8] = (&mut row[8 * group..8 * group + 8]).try_into().expect("8 bytes");
-                let before = u64::from_le_bytes(*cells);
-                *cells = (before & !inside | painted & inside).to_le_bytes();
+            if zero | one | bl == 0 {
+                continue;
             }
+            let hidden = if colors.playfield_first { pf | bl } else { 0 };
+            let cells = &mut cells[8 * word..];
+            paint_over(cells, bl & !pf & window, colors.pf);
+            paint_over(cells, one & !hidden & window, colors.p1);
+            paint_over(cells, zero & !hidden & window, colors.p0);
         }
+
+        // what lies outside stays
+        merge(&mut cells[first], before, (1 << (8 * (from - 8 * first))) - 1);
+        merge(&mut cells[last], after, !(u64::MAX >> (8 * (8 * last + 8 - to))));
     }
 }
+
+/// Eight pixels.
+type Cell = [u8; 8];
 
 /// Eight pixels of one colour.
 fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
+}
+
+/// Fills cells with the background and, where a bit is set, with the playfield.
+fn paint_playfield(cells: &mut [Cell], playfield: &[u8], background: u8, color: u8) {
+    let background = solid(background);
+    let difference = background ^ solid(color);
+    for (cell, &bits) in cells.iter_mut().zip(playfield) {
+        *cell = (background ^ EXPANDED[usize::from(bits)] & difference).to_le_bytes();
+    }
+}
+
+/// Gives pixels a colour.
+fn paint_over(cells: &mut [Cell], mut pixels: u64, color: u8) {
+    let color = solid(color);
+    while pixels != 0 {
+        let group = pixels.trailing_zeros() / 8;
+        let mask = EXPANDED[(pixels >> (8 * group)) as usize & 0xff];
+        let cell = &mut cells[group as usize];
+        *cell = (u64::from_le_bytes(*cell) & !mask | color & mask).to_le_bytes();
+        pixels &= !(0xff << (8 * group));
+    }
+}
+
+/// Puts back what a mask of bytes covers.
+fn merge(cell: &mut Cell, back: Cell, mask: u64) {
+    *cell = (u64::from_le_bytes(*cell) & !mask | u64::from_le_bytes(back) & mask).to_le_bytes();
 }
 
 /// Bits as bytes: `00` or `FF`.

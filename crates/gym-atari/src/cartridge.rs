@@ -176,8 +176,8 @@ pub(crate) trait ReadWrite {
     fn write(&mut self, address: u16, value: u8);
     /// Hears of an access to any address, and the byte on the bus.
     fn listen(&mut self, _address: u16, _value: u8) {}
-    /// Whether a read of this address gives a byte of the ROM and does nothing else.
-    fn is_plain(&self, address: u16) -> bool;
+    /// The byte of the ROM that a read of this address gives, if the read does nothing else.
+    fn constant(&self, address: u16) -> Option<u8>;
 }
 
 /// A cartridge by what its accesses do, so that the processor runs on code for that alone.
@@ -202,8 +202,8 @@ impl ReadWrite for Fixed<'_> {
     fn write(&mut self, _address: u16, _value: u8) {}
 
     #[inline(always)]
-    fn is_plain(&self, address: u16) -> bool {
-        address & 0x1000 != 0
+    fn constant(&self, address: u16) -> Option<u8> {
+        (address & 0x1000 != 0).then(|| self.rom[usize::from(address & 0x0fff)])
     }
 }
 
@@ -218,16 +218,17 @@ impl Switched<'_> {
     #[inline(always)]
     fn access(&mut self, address: u16) {
         if address & 0x0fff >= FIRST_HOTSPOT {
-            self.select(address);
+            self.bank = switch(self.rom, self.banks, address);
         }
     }
+}
 
-    #[inline(never)]
-    fn select(&mut self, address: u16) {
-        self.banks.hotspot(address & 0x0fff);
-        let start = usize::from(self.banks.windows[0]);
-        self.bank = self.rom[start..].first_chunk().expect("a bank is 4K");
-    }
+/// The bank that is selected after an access. It is no method, as `self` would have to be in memory then.
+#[inline(never)]
+fn switch<'a>(rom: &'a [u8], banks: &mut Banks, address: u16) -> &'a [u8; BANK] {
+    banks.hotspot(address & 0x0fff);
+    let start = usize::from(banks.windows[0]);
+    rom[start..].first_chunk().expect("a bank is 4K")
 }
 
 impl ReadWrite for Switched<'_> {
@@ -243,8 +244,9 @@ impl ReadWrite for Switched<'_> {
     }
 
     #[inline(always)]
-    fn is_plain(&self, address: u16) -> bool {
-        address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT
+    fn constant(&self, address: u16) -> Option<u8> {
+        let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
+        plain.then(|| self.bank[usize::from(address & 0x0fff)])
     }
 }
 
@@ -270,9 +272,8 @@ impl ReadWrite for &mut Cartridge {
         }
     }
 
-    #[inline(always)]
-    fn is_plain(&self, _address: u16) -> bool {
-        false
+    fn constant(&self, _address: u16) -> Option<u8> {
+        None
     }
 }
 

@@ -8,18 +8,17 @@ use crate::tia::Tia;
 
 /// What the processor sees while a frame runs.
 pub(crate) struct Wires<'a, S> {
-    pub(crate) chips: Chips<'a>,
+    pub(crate) chips: &'a mut Chips,
     /// The cartridge.
     pub(crate) slot: S,
 }
 
-/// All but the cartridge.
-pub(crate) struct Chips<'a> {
-    pub(crate) riot: &'a mut Riot,
-    pub(crate) tia: &'a mut Tia,
-    pub(crate) screen: &'a mut Screen,
-    /// The byte that was last on the bus.
-    pub(crate) data: u8,
+/// What is soldered in: all but the processor and the cartridge.
+#[derive(Clone, Debug)]
+pub(crate) struct Chips {
+    pub(crate) riot: Riot,
+    pub(crate) tia: Tia,
+    pub(crate) screen: Screen,
     pub(crate) frame_ended: bool,
 }
 
@@ -40,14 +39,18 @@ fn is_riot(address: u16) -> bool {
     address & 0x0280 == 0x0280
 }
 
-impl Chips<'_> {
+impl Chips {
+    /// Reads from anything but the cartridge, where `bus` is what was last on the bus.
     #[inline(never)]
-    fn read_register(&mut self, address: u16, cycle: u64) -> u8 {
+    fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        if is_ram(address) {
+            return self.riot.ram[usize::from(address & 0x7f)];
+        }
         if is_riot(address) {
             return self.riot.read(address, cycle);
         }
-        let (bits, driven) = self.tia.read(address, cycle, self.screen);
-        bits | self.data & !driven
+        let (bits, driven) = self.tia.read(address, cycle, &mut self.screen);
+        bits | bus & !driven
     }
 
     #[inline(never)]
@@ -56,7 +59,7 @@ impl Chips<'_> {
             self.riot.write(address, value, cycle);
             return Ready::Now;
         }
-        let ready = self.tia.write(address, value, cycle, self.screen);
+        let ready = self.tia.write(address, value, cycle, &mut self.screen);
         self.frame_ended |= ready == Ready::Return;
         ready
     }
@@ -64,38 +67,59 @@ impl Chips<'_> {
 
 impl<S: ReadWrite> Bus for Wires<'_, S> {
     #[inline(always)]
-    fn read(&mut self, address: u16, cycle: u64) -> u8 {
-        let Self { chips, slot } = self;
-        chips.data = if is_cartridge(address) {
-            slot.read(address, chips.data)
+    fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        let value = if is_cartridge(address) {
+            self.slot.read(address, bus)
         } else if is_ram(address) {
-            chips.riot.ram[usize::from(address & 0x7f)]
+            self.chips.riot.ram[usize::from(address & 0x7f)]
         } else {
-            chips.read_register(address, cycle)
+            self.chips.read(address, cycle, bus)
         };
-        slot.listen(address, chips.data);
-        chips.data
+        self.slot.listen(address, value);
+        value
     }
 
     #[inline(always)]
-    fn touch(&mut self, address: u16, cycle: u64) {
-        if !self.slot.is_plain(address) {
-            self.read(address, cycle);
-        }
+    fn fetch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        let value = if is_cartridge(address) {
+            self.slot.read(address, bus)
+        } else {
+            cold();
+            self.chips.read(address, cycle, bus)
+        };
+        self.slot.listen(address, value);
+        value
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        self.slot.constant(address).unwrap_or_else(|| self.fetch(address, cycle, bus))
     }
 
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        let Self { chips, slot } = self;
-        chips.data = value;
-        slot.listen(address, value);
+        self.slot.listen(address, value);
         if is_cartridge(address) {
-            slot.write(address, value);
+            self.slot.write(address, value);
         } else if is_ram(address) {
-            chips.riot.ram[usize::from(address & 0x7f)] = value;
+            self.chips.riot.ram[usize::from(address & 0x7f)] = value;
         } else {
-            return chips.write_register(address, value, cycle);
+            return self.chips.write_register(address, value, cycle);
         }
         Ready::Now
     }
+
+    #[inline(always)]
+    fn constant(&self, address: u16) -> Option<u8> {
+        self.slot.constant(address)
+    }
+
+    fn steady_until(&self, address: u16, cycle: u64) -> u64 {
+        let riot = !is_cartridge(address) && !is_ram(address) && is_riot(address);
+        if riot { self.chips.riot.steady_until(address, cycle) } else { cycle }
+    }
 }
+
+/// Tells the compiler that whoever calls this is rare.
+#[cold]
+fn cold() {}

@@ -13,18 +13,36 @@ use serde::{Deserialize, Serialize};
 
 use instructions::Operation;
 
-/// What the processor is wired to. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end.
+/// What the processor is wired to. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end,
+/// and `bus` the byte of the access before.
 pub trait Bus {
     /// Reads a byte.
-    fn read(&mut self, address: u16, cycle: u64) -> u8;
+    fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
 
-    /// Reads a byte that the processor drops: only what the access itself does counts.
-    fn touch(&mut self, address: u16, cycle: u64) {
-        self.read(address, cycle);
+    /// Reads a byte of the program.
+    #[inline(always)]
+    fn fetch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        self.read(address, cycle, bus)
+    }
+
+    /// Reads a byte that the processor has no use for.
+    #[inline(always)]
+    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        self.read(address, cycle, bus)
     }
 
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
+
+    /// The byte at an address, where reading it does nothing else and it never changes.
+    fn constant(&self, _address: u16) -> Option<u8> {
+        None
+    }
+
+    /// Up to which cycle a read of this address gives what it gives at `cycle`, and does nothing else, if that is known.
+    fn steady_until(&self, _address: u16, cycle: u64) -> u64 {
+        cycle
+    }
 }
 
 /// How the processor goes on after a write.
@@ -56,6 +74,8 @@ mod flag {
 pub struct Cpu {
     /// The cycles since power-on.
     pub cycle: u64,
+    /// The byte that was last on the bus.
+    bus: u8,
     /// The program counter.
     pub pc: u16,
     /// The accumulator.
@@ -81,6 +101,7 @@ impl Cpu {
     pub fn new(pc: u16) -> Self {
         Self {
             cycle: 0,
+            bus: 0,
             pc,
             a: 0,
             x: 0,

@@ -4,9 +4,9 @@ use super::instructions::{Access, INSTRUCTIONS, Mode, Operation};
 use super::{Bus, Cpu, Ready, flag};
 
 /// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
-struct Core<'a, B> {
+struct Core<B> {
     cpu: Cpu,
-    bus: &'a mut B,
+    bus: B,
     /// How many instructions may follow.
     left: u32,
 }
@@ -18,10 +18,14 @@ struct Address {
     base: u16,
 }
 
+/// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles of a round.
+const LOOP_BYTES: i8 = 5;
+const LOOP_CYCLES: u64 = 7;
+
 impl Cpu {
     /// Executes instructions until a write answers [`Ready::Return`], and at most so many.
     #[inline(never)]
-    pub fn run<B: Bus>(&mut self, bus: &mut B, most: u32) {
+    pub fn run<B: Bus>(&mut self, bus: B, most: u32) {
         let mut core = Core { cpu: *self, bus, left: most };
         while core.left > 0 {
             core.left -= 1;
@@ -39,7 +43,7 @@ macro_rules! dispatch {
     };
 }
 
-impl<B: Bus> Core<'_, B> {
+impl<B: Bus> Core<B> {
     #[inline(always)]
     #[rustfmt::skip]
     fn step(&mut self) {
@@ -67,18 +71,20 @@ impl<B: Bus> Core<'_, B> {
     #[inline(always)]
     fn read(&mut self, address: u16) -> u8 {
         self.cpu.cycle += 1;
-        self.bus.read(address, self.cpu.cycle)
+        self.cpu.bus = self.bus.read(address, self.cpu.cycle, self.cpu.bus);
+        self.cpu.bus
     }
 
     #[inline(always)]
     fn touch(&mut self, address: u16) {
         self.cpu.cycle += 1;
-        self.bus.touch(address, self.cpu.cycle);
+        self.cpu.bus = self.bus.touch(address, self.cpu.cycle, self.cpu.bus);
     }
 
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8) {
         self.cpu.cycle += 1;
+        self.cpu.bus = value;
         match self.bus.write(address, value, self.cpu.cycle) {
             Ready::Now => {}
             Ready::After(cycles) => self.cpu.cycle += u64::from(cycles),
@@ -88,9 +94,10 @@ impl<B: Bus> Core<'_, B> {
 
     #[inline(always)]
     fn fetch(&mut self) -> u8 {
-        let byte = self.read(self.cpu.pc);
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.fetch(self.cpu.pc, self.cpu.cycle, self.cpu.bus);
         self.cpu.pc = self.cpu.pc.wrapping_add(1);
-        byte
+        self.cpu.bus
     }
 
     #[inline(always)]
@@ -237,9 +244,25 @@ impl<B: Bus> Core<'_, B> {
             let target = pc.wrapping_add_signed(i16::from(offset));
             if (target ^ pc) & 0xff00 != 0 {
                 self.touch((pc & 0xff00) | (target & 0x00ff));
+            } else if offset == -LOOP_BYTES {
+                let rounds = self.rounds_without_change(target).min(self.left / 2);
+                self.cpu.cycle += LOOP_CYCLES * u64::from(rounds);
+                self.left -= 2 * rounds;
             }
             self.cpu.pc = target;
         }
+    }
+
+    /// How many rounds of a waiting loop, which has just branched to its start, will find what the last one found.
+    #[inline(always)]
+    fn rounds_without_change(&self, start: u16) -> u32 {
+        let byte = |i: u16| self.bus.constant(start.wrapping_add(i));
+        // LDA, LDX, LDY and BIT
+        let (Some(0xad | 0xae | 0xac | 0x2c), Some(low), Some(high)) = (byte(0), byte(1), byte(2)) else { return 0 };
+        // the branch took three cycles since the register was read
+        let last_read = self.cpu.cycle - 3;
+        let until = self.bus.steady_until(u16::from_le_bytes([low, high]), last_read);
+        ((until - last_read) / LOOP_CYCLES) as u32
     }
 
     /// Operations on registers, flags and the stack, and jumps.

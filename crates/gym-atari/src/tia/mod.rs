@@ -59,14 +59,13 @@ impl Default for Display {
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
+const M1: usize = 3;
 const BL: usize = 4;
 
 /// The playfield.
 const PF: usize = 5;
 /// The objects.
 const OBJECTS: usize = 6;
-/// A bit for each object that moves.
-const MOVABLE: u8 = 0x1f;
 
 /// The chip, without the picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -82,13 +81,16 @@ pub(crate) struct Tia {
     colubk: u8,
     ctrlpf: u8,
     refp: [bool; 2],
-    pf: [u8; 3],
+    /// The 20 bits of `PF0`, `PF1` and `PF2`, of which the lowest is leftmost on the line.
+    pf: u32,
     /// Whether this line's right half mirrors the left.
     reflected: bool,
-    /// What was written, and what the vertical delay shows.
-    grp: [[u8; 2]; 2],
+    grp: [u8; 2],
     enam: [bool; 2],
-    enabl: [bool; 2],
+    enabl: bool,
+    /// What the vertical delay shows instead of `GRP0`, `GRP1` and `ENABL`.
+    old_grp: [u8; 2],
+    old_enabl: bool,
     hm: [u8; 5],
     vdelp: [bool; 2],
     vdelbl: bool,
@@ -116,8 +118,9 @@ pub(crate) struct Tia {
     from: [u8; OBJECTS],
     /// The objects, by bit, that changed within the line.
     mixed: u8,
-    /// The collisions on the whole line, as far as its objects are placed.
-    touching: u16,
+    /// Whether the line above was painted in one go, and what it shows has not changed since.
+    #[serde(skip)]
+    repeats: bool,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -139,11 +142,13 @@ impl Tia {
             colubk: 0,
             ctrlpf: 0,
             refp: [false; 2],
-            pf: [0; 3],
+            pf: 0,
             reflected: false,
-            grp: [[0; 2]; 2],
+            grp: [0; 2],
             enam: [false; 2],
-            enabl: [false; 2],
+            enabl: false,
+            old_grp: [0; 2],
+            old_enabl: false,
             hm: [0; 5],
             vdelp: [false; 2],
             vdelbl: false,
@@ -162,7 +167,7 @@ impl Tia {
             stale: 0,
             from: [0; OBJECTS],
             mixed: 0,
-            touching: 0,
+            repeats: false,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -172,6 +177,11 @@ impl Tia {
 
     pub(crate) fn display(&self) -> &Display {
         &self.display
+    }
+
+    /// What is painted from now on has nothing to do with what was painted before.
+    pub(crate) fn start_picture(&mut self) {
+        self.repeats = false;
     }
 
     pub(crate) fn set_display(&mut self, display: Display) {
@@ -194,6 +204,7 @@ impl Tia {
             && self.from.iter().all(|&x| usize::from(x) <= WIDTH)
             && self.x.iter().all(|&x| usize::from(x) < WIDTH)
             && self.hm.iter().all(|&nibble| nibble < 16)
+            && self.pf < 1 << 20
     }
 
     /// Reads a register: its bits, and which of the byte's bits it drives.
@@ -233,14 +244,15 @@ impl Tia {
     /// Writes a register.
     pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        if self.line >= LAST_LINE {
+        let ended = self.line >= LAST_LINE;
+        if ended {
             self.end_frame(cycle, screen);
-            self.register(address, value, cycle, c, screen);
-            return Ready::Return;
         }
-        self.register(address, value, cycle, c, screen)
+        let ready = self.register(address, value, cycle, c, screen);
+        if ended { Ready::Return } else { ready }
     }
 
+    #[inline(always)]
     fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Ready {
         let clock = 3 * c;
         match address & 0x3f {
@@ -259,23 +271,23 @@ impl Tia {
             register @ (0x06 | 0x07) => {
                 let i = usize::from(register) - 0x06;
                 if self.colup[i] != value & 0xfe {
-                    self.paint_to(clock, screen);
+                    self.change_colors(clock, screen);
                     self.colup[i] = value & 0xfe;
                 }
             }
             // COLUPF
             0x08 if self.colupf != value & 0xfe => {
-                self.paint_to(clock, screen);
+                self.change_colors(clock, screen);
                 self.colupf = value & 0xfe;
             }
             // COLUBK
             0x09 if self.colubk != value & 0xfe => {
-                self.paint_to(clock, screen);
+                self.change_colors(clock, screen);
                 self.colubk = value & 0xfe;
             }
             // CTRLPF
             0x0a if self.ctrlpf != value => {
-                self.paint_to(clock, screen);
+                self.change_colors(clock, screen);
                 self.change(1 << PF | 1 << BL, clock, screen);
                 self.ctrlpf = value;
                 // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
@@ -292,11 +304,12 @@ impl Tia {
                     self.refp[i] = reflected;
                 }
             }
-            // PF0, PF1, PF2
-            register @ 0x0d..=0x0f if self.pf[usize::from(register) - 0x0d] != value => {
-                self.change(1 << PF, clock + [4, 5, 2, 3][c as usize % 4], screen);
-                self.pf[usize::from(register) - 0x0d] = value;
-            }
+            // PF0
+            0x0d => self.write_playfield(0x0000f, u32::from(value >> 4), c, screen),
+            // PF1
+            0x0e => self.write_playfield(0x00ff0, u32::from(value.reverse_bits()) << 4, c, screen),
+            // PF2
+            0x0f => self.write_playfield(0xff000, u32::from(value) << 12, c, screen),
             // RESP0, RESP1
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             // RESM0, RESM1, RESBL
@@ -320,9 +333,9 @@ impl Tia {
                 }
             }
             // ENABL
-            0x1f if self.enabl[0] != (value & 0x02 != 0) => {
+            0x1f if self.enabl != (value & 0x02 != 0) => {
                 self.change(1 << BL, clock, screen);
-                self.enabl[0] = value & 0x02 != 0;
+                self.enabl = value & 0x02 != 0;
             }
             // HMP0, HMP1, HMM0, HMM1, HMBL
             register @ 0x20..=0x24 => self.hm[usize::from(register) - 0x20] = value >> 4,
@@ -348,7 +361,7 @@ impl Tia {
             0x2b => self.hm = [0; 5],
             // CXCLR
             0x2c => {
-                self.paint_to(clock, screen);
+                self.change_colors(clock, screen);
                 self.collisions = 0;
             }
             _ => {}
@@ -371,7 +384,7 @@ impl Tia {
 
     fn write_vblank(&mut self, value: u8, cycle: u64, screen: &mut Screen) {
         if (self.vblank ^ value) & 0x02 != 0 {
-            self.paint_to(self.clock(cycle) + 1, screen);
+            self.change_colors(self.clock(cycle) + 1, screen);
         }
         if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
             self.released = 3 * cycle;
@@ -382,27 +395,31 @@ impl Tia {
         self.vblank = value;
     }
 
+    /// `PFx`: some of the playfield's bits.
+    fn write_playfield(&mut self, mask: u32, bits: u32, c: u32, screen: &mut Screen) {
+        let pf = self.pf & !mask | bits;
+        if self.pf != pf {
+            self.change(1 << PF, 3 * c + [4, 5, 2, 3][c as usize % 4], screen);
+            self.pf = pf;
+        }
+    }
+
+    /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the ball's.
     fn write_grp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
-        // the vertical delay: a write to one player shows the other's last, and GRP1 the ball's
-        let mut grp = self.grp;
-        grp[i][0] = value;
-        grp[1 - i][1] = grp[1 - i][0];
-        let ball = [self.enabl[0], if i == 1 { self.enabl[0] } else { self.enabl[1] }];
-        if grp == self.grp && ball == self.enabl {
-            return;
-        }
-        let mut changed = 0;
-        for player in [P0, P1] {
-            let shown = usize::from(self.vdelp[player]);
-            changed |= u8::from(self.grp[player][shown] != grp[player][shown]) << player;
-        }
-        let shown = usize::from(self.vdelbl);
-        changed |= u8::from(self.enabl[shown] != ball[shown]) << BL;
+        let other = 1 - i;
+        let shows_other = self.vdelp[other] && self.old_grp[other] != self.grp[other];
+        let shows_this = !self.vdelp[i] && self.grp[i] != value;
+        let shows_ball = i == 1 && self.vdelbl && self.old_enabl != self.enabl;
+        let changed =
+            u8::from(shows_other) << (P0 + other) | u8::from(shows_this) << (P0 + i) | u8::from(shows_ball) << BL;
         if changed != 0 {
             self.change(changed, clock + 1, screen);
         }
-        self.grp = grp;
-        self.enabl = ball;
+        self.grp[i] = value;
+        self.old_grp[other] = self.grp[other];
+        if i == 1 {
+            self.old_enabl = self.enabl;
+        }
     }
 
     fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
@@ -443,7 +460,8 @@ impl Tia {
     /// gives fewer.
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         // the last cycle of a line is the first of the next
-        self.change(MOVABLE, if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c }, screen);
+        let clock = if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c };
+        self.reach(clock, screen);
         let c = c as i32;
         let shift = |m: i32| match c {
             ..=20 => 8 - m.min((70 - 3 * c) / 4),
@@ -451,12 +469,23 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        for (x, hm) in self.x.iter_mut().zip(self.hm) {
-            *x = objects::around(*x, shift(i32::from(hm ^ 0x08)));
+        let shifts = self.hm.map(|hm| shift(i32::from(hm ^ 0x08)));
+        let moved = (0..5).fold(0, |moved, object| moved | u8::from(shifts[object] != 0) << object);
+        if moved != 0 {
+            self.change(moved, clock, screen);
+            for (x, shift) in self.x.iter_mut().zip(shifts) {
+                *x = objects::around(*x, shift);
+            }
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             self.comb = true;
         }
+    }
+
+    /// Something other than an object's pixels changes at a clock of the beam's line.
+    fn change_colors(&mut self, clock: u32, screen: &mut Screen) {
+        self.paint_to(clock, screen);
+        self.repeats = false;
     }
 
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
@@ -481,11 +510,13 @@ impl Tia {
     }
 
     /// The beam's line becomes the first of a new frame.
+    #[cold]
     fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
         self.paint_to(self.clock(cycle), screen);
         self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
         self.drawn_line = self.drawn_line.saturating_sub(self.line);
+        self.start_picture();
         self.line = 0;
     }
 }

@@ -3,11 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::pixels::{Pixels, WIDTH, window};
-use super::{OBJECTS, PF};
+use super::{BL, M0, M1, OBJECTS, P0, P1, PF};
 
 /// The pixels of each object on a line: `P0`, `P1`, `M0`, `M1`, `BL`, `PF`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Objects(pub(super) [Pixels; OBJECTS]);
+pub(super) struct Objects {
+    pixels: [Pixels; OBJECTS],
+    /// Those that have any, by bit.
+    present: u8,
+}
 
 /// What decides about colours.
 #[derive(Clone, Copy, Debug)]
@@ -22,47 +26,78 @@ pub(super) struct Colors {
     pub(super) score: bool,
 }
 
-/// Collision registers in the order of their addresses, two bits each: bit 7 of a register is the upper one.
-fn pairs([p0, p1, m0, m1, bl, pf]: [u64; 6]) -> u16 {
-    [
-        (m0 & p0, m0 & p1), // CXM0P
-        (m1 & p1, m1 & p0), // CXM1P
-        (p0 & bl, p0 & pf), // CXP0FB
-        (p1 & bl, p1 & pf), // CXP1FB
-        (m0 & bl, m0 & pf), // CXM0FB
-        (m1 & bl, m1 & pf), // CXM1FB
-        (0, bl & pf),       // CXBLPF
-        (m0 & m1, p0 & p1), // CXPPMM
-    ]
-    .iter()
-    .rev()
-    .fold(0, |bits, &(six, seven)| bits << 2 | u16::from(seven != 0) << 1 | u16::from(six != 0))
-}
+/// Which objects a bit of the collision registers is about: bit 6 and bit 7 of each, in the order of their addresses.
+const PAIRS: [[usize; 2]; 16] = [
+    [M0, P0], // CXM0P
+    [M0, P1],
+    [M1, P1], // CXM1P
+    [M1, P0],
+    [P0, BL], // CXP0FB
+    [P0, PF],
+    [P1, BL], // CXP1FB
+    [P1, PF],
+    [M0, BL], // CXM0FB
+    [M0, PF],
+    [M1, BL], // CXM1FB
+    [M1, PF],
+    [BL, BL], // CXBLPF, which has no bit 6
+    [BL, PF],
+    [M0, M1], // CXPPMM
+    [P0, P1],
+];
+
+/// The collisions that there can be, by the bits of the objects that have pixels.
+static POSSIBLE: [u16; 1 << OBJECTS] = {
+    let mut table = [0; 1 << OBJECTS];
+    let mut present = 0;
+    while present < table.len() {
+        let mut bit = 0;
+        while bit < PAIRS.len() {
+            let [a, b] = PAIRS[bit];
+            if a != b && present >> a & present >> b & 1 == 1 {
+                table[present] |= 1 << bit;
+            }
+            bit += 1;
+        }
+        present += 1;
+    }
+    table
+};
 
 impl Objects {
-    fn word(&self, word: usize) -> [u64; OBJECTS] {
-        self.0.map(|pixels| pixels.0[word])
+    pub(super) fn get(&self, object: usize) -> Pixels {
+        self.pixels[object]
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, object: usize, pixels: Pixels) {
+        self.pixels[object] = pixels;
+        let bit = 1 << object;
+        let present = !pixels.is_empty();
+        self.present = self.present & !bit | if present { bit } else { 0 };
     }
 
     /// Whether nothing but the playfield is on the line.
     pub(super) fn only_playfield(&self) -> bool {
-        let [movable @ .., _] = &self.0;
-        movable.iter().all(|pixels| *pixels == Pixels::default())
+        self.present & !(1 << PF) == 0
     }
 
-    /// The collisions within a window.
-    pub(super) fn collisions(&self, window: Pixels) -> u16 {
-        let mut found = 0;
-        for (word, window) in window.0.into_iter().enumerate() {
-            let objects = self.word(word);
-            let (mut once, mut twice) = (0, 0);
-            for object in objects {
-                twice |= once & object;
-                once |= object;
+    /// The collisions that there can be on the line.
+    pub(super) fn possible_collisions(&self) -> u16 {
+        POSSIBLE[usize::from(self.present) % POSSIBLE.len()]
+    }
+
+    /// Those of some collisions that there are within a window.
+    pub(super) fn collisions(&self, candidates: u16, window: Pixels) -> u16 {
+        let (mut found, mut left) = (0, candidates);
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize % PAIRS.len();
+            let [a, b] = PAIRS[bit].map(|object| self.pixels[object].0);
+            let overlap = |word: usize| a[word] & b[word] & window.0[word];
+            if overlap(0) | overlap(1) | overlap(2) != 0 {
+                found |= 1 << bit;
             }
-            if twice & window != 0 {
-                found |= pairs(objects.map(|object| object & window));
-            }
+            left &= left - 1;
         }
         found
     }
@@ -74,7 +109,7 @@ impl Objects {
         let (first, last) = (from / 8, (to - 1) / 8);
         let (before, after) = (cells[first], cells[last]);
 
-        let playfield = self.0[PF].bytes();
+        let playfield = self.pixels[PF].bytes();
         if colors.score {
             let half = WIDTH / 16;
             let middle = half.clamp(first, last + 1);
@@ -83,23 +118,30 @@ impl Objects {
         } else {
             paint_playfield(&mut cells[first..=last], &playfield[first..=last], colors.bk, colors.pf);
         }
-        let window = window(8 * first, 8 * last + 8);
-        for (word, window) in window.0.into_iter().enumerate() {
-            let [p0, p1, m0, m1, bl, pf] = self.word(word);
-            let (zero, one) = (p0 | m0, p1 | m1);
-            if zero | one | bl == 0 {
-                continue;
-            }
-            let hidden = if colors.playfield_first { pf | bl } else { 0 };
-            let cells = &mut cells[8 * word..];
-            paint_over(cells, bl & !pf & window, colors.pf);
-            paint_over(cells, one & !hidden & window, colors.p1);
-            paint_over(cells, zero & !hidden & window, colors.p0);
+        if !self.only_playfield() {
+            self.paint_movable(cells, window(8 * first, 8 * last + 8), colors);
         }
 
         // what lies outside stays
         merge(&mut cells[first], before, (1 << (8 * (from - 8 * first))) - 1);
         merge(&mut cells[last], after, !(u64::MAX >> (8 * (8 * last + 8 - to))));
+    }
+
+    /// Paints players, missiles and the ball over background and playfield.
+    fn paint_movable(&self, cells: &mut [Cell], window: Pixels, colors: &Colors) {
+        for (word, window) in window.0.into_iter().enumerate() {
+            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
+            let (zero, one) = ((p0 | m0) & window, (p1 | m1) & window);
+            let bl = bl & window;
+            if zero | one | bl == 0 {
+                continue;
+            }
+            let hidden = if colors.playfield_first { pf | bl } else { 0 };
+            let cells = &mut cells[8 * word..];
+            paint_over(cells, bl & !pf, colors.pf);
+            paint_over(cells, one & !hidden, colors.p1);
+            paint_over(cells, zero & !hidden, colors.p0);
+        }
     }
 }
 
@@ -114,6 +156,10 @@ fn solid(color: u8) -> u64 {
 /// Fills cells with the background and, where a bit is set, with the playfield.
 fn paint_playfield(cells: &mut [Cell], playfield: &[u8], background: u8, color: u8) {
     let background = solid(background);
+    if playfield.iter().all(|&bits| bits == 0) {
+        cells.fill(background.to_le_bytes());
+        return;
+    }
     let difference = background ^ solid(color);
     for (cell, &bits) in cells.iter_mut().zip(playfield) {
         *cell = (background ^ EXPANDED[usize::from(bits)] & difference).to_le_bytes();

@@ -58,7 +58,7 @@ pub struct AtariPreprocessing<E: Env = AtariEnv> {
     unused: E::Observation,
     settings: Preprocessing,
     shrink: Shrink,
-    /// The last frame, or the brighter of two; and the one before.
+    /// The last frame, or the brighter of two, and the one before, as indices of colours.
     frames: [Vec<u8>; 2],
     lives: i32,
 }
@@ -100,7 +100,10 @@ impl<E: Env> AtariPreprocessing<E> {
         };
         if let Some(spec) = env.spec() {
             if let Some(wrapper) = spec.additional_wrappers.first() {
-                return refuse(format!("{} is around the environment: it must be around this wrapper", wrapper.name));
+                return refuse(format!(
+                    "{} is around the environment: it must be around this wrapper",
+                    wrapper.name
+                ));
             }
             if let Some(limit) = spec.max_episode_steps {
                 return refuse(format!(
@@ -166,7 +169,7 @@ impl<E: Env> AtariPreprocessing<E> {
             }
             if frame + 2 >= settings.frame_skip {
                 incomplete |= env.ale().console().is_short();
-                gray(env, &mut frames[(settings.frame_skip - 1 - frame) as usize]);
+                look(env, &mut frames[(settings.frame_skip - 1 - frame) as usize]);
             }
         }
         (total, incomplete && first_seen > 0)
@@ -175,16 +178,27 @@ impl<E: Env> AtariPreprocessing<E> {
     fn observe(&mut self, observation: &mut Array) {
         let [last, before] = &mut self.frames;
         if self.settings.frame_skip > 1 {
-            last.iter_mut().zip(&*before).for_each(|(last, before)| *last = (*last).max(*before));
+            brighter(last, before);
         }
-        self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
+        self.shrink.shrink(last, &palette::GRAY, buffer(observation, &self.settings.screen_size));
     }
 }
 
-/// The picture in shades of gray.
-fn gray(env: &AtariEnv, out: &mut [u8]) {
-    let picture = env.ale().picture().as_flattened();
-    out.iter_mut().zip(picture).for_each(|(out, &index)| *out = palette::GRAY[usize::from(index)]);
+/// Copies the picture.
+fn look(env: &AtariEnv, out: &mut [u8]) {
+    out.copy_from_slice(env.ale().picture().as_flattened());
+}
+
+/// Turns the colours of a picture into those of another where these are brighter.
+fn brighter(picture: &mut [u8], other: &[u8]) {
+    let rows = picture.as_chunks_mut::<160>().0.iter_mut().zip(other.as_chunks::<160>().0);
+    for (row, other) in rows.filter(|(row, other)| row != other) {
+        for (index, &other) in row.iter_mut().zip(other) {
+            if palette::GRAY[usize::from(*index)] < palette::GRAY[usize::from(other)] {
+                *index = other;
+            }
+        }
+    }
 }
 
 /// The game's environment, which may be in the wrappers of `make`.
@@ -227,7 +241,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         }
         let atari = within_mut(&mut self.env);
         self.lives = atari.ale().lives();
-        gray(atari, &mut self.frames[0]);
+        look(atari, &mut self.frames[0]);
         self.frames[1].fill(0);
         self.observe(observation);
         Ok(())

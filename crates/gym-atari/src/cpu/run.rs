@@ -258,7 +258,9 @@ impl<B: Bus> Core<B> {
     fn rounds_without_change(&self, start: u16) -> u32 {
         let byte = |i: u16| self.bus.constant(start.wrapping_add(i));
         // LDA, LDX, LDY and BIT
-        let (Some(0xad | 0xae | 0xac | 0x2c), Some(low), Some(high)) = (byte(0), byte(1), byte(2)) else { return 0 };
+        let (Some(0xad | 0xae | 0xac | 0x2c), Some(low), Some(high)) = (byte(0), byte(1), byte(2)) else {
+            return 0;
+        };
         // the branch took three cycles since the register was read
         let last_read = self.cpu.cycle - 3;
         let until = self.bus.steady_until(u16::from_le_bytes([low, high]), last_read);

@@ -147,7 +147,13 @@ impl Tia {
                 let without_main = self.without_main[object];
                 self.put(
                     object,
-                    objects::player(self.x[object], self.nusiz[object], graphics, self.refp[object], without_main),
+                    objects::player(
+                        self.x[object],
+                        self.nusiz[object],
+                        graphics,
+                        self.refp[object],
+                        without_main,
+                    ),
                 );
             }
             M0 | M1 if self.enam[object - M0] && !self.resmp[object - M0] => {

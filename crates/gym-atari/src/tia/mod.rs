@@ -410,8 +410,9 @@ impl Tia {
         let shows_other = self.vdelp[other] && self.old_grp[other] != self.grp[other];
         let shows_this = !self.vdelp[i] && self.grp[i] != value;
         let shows_ball = i == 1 && self.vdelbl && self.old_enabl != self.enabl;
-        let changed =
-            u8::from(shows_other) << (P0 + other) | u8::from(shows_this) << (P0 + i) | u8::from(shows_ball) << BL;
+        let changed = u8::from(shows_other) << (P0 + other)
+            | u8::from(shows_this) << (P0 + i)
+            | u8::from(shows_ball) << BL;
         if changed != 0 {
             self.change(changed, clock + 1, screen);
         }

@@ -74,6 +74,8 @@ struct Stored {
 
 /// The name in specs.
 const NAME: &str = "AtariPreprocessing";
+/// The wrappers that `make` puts around an environment. They check, and change nothing.
+const OF_MAKE: [&str; 2] = ["OrderEnforcing", "PassiveEnvChecker"];
 
 gym_core::inventory::submit! {
     WrapperRegistration {
@@ -98,18 +100,10 @@ impl<E: Env> AtariPreprocessing<E> {
         let Some(atari) = within(&env) else {
             return refuse(format!("{} is no game of the Atari 2600", env.describe()));
         };
-        if let Some(spec) = env.spec() {
-            if let Some(wrapper) = spec.additional_wrappers.first() {
-                return refuse(format!(
-                    "{} is around the environment: it must be around this wrapper",
-                    wrapper.name
-                ));
-            }
-            if let Some(limit) = spec.max_episode_steps {
-                return refuse(format!(
-                    "max_episode_steps is {limit}: put a TimeLimit around this wrapper, or set max_num_frames_per_episode"
-                ));
-            }
+        let stack = env.describe();
+        let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty());
+        if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
+            return refuse(format!("{layer} is around the environment: put it around AtariPreprocessing"));
         }
         if atari.config().frameskip != Frameskip::Fixed(1) {
             return refuse(format!(

@@ -177,14 +177,14 @@ impl Tia {
             self.mixed |= bit;
             before.until(from, pixels)
         };
-        self.repeats &= before == pixels;
+        self.repeats &= before.equals(pixels);
         self.objects.set(object, pixels);
     }
 }
 
 /// The objects whose bits are set.
 #[inline]
-fn bits(mut set: u8) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let object = set.trailing_zeros() as usize;
         set &= set.wrapping_sub(1);

@@ -67,6 +67,9 @@ const PF: usize = 5;
 /// The objects.
 const OBJECTS: usize = 6;
 
+/// A bit for each object that moves.
+const MOVABLE: u8 = 0x1f;
+
 /// The chip, without the picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Tia {
@@ -92,6 +95,8 @@ pub(crate) struct Tia {
     old_grp: [u8; 2],
     old_enabl: bool,
     hm: [u8; 5],
+    /// The objects, by bit, of which `hm` is not 0.
+    in_motion: u8,
     vdelp: [bool; 2],
     vdelbl: bool,
     resmp: [bool; 2],
@@ -150,6 +155,7 @@ impl Tia {
             old_grp: [0; 2],
             old_enabl: false,
             hm: [0; 5],
+            in_motion: 0,
             vdelp: [false; 2],
             vdelbl: false,
             resmp: [false; 2],
@@ -205,6 +211,7 @@ impl Tia {
             && self.x.iter().all(|&x| usize::from(x) < WIDTH)
             && self.hm.iter().all(|&nibble| nibble < 16)
             && self.pf < 1 << 20
+            && self.in_motion <= MOVABLE
     }
 
     /// Reads a register: its bits, and which of the byte's bits it drives.
@@ -338,7 +345,11 @@ impl Tia {
                 self.enabl = value & 0x02 != 0;
             }
             // HMP0, HMP1, HMM0, HMM1, HMBL
-            register @ 0x20..=0x24 => self.hm[usize::from(register) - 0x20] = value >> 4,
+            register @ 0x20..=0x24 => {
+                let object = usize::from(register) - 0x20;
+                self.hm[object] = value >> 4;
+                self.in_motion = self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
+            }
             // VDELP0, VDELP1
             register @ (0x25 | 0x26) => {
                 let i = usize::from(register) - 0x25;
@@ -358,7 +369,10 @@ impl Tia {
             // HMOVE
             0x2a => self.hmove(c, screen),
             // HMCLR
-            0x2b => self.hm = [0; 5],
+            0x2b => {
+                self.hm = [0; 5];
+                self.in_motion = 0;
+            }
             // CXCLR
             0x2c => {
                 self.change_colors(clock, screen);
@@ -470,12 +484,19 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        let shifts = self.hm.map(|hm| shift(i32::from(hm ^ 0x08)));
-        let moved = (0..5).fold(0, |moved, object| moved | u8::from(shifts[object] != 0) << object);
+        let shift_of = |object: usize| shift(i32::from(self.hm[object] ^ 0x08));
+        // where all 8 pulses come, only those objects move whose `HM` register is not 0
+        let candidates = match c {
+            ..=12 | 75.. => self.in_motion,
+            21..=54 => 0,
+            _ => MOVABLE,
+        };
+        let moved = draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
         if moved != 0 {
             self.change(moved, clock, screen);
-            for (x, shift) in self.x.iter_mut().zip(shifts) {
-                *x = objects::around(*x, shift);
+            for object in draw::bits(moved) {
+                let shift = shift(i32::from(self.hm[object] ^ 0x08));
+                self.x[object] = objects::around(self.x[object], shift);
             }
         }
         if self.display.comb && (c <= 20 || c >= 75) {

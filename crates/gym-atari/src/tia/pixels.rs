@@ -16,6 +16,13 @@ impl Pixels {
         a | b | c == 0
     }
 
+    /// Word by word, where vectors would have to wait for words that were just written.
+    #[inline(always)]
+    pub(crate) fn equals(self, other: Self) -> bool {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a == x && b == y && c == z
+    }
+
     /// These pixels ahead of `x`, and others from there on.
     #[inline(always)]
     pub(crate) fn until(self, x: u8, others: Self) -> Self {

@@ -114,7 +114,8 @@ fn preprocessing_is_made_from_its_spec() {
     let mut made = spec.wrap(BoxEnv::new(OrderEnforcing::new(env(config())))).unwrap();
     assert_eq!(Value::Array(typed.reset(4).unwrap()), made.reset(4).unwrap());
     for step in 0..20usize {
-        let (typed, made) = (typed.step(&(step % 18).into()).unwrap(), made.step(&Value::Int(step as i64 % 18)).unwrap());
+        let (typed, made) =
+            (typed.step(&(step % 18).into()).unwrap(), made.step(&Value::Int(step as i64 % 18)).unwrap());
         assert_eq!(Value::Array(typed.observation), made.observation, "step {step}");
         assert_eq!((typed.reward, typed.terminated), (made.reward, made.terminated));
     }

@@ -491,7 +491,8 @@ impl Tia {
             21..=54 => 0,
             _ => MOVABLE,
         };
-        let moved = draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
+        let moved =
+            draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
         if moved != 0 {
             self.change(moved, clock, screen);
             for object in draw::bits(moved) {

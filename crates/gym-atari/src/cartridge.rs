@@ -44,8 +44,8 @@ impl Scheme {
     /// The bytes of ROM.
     fn size(self) -> usize {
         match self {
-            Self::Rom2K => 2048,
-            Self::Rom4K => 4096,
+            // 2K repeat
+            Self::Rom2K | Self::Rom4K => 4096,
             Self::F8 | Self::F8SC | Self::E0 | Self::FE => 8192,
             Self::F6 | Self::F6SC => 16384,
         }
@@ -55,6 +55,11 @@ impl Scheme {
         matches!(self, Self::F8SC | Self::F6SC)
     }
 }
+
+/// The bytes of a whole bank.
+const BANK: usize = 4096;
+/// From here on an address may select a bank.
+const FIRST_HOTSPOT: u16 = 0x0fe0;
 
 /// A ROM and which parts of it the processor sees.
 #[derive(Clone, Debug)]
@@ -94,8 +99,7 @@ impl Cartridge {
         self.banks.ram = [0; 128];
         self.banks.stacked = false;
         match self.banks.scheme {
-            Scheme::Rom2K => self.banks.windows = [0, 0x400, 0, 0x400],
-            Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
+            Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
             Scheme::F8 | Scheme::F8SC => self.banks.select(1),
             Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],
         }
@@ -122,7 +126,7 @@ impl Cartridge {
     #[inline(always)]
     pub fn read(&mut self, address: u16, bus: u8) -> u8 {
         let low = address & 0x0fff;
-        if low >= 0x0fe0 {
+        if low >= FIRST_HOTSPOT {
             self.banks.hotspot(low);
         } else if low < 0x0100 && self.banks.scheme.has_ram() {
             let cell = usize::from(low & 0x7f);
@@ -141,25 +145,135 @@ impl Cartridge {
     #[inline(always)]
     pub fn write(&mut self, address: u16, value: u8) {
         let low = address & 0x0fff;
-        if low >= 0x0fe0 {
+        if low >= FIRST_HOTSPOT {
             self.banks.hotspot(low);
         } else if low < 0x80 && self.banks.scheme.has_ram() {
             self.banks.ram[usize::from(low)] = value;
         }
     }
 
-    /// Every access to a bus address below the cartridge's, for the scheme that listens to the stack.
+    /// The cartridge as the processor is best wired to it.
+    pub(crate) fn slot(&mut self) -> Slot<'_> {
+        let whole = matches!(self.banks.scheme, Scheme::Rom2K | Scheme::Rom4K | Scheme::F8 | Scheme::F6);
+        let start = usize::from(self.banks.windows[0]);
+        if !whole || start + BANK > self.rom.len() {
+            return Slot::Other(self);
+        }
+        let Self { rom, banks } = self;
+        let bank = rom[start..].first_chunk().expect("a bank is 4K");
+        match banks.scheme {
+            Scheme::Rom2K | Scheme::Rom4K => Slot::Fixed(Fixed { rom: bank }),
+            _ => Slot::Switched(Switched { rom, bank, banks }),
+        }
+    }
+}
+
+/// What the processor sees of a cartridge.
+pub(crate) trait ReadWrite {
+    /// Reads a byte, while another is on the bus.
+    fn read(&mut self, address: u16, bus: u8) -> u8;
+    /// Writes a byte.
+    fn write(&mut self, address: u16, value: u8);
+    /// Hears of an access to any address, and the byte on the bus.
+    fn listen(&mut self, _address: u16, _value: u8) {}
+    /// The byte of the ROM that a read of this address gives, if the read does nothing else.
+    fn constant(&self, address: u16) -> Option<u8>;
+}
+
+/// A cartridge by what its accesses do, so that the processor runs on code for that alone.
+pub(crate) enum Slot<'a> {
+    Fixed(Fixed<'a>),
+    Switched(Switched<'a>),
+    Other(&'a mut Cartridge),
+}
+
+/// A ROM without banks.
+pub(crate) struct Fixed<'a> {
+    rom: &'a [u8; BANK],
+}
+
+impl ReadWrite for Fixed<'_> {
     #[inline(always)]
-    pub fn listens(&self) -> bool {
-        self.banks.scheme == Scheme::FE
+    fn read(&mut self, address: u16, _bus: u8) -> u8 {
+        self.rom[usize::from(address & 0x0fff)]
     }
 
-    /// `FE`: an access to any address, and the byte on the bus.
-    pub fn listen(&mut self, address: u16, value: u8) {
-        if self.banks.stacked {
-            self.banks.select(u16::from(value & 0x20 == 0));
+    #[inline(always)]
+    fn write(&mut self, _address: u16, _value: u8) {}
+
+    #[inline(always)]
+    fn constant(&self, address: u16) -> Option<u8> {
+        (address & 0x1000 != 0).then(|| self.rom[usize::from(address & 0x0fff)])
+    }
+}
+
+/// `F8` and `F6`: one bank of several at a time.
+pub(crate) struct Switched<'a> {
+    rom: &'a [u8],
+    bank: &'a [u8; BANK],
+    banks: &'a mut Banks,
+}
+
+impl Switched<'_> {
+    #[inline(always)]
+    fn access(&mut self, address: u16) {
+        if address & 0x0fff >= FIRST_HOTSPOT {
+            self.bank = switch(self.rom, self.banks, address);
         }
-        self.banks.stacked = address & 0x1fff == 0x01fe;
+    }
+}
+
+/// The bank that is selected after an access. It is no method, as `self` would have to be in memory then.
+#[inline(never)]
+fn switch<'a>(rom: &'a [u8], banks: &mut Banks, address: u16) -> &'a [u8; BANK] {
+    banks.hotspot(address & 0x0fff);
+    let start = usize::from(banks.windows[0]);
+    rom[start..].first_chunk().expect("a bank is 4K")
+}
+
+impl ReadWrite for Switched<'_> {
+    #[inline(always)]
+    fn read(&mut self, address: u16, _bus: u8) -> u8 {
+        self.access(address);
+        self.bank[usize::from(address & 0x0fff)]
+    }
+
+    #[inline(always)]
+    fn write(&mut self, address: u16, _value: u8) {
+        self.access(address);
+    }
+
+    #[inline(always)]
+    fn constant(&self, address: u16) -> Option<u8> {
+        let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
+        plain.then(|| self.bank[usize::from(address & 0x0fff)])
+    }
+}
+
+impl ReadWrite for &mut Cartridge {
+    #[inline(always)]
+    fn read(&mut self, address: u16, bus: u8) -> u8 {
+        Cartridge::read(self, address, bus)
+    }
+
+    #[inline(always)]
+    fn write(&mut self, address: u16, value: u8) {
+        Cartridge::write(self, address, value);
+    }
+
+    /// `FE` looks at the byte after an access to `$01FE`.
+    #[inline(always)]
+    fn listen(&mut self, address: u16, value: u8) {
+        if self.banks.scheme == Scheme::FE {
+            if self.banks.stacked {
+                self.banks.select(u16::from(value & 0x20 == 0));
+            }
+            self.banks.stacked = address & 0x1fff == 0x01fe;
+        }
+    }
+
+    fn constant(&self, _address: u16) -> Option<u8> {
+        None
     }
 }
 

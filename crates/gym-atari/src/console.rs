@@ -15,12 +15,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::cartridge::{Banks, Cartridge};
-use crate::cpu::{Bus, Cpu};
+use crate::cartridge::{Banks, Cartridge, Slot};
+use crate::cpu::Cpu;
 use crate::riot::Riot;
 pub use crate::screen::Pictures;
 use crate::screen::Screen;
-use crate::tia::{Display, Request, Tia};
+use crate::tia::{Display, Tia};
+use crate::wires::{Chips, Wires};
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
@@ -65,21 +66,8 @@ pub mod switch {
 #[derive(Clone, Debug)]
 pub struct Console {
     cpu: Cpu,
-    board: Board,
-}
-
-/// All but the processor.
-#[derive(Clone, Debug)]
-struct Board {
-    riot: Riot,
-    tia: Tia,
-    screen: Screen,
+    chips: Chips,
     cartridge: Cartridge,
-    /// The cycles since power-on.
-    cycle: u64,
-    /// The byte that was last on the bus.
-    data: u8,
-    frame_ended: bool,
 }
 
 /// Everything about a console that changes but the picture: a few hundred bytes.
@@ -89,26 +77,22 @@ pub struct State {
     riot: Riot,
     tia: Tia,
     banks: Banks,
-    cycle: u64,
-    data: u8,
     frame_ended: bool,
 }
 
 impl Console {
     /// Switches on: with this content of RAM, and the timer running as if `TIM64T` had been written with `timer`.
     pub fn new(cartridge: Cartridge, display: Display, ram: [u8; 128], timer: u8) -> Self {
-        let mut board = Board {
+        let mut cartridge = cartridge;
+        cartridge.reset();
+        let pc = u16::from_le_bytes([0xfffc, 0xfffd].map(|address| cartridge.read(address, 0)));
+        let chips = Chips {
             riot: Riot::new(ram, timer),
             tia: Tia::new(display),
             screen: Screen::new(),
-            cartridge,
-            cycle: 0,
-            data: 0,
             frame_ended: false,
         };
-        board.cartridge.reset();
-        let pc = u16::from_le_bytes([board.look(0xfffc), board.look(0xfffd)]);
-        Self { cpu: Cpu::new(pc), board }
+        Self { cpu: Cpu::new(pc), chips, cartridge }
     }
 
     /// Runs a frame: until the program ends it, or for 25,000 instructions.
@@ -122,54 +106,54 @@ impl Console {
     }
 
     fn run(&mut self, input: &Input, seen: bool) {
-        let board = &mut self.board;
-        board.riot.port_a = input.port_a;
-        board.riot.port_b = input.port_b;
-        board.tia.fire = input.fire;
-        board.tia.charge = input.charge;
-        board.screen.unseen = !seen;
-        if std::mem::take(&mut board.frame_ended) {
-            board.screen.swap();
+        let Self { cpu, chips, cartridge } = self;
+        chips.riot.port_a = input.port_a;
+        chips.riot.port_b = input.port_b;
+        chips.tia.fire = input.fire;
+        chips.tia.charge = input.charge;
+        if chips.screen.unseen == seen {
+            chips.screen.unseen = !seen;
+            chips.tia.start_picture();
         }
-        for _ in 0..MOST_INSTRUCTIONS {
-            self.cpu.step(board);
-            if board.frame_ended {
-                break;
-            }
+        if std::mem::take(&mut chips.frame_ended) {
+            chips.screen.swap();
+        }
+        match cartridge.slot() {
+            Slot::Fixed(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
+            Slot::Switched(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
+            Slot::Other(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
         }
     }
 
     /// The 128 bytes of RAM.
     pub fn ram(&self) -> &[u8; 128] {
-        &self.board.riot.ram
+        &self.chips.riot.ram
     }
 
     /// The same, to change.
     pub fn ram_mut(&mut self) -> &mut [u8; 128] {
-        &mut self.board.riot.ram
+        &mut self.chips.riot.ram
     }
 
     /// The picture, row by row from the top.
     pub fn picture(&self) -> &[Row] {
-        &self.board.screen.picture()[..self.board.tia.display().rows]
+        &self.chips.screen.picture()[..self.chips.tia.display().rows]
     }
 
     /// Whether the last frame ended before its picture was complete. The rest of the picture is then what it was two
     /// frames ago.
     pub fn is_short(&self) -> bool {
-        !self.board.frame_ended || self.board.tia.is_short()
+        !self.chips.frame_ended || self.chips.tia.is_short()
     }
 
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
-        let Board { riot, tia, screen: _, cartridge, cycle, data, frame_ended } = &self.board;
+        let Chips { riot, tia, screen: _, frame_ended } = &self.chips;
         State {
             cpu: self.cpu,
             riot: riot.clone(),
             tia: tia.clone(),
-            banks: cartridge.banks().clone(),
-            cycle: *cycle,
-            data: *data,
+            banks: self.cartridge.banks().clone(),
             frame_ended: *frame_ended,
         }
     }
@@ -177,24 +161,23 @@ impl Console {
     /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
     /// cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
-        let State { cpu, riot, tia, banks, cycle, data, frame_ended } = state;
-        if !tia.is_valid(*cycle) || !riot.is_valid(*cycle) || !self.board.cartridge.set_banks(banks) {
+        let State { cpu, riot, tia, banks, frame_ended } = state;
+        if !tia.is_valid(cpu.cycle) || !riot.is_valid(cpu.cycle) || !self.cartridge.set_banks(banks) {
             return false;
         }
-        let display = *self.board.tia.display();
+        let display = *self.chips.tia.display();
         self.cpu = *cpu;
-        self.board.riot = riot.clone();
-        self.board.tia = tia.clone();
-        self.board.tia.set_display(display);
-        self.board.cycle = *cycle;
-        self.board.data = *data;
-        self.board.frame_ended = *frame_ended;
+        self.chips.riot = riot.clone();
+        self.chips.tia = tia.clone();
+        self.chips.tia.set_display(display);
+        self.chips.tia.start_picture();
+        self.chips.frame_ended = *frame_ended;
         true
     }
 
     /// The pictures, to be stored.
     pub fn pictures(&self) -> Pictures {
-        Pictures::of(&self.board.screen)
+        Pictures::of(&self.chips.screen)
     }
 
     /// Shows stored pictures; `false` and no change if they were damaged.
@@ -202,90 +185,23 @@ impl Console {
         let screen = pictures.screen();
         let fits = screen.is_some();
         if let Some(screen) = screen {
-            self.board.screen = screen;
+            self.chips.screen = screen;
         }
         fits
     }
 
     /// Which of the two pictures is being drawn.
     pub(crate) fn current_picture(&self) -> usize {
-        self.board.screen.current
+        self.chips.screen.current
     }
 
     /// Draws on this of the two pictures.
     pub(crate) fn set_current_picture(&mut self, picture: usize) {
-        self.board.screen.current = picture;
+        self.chips.screen.current = picture;
     }
 
     /// The cartridge.
     pub fn cartridge(&self) -> &Cartridge {
-        &self.board.cartridge
-    }
-}
-
-impl Board {
-    /// Reads without a cycle, at power-on.
-    fn look(&mut self, address: u16) -> u8 {
-        self.cartridge.read(address, 0)
-    }
-
-    #[inline(never)]
-    fn read_chip(&mut self, address: u16) -> u8 {
-        match address & 0x0280 {
-            0x0080 => self.riot.ram[usize::from(address & 0x7f)],
-            0x0280 => self.riot.read(address, self.cycle),
-            _ => {
-                let (bits, driven) = self.tia.read(address, self.cycle, &mut self.screen);
-                bits | self.data & !driven
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn write_chip(&mut self, address: u16, value: u8) {
-        match address & 0x0280 {
-            0x0080 => self.riot.ram[usize::from(address & 0x7f)] = value,
-            0x0280 => self.riot.write(address, value, self.cycle),
-            _ => match self.tia.write(address, value, self.cycle, &mut self.screen) {
-                Request::None => {}
-                Request::Wait(cycles) => self.cycle += u64::from(cycles),
-                Request::FrameEnd => self.frame_ended = true,
-            },
-        }
-    }
-}
-
-impl Bus for Board {
-    #[inline(always)]
-    fn read(&mut self, address: u16) -> u8 {
-        self.cycle += 1;
-        self.data = if address & 0x1000 != 0 {
-            self.cartridge.read(address, self.data)
-        } else {
-            self.read_chip(address)
-        };
-        if self.cartridge.listens() {
-            self.cartridge.listen(address, self.data);
-        }
-        self.data
-    }
-
-    #[inline(always)]
-    fn write(&mut self, address: u16, value: u8) {
-        self.cycle += 1;
-        self.data = value;
-        if address & 0x1000 != 0 {
-            self.cartridge.write(address, value);
-        } else {
-            self.write_chip(address, value);
-        }
-        if self.cartridge.listens() {
-            self.cartridge.listen(address, value);
-        }
-    }
-
-    #[inline(always)]
-    fn idle(&mut self) {
-        self.cycle += 1;
+        &self.cartridge
     }
 }

@@ -19,6 +19,7 @@ pub mod rom;
 mod screen;
 mod shrink;
 mod tia;
+mod wires;
 mod words;
 
 pub use action::Action;

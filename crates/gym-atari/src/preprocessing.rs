@@ -3,9 +3,10 @@
 //! Source: Gymnasium 1.4.0, `wrappers/atari_preprocessing.py`; Machado et al., "Revisiting the Arcade Learning
 //! Environment" (2018).
 
-use gym_core::canvas::Canvas;
-use gym_core::render::Metadata;
-use gym_core::{Array, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use std::any::TypeId;
+
+use gym_core::registry::WrapperRegistration;
+use gym_core::{Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, WrapperSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
@@ -35,7 +36,8 @@ impl Default for Preprocessing {
 
 /// Observes the game small and in gray: the brighter of the last two frames of each step, shrunk.
 ///
-/// The frames that nobody looks at are played without being drawn.
+/// The frames that nobody looks at are played without being drawn. A spec names the wrapper `AtariPreprocessing`, with the
+/// arguments of [`Preprocessing`], and puts it around what `make` gives.
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
@@ -50,11 +52,13 @@ impl Default for Preprocessing {
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct AtariPreprocessing {
-    env: AtariEnv,
+pub struct AtariPreprocessing<E: Env = AtariEnv> {
+    env: E,
+    /// Receives the observations of `env`, which are of no use.
+    unused: E::Observation,
     settings: Preprocessing,
     shrink: Shrink,
-    /// The last frame, or the brighter of two; and the one before.
+    /// The last frame, or the brighter of two, and the one before, as indices of colours.
     frames: [Vec<u8>; 2],
     lives: i32,
 }
@@ -68,18 +72,43 @@ struct Stored {
     lives: i32,
 }
 
-impl AtariPreprocessing {
-    /// Preprocesses `env`, whose own `frameskip` must be 1.
+/// The name in specs.
+const NAME: &str = "AtariPreprocessing";
+/// The wrappers that `make` puts around an environment. They check, and change nothing.
+const OF_MAKE: [&str; 2] = ["OrderEnforcing", "PassiveEnvChecker"];
+
+gym_core::inventory::submit! {
+    WrapperRegistration {
+        name: NAME,
+        wrap: |env, kwargs| {
+            let settings = serde_json::from_value(kwargs.clone().into());
+            let settings = settings.map_err(|error| Error::argument(NAME, error.to_string()))?;
+            Ok(BoxEnv::new(AtariPreprocessing::new(env, settings)?))
+        },
+    }
+}
+
+impl<E: Env> AtariPreprocessing<E> {
+    /// Preprocesses an [`AtariEnv`] whose own `frameskip` is 1, or what `make` gives for one. Frames are played within the
+    /// `AtariEnv`, so no other wrapper may be between.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the
-    /// picture.
-    pub fn new(env: AtariEnv, settings: Preprocessing) -> Result<Self> {
-        let refuse = |reason: String| Err(Error::argument("AtariPreprocessing", reason));
-        if env.config().frameskip != Frameskip::Fixed(1) {
+    /// [`Error::InvalidArgument`] for an environment that is no [`AtariEnv`], another wrapper around it, another
+    /// `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the picture.
+    pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
+        let refuse = |reason: String| Err(Error::argument(NAME, reason));
+        let Some(atari) = within(&env) else {
+            return refuse(format!("{} is no game of the Atari 2600", env.describe()));
+        };
+        let stack = env.describe();
+        let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty());
+        if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
+            return refuse(format!("{layer} is around the environment: put it around AtariPreprocessing"));
+        }
+        if atari.config().frameskip != Frameskip::Fixed(1) {
             return refuse(format!(
                 "the environment's frameskip is {:?}: it must be 1",
-                env.config().frameskip
+                atari.config().frameskip
             ));
         }
         if !(1..=10_000).contains(&settings.frame_skip) {
@@ -88,7 +117,7 @@ impl AtariPreprocessing {
                 settings.frame_skip
             ));
         }
-        let source = (env.ale().picture().len(), 160);
+        let source = (atari.ale().picture().len(), 160);
         let [height, width] = settings.screen_size;
         let Some(shrink) = Shrink::new(source, (height, width)) else {
             return refuse(format!(
@@ -97,7 +126,7 @@ impl AtariPreprocessing {
             ));
         };
         let frames = [vec![0; source.0 * source.1], vec![0; source.0 * source.1]];
-        Ok(Self { env, settings, shrink, frames, lives: 0 })
+        Ok(Self { env, unused: E::Observation::empty(), settings, shrink, frames, lives: 0 })
     }
 
     /// How it preprocesses.
@@ -106,19 +135,20 @@ impl AtariPreprocessing {
     }
 
     /// The environment within.
-    pub fn get_ref(&self) -> &AtariEnv {
+    pub fn get_ref(&self) -> &E {
         &self.env
     }
 
     /// The environment within, without the wrapper.
-    pub fn into_inner(self) -> AtariEnv {
+    pub fn into_inner(self) -> E {
         self.env
     }
 
-    /// Plays a step's frames; `seen` says which are drawn. What they leave is the sum of rewards, how it ended, and the
-    /// two last frames; and whether a picture shows what an undrawn frame left.
+    /// Plays a step's frames, of which those from `first_seen` on are drawn. What they leave is the sum of rewards, how it
+    /// ended, and the two last frames; and whether a picture shows what an undrawn frame left.
     fn play(&mut self, action: Action, first_seen: u32) -> (Outcome, bool) {
         let Self { env, settings, frames, lives, .. } = self;
+        let env = within_mut(env);
         let (mut total, mut incomplete) = (Outcome::default(), false);
         for frame in 0..settings.frame_skip {
             let outcome = env.play_frame(action, frame >= first_seen);
@@ -131,12 +161,9 @@ impl AtariPreprocessing {
             if total.done() {
                 break;
             }
-            if frame + 2 == settings.frame_skip {
+            if frame + 2 >= settings.frame_skip {
                 incomplete |= env.ale().console().is_short();
-                gray(env, &mut frames[1]);
-            } else if frame + 1 == settings.frame_skip {
-                incomplete |= env.ale().console().is_short();
-                gray(env, &mut frames[0]);
+                look(env, &mut frames[(settings.frame_skip - 1 - frame) as usize]);
             }
         }
         (total, incomplete && first_seen > 0)
@@ -145,60 +172,95 @@ impl AtariPreprocessing {
     fn observe(&mut self, observation: &mut Array) {
         let [last, before] = &mut self.frames;
         if self.settings.frame_skip > 1 {
-            last.iter_mut().zip(&*before).for_each(|(last, before)| *last = (*last).max(*before));
+            brighter(last, before);
         }
-        self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
+        self.shrink.shrink(last, &palette::GRAY, buffer(observation, &self.settings.screen_size));
     }
 }
 
-/// The picture in shades of gray.
-fn gray(env: &AtariEnv, out: &mut [u8]) {
-    let picture = env.ale().picture().as_flattened();
-    out.iter_mut().zip(picture).for_each(|(out, &index)| *out = palette::GRAY[usize::from(index)]);
+/// Copies the picture.
+fn look(env: &AtariEnv, out: &mut [u8]) {
+    out.copy_from_slice(env.ale().picture().as_flattened());
 }
 
-impl Env for AtariPreprocessing {
+/// Turns the colours of a picture into those of another where these are brighter.
+fn brighter(picture: &mut [u8], other: &[u8]) {
+    let rows = picture.as_chunks_mut::<160>().0.iter_mut().zip(other.as_chunks::<160>().0);
+    for (row, other) in rows.filter(|(row, other)| row != other) {
+        for (index, &other) in row.iter_mut().zip(other) {
+            if palette::GRAY[usize::from(*index)] < palette::GRAY[usize::from(other)] {
+                *index = other;
+            }
+        }
+    }
+}
+
+/// The game's environment, which may be in the wrappers of `make`.
+fn within<E: Env>(env: &E) -> Option<&AtariEnv> {
+    env.layer(TypeId::of::<AtariEnv>())?.downcast_ref()
+}
+
+fn within_mut<E: Env>(env: &mut E) -> &mut AtariEnv {
+    let layer = env.layer_mut(TypeId::of::<AtariEnv>()).and_then(|layer| layer.downcast_mut());
+    layer.expect("the constructor found it")
+}
+
+impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
+    type Inner = E;
     type Observation = Array;
     type Action = AtariAction;
+
+    fn inner(&self) -> &E {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut E {
+        &mut self.env
+    }
 
     fn observation_space(&self) -> Space {
         bytes(&self.settings.screen_size)
     }
 
-    fn action_space(&self) -> Space {
-        self.env.action_space()
-    }
-
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
-        self.env.start(reset)?;
+        self.env.reset_into(reset, &mut self.unused)?;
         let noops = match (self.settings.noop_max, self.env.generator()) {
             (1.., Some(rng)) => rng.integers(1, i64::from(self.settings.noop_max) + 1),
             _ => 0,
         };
         for _ in 0..noops {
-            if self.env.play_frame(Action::Noop, true).done() {
-                self.env.start(reset)?;
+            if within_mut(&mut self.env).play_frame(Action::Noop, true).done() {
+                self.env.reset_into(reset, &mut self.unused)?;
             }
         }
-        self.lives = self.env.ale().lives();
-        gray(&self.env, &mut self.frames[0]);
+        let atari = within_mut(&mut self.env);
+        self.lives = atari.ale().lives();
+        look(atari, &mut self.frames[0]);
         self.frames[1].fill(0);
         self.observe(observation);
         Ok(())
     }
 
     fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
-        let action = self.env.resolve_for_step(action)?;
+        let atari = within_mut(&mut self.env);
+        let action = atari.resolve_for_step(action)?;
         let first_seen = self.settings.frame_skip.saturating_sub(2);
-        let (before, lives) = (self.env.moment(), self.lives);
+        let (before, lives) = (atari.moment(), self.lives);
         let (mut outcome, incomplete) = self.play(action, first_seen);
         if incomplete {
-            self.env.set_moment(&before);
+            within_mut(&mut self.env).set_moment(&before);
             self.lives = lives;
             (outcome, _) = self.play(action, 0);
         }
         self.observe(observation);
         Ok(outcome)
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        let Preprocessing { noop_max, frame_skip, screen_size, terminal_on_life_loss } = self.settings;
+        let spec = WrapperSpec::new(NAME).arg("noop_max", noop_max).arg("frame_skip", frame_skip);
+        let spec = spec.arg("screen_size", screen_size.to_vec());
+        Some(spec.arg("terminal_on_life_loss", terminal_on_life_loss))
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -226,29 +288,5 @@ impl Env for AtariPreprocessing {
         self.frames = frames;
         self.lives = lives;
         Ok(())
-    }
-
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.env.info(visit);
-    }
-
-    fn metadata(&self) -> Metadata {
-        self.env.metadata()
-    }
-
-    fn draw(&self, canvas: &mut dyn Canvas) {
-        self.env.draw(canvas);
-    }
-
-    fn describe(&self) -> String {
-        format!("<AtariPreprocessing{}>", self.env.describe())
-    }
-
-    fn generator(&mut self) -> Option<&mut Generator> {
-        self.env.generator()
-    }
-
-    fn close(&mut self) {
-        self.env.close();
     }
 }

@@ -55,6 +55,14 @@ impl Riot {
         }
     }
 
+    /// Up to which cycle a register reads as at `cycle`, if nothing else happens.
+    pub(crate) fn steady_until(&self, address: u16, cycle: u64) -> u64 {
+        match address & 0x07 {
+            4 | 6 => self.timer.steady_until(cycle), // INTIM
+            _ => cycle,
+        }
+    }
+
     /// Writes a register at a cycle.
     pub fn write(&mut self, address: u16, value: u8, cycle: u64) {
         match (address & 0x14, address & 0x03) {
@@ -103,6 +111,16 @@ impl Timer {
             Some(first) => (first + i64::from(self.value) - (elapsed >> self.shift)) as u8,
             None => below as u8,
         }
+    }
+
+    /// Up to which cycle `INTIM` reads as at `cycle`; after the end of the interval a read changes the timer.
+    fn steady_until(&self, cycle: u64) -> u64 {
+        let (elapsed, count) = self.count(cycle);
+        if count < 0 || elapsed < 0 {
+            return cycle;
+        }
+        let passed = elapsed & ((1 << self.shift) - 1);
+        cycle + ((1 << self.shift) - 1 - passed) as u64
     }
 
     fn instat(&self, cycle: u64) -> u8 {

@@ -1,5 +1,7 @@
 //! The picture that is being drawn and the one before.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::tia::WIDTH;
@@ -30,6 +32,21 @@ impl Screen {
 
     pub(crate) fn picture(&self) -> &[Row; HEIGHT] {
         &self.pictures[self.current]
+    }
+
+    /// Makes pixels of a row black.
+    pub(crate) fn blacken(&mut self, row: usize, pixels: Range<usize>) {
+        if !self.unseen {
+            self.row(row)[pixels].fill(0);
+        }
+    }
+
+    /// Gives a row the colours of the one above it.
+    pub(crate) fn repeat_row(&mut self, row: usize) {
+        if !self.unseen {
+            let picture = &mut self.pictures[self.current];
+            picture[row] = picture[row - 1];
+        }
     }
 
     pub(crate) fn row(&mut self, row: usize) -> &mut Row {

@@ -5,6 +5,8 @@
 
 /// The columns that a number can cover at most, and the rows likewise.
 const TAPS: usize = 16;
+/// As many are added up without counting: shares beyond the last are 0.
+const FEW: usize = 4;
 
 /// What one number covers along one axis: the first of the source, and the share of each from there on.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +22,14 @@ pub(crate) struct Shrink {
     rows: Vec<Cover>,
     columns: Vec<Cover>,
     width: usize,
+    /// Whether no number covers more than a few columns.
+    few_columns: bool,
+    /// A row's shades, and zeros behind them.
+    shades: Vec<f32>,
     /// The sums over columns, for each row of the source.
     across: Vec<f32>,
+    /// The sums over rows, of a row of the target.
+    down: Vec<f32>,
 }
 
 impl Shrink {
@@ -29,38 +37,62 @@ impl Shrink {
     pub(crate) fn new(source: (usize, usize), target: (usize, usize)) -> Option<Self> {
         let rows = covers(source.0, target.0)?;
         let columns = covers(source.1, target.1)?;
-        Some(Self { rows, columns, width: source.1, across: vec![0.0; source.0 * target.1] })
+        Some(Self {
+            few_columns: columns.iter().all(|cover| cover.count <= FEW),
+            rows,
+            columns,
+            width: source.1,
+            shades: vec![0.0; source.1 + TAPS],
+            across: vec![0.0; source.0 * target.1],
+            down: vec![0.0; target.1],
+        })
     }
 
-    /// Fills `out` from a picture, both row by row.
-    pub(crate) fn shrink(&mut self, picture: &[u8], out: &mut [u8]) {
+    /// Fills `out` from a picture, both row by row, of which each byte stands for a shade.
+    pub(crate) fn shrink(&mut self, picture: &[u8], shades: &[u8; 256], out: &mut [u8]) {
         let columns = self.columns.len();
-        let source = picture.chunks_exact(self.width);
-        for (y, row) in source.clone().enumerate() {
-            let (above, here) = self.across.split_at_mut(y * columns);
-            let here = &mut here[..columns];
-            if y > 0 && row == &picture[(y - 1) * self.width..y * self.width] {
-                here.copy_from_slice(&above[(y - 1) * columns..]);
+        let mut above: &[u8] = &[];
+        for (y, row) in picture.chunks_exact(self.width).enumerate() {
+            let start = y * columns;
+            if row == above {
+                self.across.copy_within(start - columns..start, start);
                 continue;
             }
-            for (sum, cover) in here.iter_mut().zip(&self.columns) {
-                let covered = &row[cover.first..cover.first + cover.count];
-                *sum = covered
-                    .iter()
-                    .zip(&cover.shares)
-                    .fold(0.0, |sum, (&shade, share)| sum + f32::from(shade) * share);
+            above = row;
+            for (shade, &byte) in self.shades.iter_mut().zip(row) {
+                *shade = f32::from(shades[usize::from(byte)]);
+            }
+            let sums = self.across[start..start + columns].iter_mut().zip(&self.columns);
+            if self.few_columns {
+                sums.for_each(|(sum, cover)| *sum = cover.sum::<FEW>(&self.shades));
+            } else {
+                sums.for_each(|(sum, cover)| *sum = cover.sum::<TAPS>(&self.shades));
             }
         }
         for (out, cover) in out.chunks_exact_mut(columns).zip(&self.rows) {
-            for (x, out) in out.iter_mut().enumerate() {
-                let covered = self.across[cover.first * columns + x..].iter().step_by(columns);
-                let sum = covered
-                    .zip(&cover.shares[..cover.count])
-                    .fold(0.0, |sum, (part, share)| sum + share * part);
-                *out = f32::round_ties_even(sum) as u8;
+            self.down.fill(0.0);
+            let rows = self.across[cover.first * columns..].chunks_exact(columns);
+            for (row, share) in rows.zip(&cover.shares[..cover.count]) {
+                self.down.iter_mut().zip(row).for_each(|(sum, part)| *sum += share * part);
             }
+            out.iter_mut().zip(&self.down).for_each(|(out, &sum)| *out = round(sum));
         }
     }
+}
+
+impl Cover {
+    /// The mean of `N` columns, at least as many as it covers.
+    #[inline(always)]
+    fn sum<const N: usize>(&self, shades: &[f32]) -> f32 {
+        let covered: &[f32; N] = shades[self.first..].first_chunk().expect("zeros follow the shades");
+        covered.iter().zip(&self.shares).fold(0.0, |sum, (shade, share)| sum + shade * share)
+    }
+}
+
+/// The nearest whole number, of two the even one: adding 2^23 leaves no place for digits behind the point.
+#[inline(always)]
+fn round(shade: f32) -> u8 {
+    (shade + 8_388_608.0).to_bits() as u8
 }
 
 /// What each number covers, with shares below a thousandth left out.
@@ -108,7 +140,7 @@ mod tests {
         for (target, expected) in OPENCV {
             let mut out = vec![0; target.0 * target.1];
             let mut shrink = Shrink::new((210, 160), *target).expect("smaller");
-            shrink.shrink(&noise, &mut out);
+            shrink.shrink(&noise, &std::array::from_fn(|shade| shade as u8), &mut out);
             assert_eq!(crc32fast::hash(&out), *expected, "{target:?}");
         }
     }

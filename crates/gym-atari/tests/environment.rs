@@ -3,7 +3,8 @@
 use gym_atari::{
     AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games,
 };
-use gym_core::{Env, Error, Value};
+use gym_core::wrappers::{OrderEnforcing, TimeLimit};
+use gym_core::{BoxEnv, Env, Error, Value, WrapperSpec};
 
 /// Shows a colour that depends on the stick and on a counter of frames.
 fn homebrew() -> Rom {
@@ -99,6 +100,34 @@ fn preprocessing_takes_the_brighter_of_two_frames() {
     let next = small.step(&3.into()).unwrap();
     small.restore(&snapshot).unwrap();
     assert_eq!(small.step(&3.into()).unwrap(), next);
+}
+
+/// A spec names the wrapper with its arguments, and what is made of that is the same wrapper.
+#[test]
+fn preprocessing_is_made_from_its_spec() {
+    let config = || Config { frameskip: Frameskip::Fixed(1), ..Config::default() };
+    let settings =
+        Preprocessing { noop_max: 5, frame_skip: 3, screen_size: [64, 80], terminal_on_life_loss: true };
+    let mut typed = AtariPreprocessing::new(env(config()), settings).unwrap();
+    let spec = gym_core::Wrapper::wrapper_spec(&typed).unwrap();
+    let spec: WrapperSpec = serde_json::from_str(&serde_json::to_string(&spec).unwrap()).unwrap();
+    let mut made = spec.wrap(BoxEnv::new(OrderEnforcing::new(env(config())))).unwrap();
+    assert_eq!(Value::Array(typed.reset(4).unwrap()), made.reset(4).unwrap());
+    for step in 0..20usize {
+        let (typed, made) =
+            (typed.step(&(step % 18).into()).unwrap(), made.step(&Value::Int(step as i64 % 18)).unwrap());
+        assert_eq!(Value::Array(typed.observation), made.observation, "step {step}");
+        assert_eq!((typed.reward, typed.terminated), (made.reward, made.terminated));
+    }
+
+    let refused = |spec: &WrapperSpec, env| spec.wrap(env).unwrap_err().to_string();
+    let unknown = WrapperSpec::new("AtariPreprocessing").arg("grayscale_newaxis", 7);
+    assert!(refused(&unknown, BoxEnv::new(env(config()))).contains("grayscale_newaxis"));
+    let plain = WrapperSpec::new("AtariPreprocessing");
+    let between = BoxEnv::new(TimeLimit::new(env(config()), 9).unwrap());
+    assert!(refused(&plain, between).contains("TimeLimit is around the environment"));
+    let skipping = BoxEnv::new(env(Config::default()));
+    assert!(refused(&plain, skipping).contains("it must be 1"));
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Arithmetic in binary coded decimal, as the NMOS chip does it, flags of no meaning included.
+//!
+//! It is rare, and takes the registers by value: by reference it would keep them in memory for all other instructions.
 
 use super::Cpu;
 
 impl Cpu {
     /// Z comes from the binary sum; N and V from the sum whose lower digit alone was adjusted.
-    pub(super) fn adc_decimal(&mut self, value: u8) {
+    #[inline(never)]
+    pub(super) fn adc_decimal(mut self, value: u8) -> Self {
         let (a, b, carry) = (u16::from(self.a), u16::from(value), u16::from(self.carry));
         let mut low = (a & 0x0f) + (b & 0x0f) + carry;
         if low > 9 {
@@ -19,10 +22,12 @@ impl Cpu {
         }
         self.carry = sum > 0xff;
         self.a = sum as u8;
+        self
     }
 
     /// All flags come from the binary difference.
-    pub(super) fn sbc_decimal(&mut self, value: u8) {
+    #[inline(never)]
+    pub(super) fn sbc_decimal(mut self, value: u8) -> Self {
         let (a, b, borrow) = (i16::from(self.a), i16::from(value), i16::from(!self.carry));
         let mut low = (a & 0x0f) - (b & 0x0f) - borrow;
         if low < 0 {
@@ -34,6 +39,7 @@ impl Cpu {
         }
         self.adc_binary(!value);
         self.a = difference as u8;
+        self
     }
 
     /// The adjustment of `ARR`, after the rotation of `masked` into the accumulator.

@@ -7,21 +7,53 @@
 
 mod decimal;
 mod instructions;
-
-use std::marker::PhantomData;
+mod run;
 
 use serde::{Deserialize, Serialize};
 
-use instructions::{Access, INSTRUCTIONS, Mode, Operation};
+use instructions::Operation;
 
-/// What the processor is wired to. Each call takes one cycle.
+/// What the processor is wired to. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end,
+/// and `bus` the byte of the access before.
 pub trait Bus {
     /// Reads a byte.
-    fn read(&mut self, address: u16) -> u8;
+    fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
+
+    /// Reads a byte of the program.
+    #[inline(always)]
+    fn fetch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        self.read(address, cycle, bus)
+    }
+
+    /// Reads a byte that the processor has no use for.
+    #[inline(always)]
+    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
+        self.read(address, cycle, bus)
+    }
+
     /// Writes a byte.
-    fn write(&mut self, address: u16, value: u8);
-    /// Lets a cycle pass without an access.
-    fn idle(&mut self);
+    fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
+
+    /// The byte at an address, where reading it does nothing else and it never changes.
+    fn constant(&self, _address: u16) -> Option<u8> {
+        None
+    }
+
+    /// Up to which cycle a read of this address gives what it gives at `cycle`, and does nothing else, if that is known.
+    fn steady_until(&self, _address: u16, cycle: u64) -> u64 {
+        cycle
+    }
+}
+
+/// How the processor goes on after a write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ready {
+    /// At once.
+    Now,
+    /// After so many cycles: the line `RDY` holds it.
+    After(u32),
+    /// At once, but [`Cpu::run`] returns when the instruction is complete.
+    Return,
 }
 
 /// Flags of the status register, by their bit.
@@ -40,6 +72,10 @@ mod flag {
 /// The registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cpu {
+    /// The cycles since power-on.
+    pub cycle: u64,
+    /// The byte that was last on the bus.
+    bus: u8,
     /// The program counter.
     pub pc: u16,
     /// The accumulator.
@@ -64,6 +100,8 @@ impl Cpu {
     /// A processor that starts at `pc`.
     pub fn new(pc: u16) -> Self {
         Self {
+            cycle: 0,
+            bus: 0,
             pc,
             a: 0,
             x: 0,
@@ -78,14 +116,8 @@ impl Cpu {
         }
     }
 
-    /// Executes one instruction.
-    #[inline]
-    pub fn step<B: Bus>(&mut self, bus: &mut B) {
-        let opcode = self.fetch(bus);
-        Handlers::<B>::BY_OPCODE[usize::from(opcode)](self, bus);
-    }
-
     /// The status register, as `PHP` pushes it.
+    #[inline(always)]
     pub fn status(&self) -> u8 {
         let bit = |set: bool, bit: u8| if set { bit } else { 0 };
         (self.negative & flag::N)
@@ -98,6 +130,7 @@ impl Cpu {
             | bit(self.carry, flag::C)
     }
 
+    #[inline(always)]
     fn set_status(&mut self, p: u8) {
         self.negative = p & flag::N;
         self.overflow = p & flag::V != 0;
@@ -107,92 +140,12 @@ impl Cpu {
         self.carry = p & flag::C != 0;
     }
 
-    #[inline(always)]
-    fn fetch(&mut self, bus: &mut impl Bus) -> u8 {
-        let byte = bus.read(self.pc);
-        self.pc = self.pc.wrapping_add(1);
-        byte
-    }
-
-    #[inline(always)]
-    fn push(&mut self, bus: &mut impl Bus, value: u8) {
-        bus.write(0x100 | u16::from(self.s), value);
-        self.s = self.s.wrapping_sub(1);
-    }
-
-    #[inline(always)]
-    fn pull(&mut self, bus: &mut impl Bus) -> u8 {
-        self.s = self.s.wrapping_add(1);
-        bus.read(0x100 | u16::from(self.s))
-    }
-
     /// Sets N and Z by `value`.
     #[inline(always)]
     fn flags(&mut self, value: u8) -> u8 {
         self.negative = value;
         self.zero = value;
         value
-    }
-
-    /// Where an instruction of this mode works, and the address before the index was added.
-    #[inline(always)]
-    fn address(&mut self, bus: &mut impl Bus, mode: Mode, access: Access) -> Address {
-        let plain = |at: u16| Address { at, base: at };
-        match mode {
-            Mode::Immediate => {
-                let at = self.pc;
-                self.pc = self.pc.wrapping_add(1);
-                plain(at)
-            }
-            Mode::ZeroPage => plain(u16::from(self.fetch(bus))),
-            Mode::ZeroPageX => plain(self.zero_page_indexed(bus, self.x)),
-            Mode::ZeroPageY => plain(self.zero_page_indexed(bus, self.y)),
-            Mode::Absolute => plain(self.fetch_word(bus)),
-            Mode::AbsoluteX => {
-                let base = self.fetch_word(bus);
-                indexed(bus, base, self.x, access)
-            }
-            Mode::AbsoluteY => {
-                let base = self.fetch_word(bus);
-                indexed(bus, base, self.y, access)
-            }
-            Mode::IndirectX => {
-                let pointer = self.zero_page_indexed(bus, self.x);
-                plain(zero_page_word(bus, pointer as u8))
-            }
-            Mode::IndirectY => {
-                let pointer = self.fetch(bus);
-                let base = zero_page_word(bus, pointer);
-                indexed(bus, base, self.y, access)
-            }
-            Mode::Implied | Mode::Indirect | Mode::Relative => plain(0),
-        }
-    }
-
-    #[inline(always)]
-    fn fetch_word(&mut self, bus: &mut impl Bus) -> u16 {
-        u16::from_le_bytes([self.fetch(bus), self.fetch(bus)])
-    }
-
-    #[inline(always)]
-    fn zero_page_indexed(&mut self, bus: &mut impl Bus, index: u8) -> u16 {
-        let base = self.fetch(bus);
-        bus.read(u16::from(base));
-        u16::from(base.wrapping_add(index))
-    }
-
-    /// Takes the branch, or not.
-    #[inline(always)]
-    fn branch(&mut self, bus: &mut impl Bus, taken: bool) {
-        let offset = self.fetch(bus) as i8;
-        if taken {
-            bus.read(self.pc);
-            let target = self.pc.wrapping_add_signed(i16::from(offset));
-            if (target ^ self.pc) & 0xff00 != 0 {
-                bus.read((self.pc & 0xff00) | (target & 0x00ff));
-            }
-            self.pc = target;
-        }
     }
 
     #[inline(always)]
@@ -204,7 +157,7 @@ impl Cpu {
     #[inline(always)]
     fn adc(&mut self, value: u8) {
         if self.decimal {
-            self.adc_decimal(value);
+            *self = self.adc_decimal(value);
         } else {
             self.adc_binary(value);
         }
@@ -213,7 +166,7 @@ impl Cpu {
     #[inline(always)]
     fn sbc(&mut self, value: u8) {
         if self.decimal {
-            self.sbc_decimal(value);
+            *self = self.sbc_decimal(value);
         } else {
             self.adc_binary(!value);
         }
@@ -255,7 +208,8 @@ impl Cpu {
     }
 
     /// `ARR`: `AND`, then a rotation with flags of its own.
-    fn arr(&mut self, value: u8) {
+    #[inline(never)]
+    fn arr(mut self, value: u8) -> Self {
         let masked = self.a & value;
         let rotated = masked >> 1 | u8::from(self.carry) << 7;
         self.flags(rotated);
@@ -266,6 +220,7 @@ impl Cpu {
             self.carry = rotated & 0x40 != 0;
             self.overflow = (rotated ^ rotated << 1) & 0x40 != 0;
         }
+        self
     }
 
     /// Operations that read a byte.
@@ -294,7 +249,7 @@ impl Cpu {
                 self.carry = self.a & 0x80 != 0;
             }
             Operation::Ane => self.a = self.flags((self.a | 0xee) & self.x & value),
-            Operation::Arr => self.arr(value),
+            Operation::Arr => *self = self.arr(value),
             Operation::Las => {
                 self.s &= value;
                 self.a = self.flags(self.s);
@@ -381,179 +336,4 @@ impl Cpu {
             }
         }
     }
-
-    /// Operations on registers, flags and the stack, and jumps.
-    #[inline(always)]
-    fn implied(&mut self, bus: &mut impl Bus, operation: Operation) {
-        bus.read(self.pc);
-        match operation {
-            Operation::Clc => self.carry = false,
-            Operation::Cld => self.decimal = false,
-            Operation::Cli => self.interrupt_disable = false,
-            Operation::Clv => self.overflow = false,
-            Operation::Sec => self.carry = true,
-            Operation::Sed => self.decimal = true,
-            Operation::Sei => self.interrupt_disable = true,
-            Operation::Dex => self.x = self.flags(self.x.wrapping_sub(1)),
-            Operation::Dey => self.y = self.flags(self.y.wrapping_sub(1)),
-            Operation::Inx => self.x = self.flags(self.x.wrapping_add(1)),
-            Operation::Iny => self.y = self.flags(self.y.wrapping_add(1)),
-            Operation::Tax => self.x = self.flags(self.a),
-            Operation::Tay => self.y = self.flags(self.a),
-            Operation::Tsx => self.x = self.flags(self.s),
-            Operation::Txa => self.a = self.flags(self.x),
-            Operation::Txs => self.s = self.x,
-            Operation::Tya => self.a = self.flags(self.y),
-            Operation::Pha => self.push(bus, self.a),
-            Operation::Php => self.push(bus, self.status()),
-            Operation::Pla => {
-                self.skip_stack(bus);
-                let value = self.pull(bus);
-                self.a = self.flags(value);
-            }
-            Operation::Plp => {
-                self.skip_stack(bus);
-                let value = self.pull(bus);
-                self.set_status(value);
-            }
-            Operation::Brk => {
-                self.pc = self.pc.wrapping_add(1);
-                self.push_pc(bus);
-                self.push(bus, self.status());
-                self.interrupt_disable = true;
-                self.pc = u16::from_le_bytes([bus.read(0xfffe), bus.read(0xffff)]);
-            }
-            Operation::Rti => {
-                self.skip_stack(bus);
-                let value = self.pull(bus);
-                self.set_status(value);
-                self.pull_pc(bus);
-            }
-            Operation::Rts => {
-                self.skip_stack(bus);
-                self.pull_pc(bus);
-                self.fetch(bus);
-            }
-            Operation::Nop | Operation::Jam => {}
-            // the accumulator as operand
-            _ => self.a = self.modified(operation, self.a),
-        }
-    }
-
-    fn skip_stack(&self, bus: &mut impl Bus) {
-        bus.read(0x100 | u16::from(self.s));
-    }
-
-    fn push_pc(&mut self, bus: &mut impl Bus) {
-        let [low, high] = self.pc.to_le_bytes();
-        self.push(bus, high);
-        self.push(bus, low);
-    }
-
-    fn pull_pc(&mut self, bus: &mut impl Bus) {
-        self.pc = u16::from_le_bytes([self.pull(bus), self.pull(bus)]);
-    }
-
-    fn jsr(&mut self, bus: &mut impl Bus) {
-        let low = self.fetch(bus);
-        self.skip_stack(bus);
-        self.push_pc(bus);
-        self.pc = u16::from_le_bytes([low, bus.read(self.pc)]);
-    }
-
-    /// `JMP ($12FF)` reads its high byte from `$1200`.
-    fn jump_indirect(&mut self, bus: &mut impl Bus) {
-        let pointer = self.fetch_word(bus);
-        let low = bus.read(pointer);
-        let high = bus.read((pointer & 0xff00) | (pointer.wrapping_add(1) & 0x00ff));
-        self.pc = u16::from_le_bytes([low, high]);
-    }
-}
-
-/// An operand's address, and what it was before the index was added.
-#[derive(Clone, Copy)]
-struct Address {
-    at: u16,
-    base: u16,
-}
-
-/// Adds an index to an address. The processor first reads without the carry into the page: where a page is
-/// crossed, and always ahead of a write.
-#[inline(always)]
-fn indexed(bus: &mut impl Bus, base: u16, index: u8, access: Access) -> Address {
-    let at = base.wrapping_add(u16::from(index));
-    let without_carry = (base & 0xff00) | (at & 0x00ff);
-    if access != Access::Read || at != without_carry {
-        bus.read(without_carry);
-    }
-    Address { at, base }
-}
-
-#[inline(always)]
-fn zero_page_word(bus: &mut impl Bus, pointer: u8) -> u16 {
-    u16::from_le_bytes([bus.read(u16::from(pointer)), bus.read(u16::from(pointer.wrapping_add(1)))])
-}
-
-/// Executes the instruction of an opcode that was just fetched. The compiler knows the opcode, so that of
-/// all matches on operations and modes only one arm is left.
-fn execute<B: Bus, const OPCODE: usize>(cpu: &mut Cpu, bus: &mut B) {
-    let operation = const { INSTRUCTIONS[OPCODE].operation };
-    let mode = const { INSTRUCTIONS[OPCODE].mode };
-    match (operation, mode) {
-        (Operation::Jsr, _) => cpu.jsr(bus),
-        (Operation::Jmp, Mode::Absolute) => cpu.pc = cpu.fetch_word(bus),
-        (Operation::Jmp, _) => cpu.jump_indirect(bus),
-        (Operation::Bcc, _) => cpu.branch(bus, !cpu.carry),
-        (Operation::Bcs, _) => cpu.branch(bus, cpu.carry),
-        (Operation::Beq, _) => cpu.branch(bus, cpu.zero == 0),
-        (Operation::Bmi, _) => cpu.branch(bus, cpu.negative & flag::N != 0),
-        (Operation::Bne, _) => cpu.branch(bus, cpu.zero != 0),
-        (Operation::Bpl, _) => cpu.branch(bus, cpu.negative & flag::N == 0),
-        (Operation::Bvc, _) => cpu.branch(bus, !cpu.overflow),
-        (Operation::Bvs, _) => cpu.branch(bus, cpu.overflow),
-        (_, Mode::Implied) => cpu.implied(bus, operation),
-        _ => {
-            let access = const { INSTRUCTIONS[OPCODE].operation.access() };
-            let Address { at, base } = cpu.address(bus, mode, access);
-            match access {
-                Access::Read => {
-                    let value = bus.read(at);
-                    cpu.with_value(operation, value);
-                }
-                Access::Write => {
-                    let value = cpu.stored(operation, base);
-                    bus.write(at, value);
-                }
-                Access::Modify => {
-                    let value = bus.read(at);
-                    bus.idle();
-                    let value = cpu.modified(operation, value);
-                    bus.write(at, value);
-                }
-            }
-        }
-    }
-}
-
-/// [`execute`] for each opcode, on one kind of bus.
-struct Handlers<B>(PhantomData<B>);
-
-type Handler<B> = fn(&mut Cpu, &mut B);
-
-/// The 16 opcodes from `$high * 16` on, for each `$high`.
-macro_rules! by_opcode {
-    ($bus:ident: $($high:literal)*) => { [$(
-        execute::<$bus, { $high * 16 }>, execute::<$bus, { $high * 16 + 1 }>,
-        execute::<$bus, { $high * 16 + 2 }>, execute::<$bus, { $high * 16 + 3 }>,
-        execute::<$bus, { $high * 16 + 4 }>, execute::<$bus, { $high * 16 + 5 }>,
-        execute::<$bus, { $high * 16 + 6 }>, execute::<$bus, { $high * 16 + 7 }>,
-        execute::<$bus, { $high * 16 + 8 }>, execute::<$bus, { $high * 16 + 9 }>,
-        execute::<$bus, { $high * 16 + 10 }>, execute::<$bus, { $high * 16 + 11 }>,
-        execute::<$bus, { $high * 16 + 12 }>, execute::<$bus, { $high * 16 + 13 }>,
-        execute::<$bus, { $high * 16 + 14 }>, execute::<$bus, { $high * 16 + 15 }>,
-    )*] };
-}
-
-impl<B: Bus> Handlers<B> {
-    const BY_OPCODE: [Handler<B>; 256] = by_opcode!(B: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
 }

@@ -232,7 +232,7 @@ games! {
         minimal: &Action::ALL,
         score: |r| r.decimal(&[0x1c, 0x1d, 0x1e]),
         lives: |r| (r.at(0x1f) & 7) + 1,
-        over: |r| r.at(0x1f) & 7 == 0 && r.at(0x22) == 0x03,
+        over: |r| r.at(0x00) == 0x80 && r.at(0x1f) & 7 == 0 && r.at(0x22) == 0x03,
     }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,

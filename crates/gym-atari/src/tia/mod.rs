@@ -10,15 +10,17 @@
 //! Nothing is drawn until something changes: a write first paints what lies before it with what was, and a write of what
 //! is there already does nothing.
 
+mod draw;
 mod objects;
 mod paint;
 mod pixels;
 
 use serde::{Deserialize, Serialize};
 
-use paint::{Colors, Objects};
+use paint::Objects;
 pub(crate) use pixels::WIDTH;
 
+use crate::cpu::Ready;
 use crate::screen::Screen;
 
 /// The rows of most games' pictures.
@@ -53,22 +55,20 @@ impl Default for Display {
     }
 }
 
-/// What a write asks of the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Request {
-    /// Go on.
-    None,
-    /// `WSYNC`: let this many cycles pass.
-    Wait(u32),
-    /// The frame is complete.
-    FrameEnd,
-}
-
 /// A player or a missile, or the ball: which one a register is of.
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
+const M1: usize = 3;
 const BL: usize = 4;
+
+/// The playfield.
+const PF: usize = 5;
+/// The objects.
+const OBJECTS: usize = 6;
+
+/// A bit for each object that moves.
+const MOVABLE: u8 = 0x1f;
 
 /// The chip, without the picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -84,14 +84,19 @@ pub(crate) struct Tia {
     colubk: u8,
     ctrlpf: u8,
     refp: [bool; 2],
-    pf: [u8; 3],
+    /// The 20 bits of `PF0`, `PF1` and `PF2`, of which the lowest is leftmost on the line.
+    pf: u32,
     /// Whether this line's right half mirrors the left.
     reflected: bool,
-    /// What was written, and what the vertical delay shows.
-    grp: [[u8; 2]; 2],
+    grp: [u8; 2],
     enam: [bool; 2],
-    enabl: [bool; 2],
+    enabl: bool,
+    /// What the vertical delay shows instead of `GRP0`, `GRP1` and `ENABL`.
+    old_grp: [u8; 2],
+    old_enabl: bool,
     hm: [u8; 5],
+    /// The objects, by bit, of which `hm` is not 0.
+    in_motion: u8,
     vdelp: [bool; 2],
     vdelbl: bool,
     resmp: [bool; 2],
@@ -104,13 +109,23 @@ pub(crate) struct Tia {
     line: u32,
     line_start: u64,
     vsync_since: u64,
-    /// Until where the picture is drawn: the line, and the clock in it.
-    drawn: (u32, u32),
+    /// The line that is being drawn, at most one ahead of the beam's.
+    drawn_line: u32,
+    /// How many pixels of it are painted.
+    painted: u8,
     comb: bool,
     /// Whether the last frame ended before its picture was complete.
     short: bool,
-    // what is on the line now
+    // what is on the line that is being drawn
     objects: Objects,
+    /// The objects, by bit, that changed since they were placed, and the pixel from which on they did.
+    stale: u8,
+    from: [u8; OBJECTS],
+    /// The objects, by bit, that changed within the line.
+    mixed: u8,
+    /// Whether the line above was painted in one go, and what it shows has not changed since.
+    #[serde(skip)]
+    repeats: bool,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -122,7 +137,6 @@ pub(crate) struct Tia {
 
 impl Tia {
     pub(crate) fn new(display: Display) -> Self {
-        let none = pixels::Pixels::default();
         Self {
             display,
             vsync: 0,
@@ -133,12 +147,15 @@ impl Tia {
             colubk: 0,
             ctrlpf: 0,
             refp: [false; 2],
-            pf: [0; 3],
+            pf: 0,
             reflected: false,
-            grp: [[0; 2]; 2],
+            grp: [0; 2],
             enam: [false; 2],
-            enabl: [false; 2],
+            enabl: false,
+            old_grp: [0; 2],
+            old_enabl: false,
             hm: [0; 5],
+            in_motion: 0,
             vdelp: [false; 2],
             vdelbl: false,
             resmp: [false; 2],
@@ -148,10 +165,15 @@ impl Tia {
             line: 0,
             line_start: 0,
             vsync_since: 0,
-            drawn: (0, 0),
+            drawn_line: 0,
+            painted: 0,
             comb: false,
             short: false,
-            objects: Objects { p0: none, p1: none, m0: none, m1: none, bl: none, pf: none },
+            objects: Objects::default(),
+            stale: 0,
+            from: [0; OBJECTS],
+            mixed: 0,
+            repeats: false,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -161,6 +183,11 @@ impl Tia {
 
     pub(crate) fn display(&self) -> &Display {
         &self.display
+    }
+
+    /// What is painted from now on has nothing to do with what was painted before.
+    pub(crate) fn start_picture(&mut self) {
+        self.repeats = false;
     }
 
     pub(crate) fn set_display(&mut self, display: Display) {
@@ -177,11 +204,14 @@ impl Tia {
             && self.vsync_since <= cycle
             && self.released <= 3 * cycle
             && self.line < 1 << 30
-            && self.drawn.0 <= self.line + 1
-            && self.line - self.drawn.0.min(self.line) < 1 << 16
-            && self.drawn.1 <= CLOCKS_PER_LINE
+            && self.drawn_line <= self.line + 1
+            && self.line - self.drawn_line.min(self.line) < 1 << 16
+            && usize::from(self.painted) <= WIDTH
+            && self.from.iter().all(|&x| usize::from(x) <= WIDTH)
             && self.x.iter().all(|&x| usize::from(x) < WIDTH)
             && self.hm.iter().all(|&nibble| nibble < 16)
+            && self.pf < 1 << 20
+            && self.in_motion <= MOVABLE
     }
 
     /// Reads a register: its bits, and which of the byte's bits it drives.
@@ -190,7 +220,7 @@ impl Tia {
             // CXM0P, CXM1P, CXP0FB, CXP1FB, CXM0FB, CXM1FB, CXBLPF, CXPPMM
             register @ 0..8 => {
                 self.beam(cycle);
-                self.draw(self.clock(cycle), screen);
+                self.paint_to(self.clock(cycle), screen);
                 (((self.collisions >> (2 * register)) as u8) << 6, 0xc0)
             }
             // INPT0, INPT1, INPT2, INPT3
@@ -219,82 +249,81 @@ impl Tia {
     }
 
     /// Writes a register.
-    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Request {
+    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        if self.line >= LAST_LINE {
+        let ended = self.line >= LAST_LINE;
+        if ended {
             self.end_frame(cycle, screen);
-            self.register(address, value, cycle, c, screen);
-            return Request::FrameEnd;
         }
-        self.register(address, value, cycle, c, screen)
+        let ready = self.register(address, value, cycle, c, screen);
+        if ended { Ready::Return } else { ready }
     }
 
-    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Request {
+    #[inline(always)]
+    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Ready {
         let clock = 3 * c;
         match address & 0x3f {
             0x00 => return self.write_vsync(value, cycle, screen), // VSYNC
             0x01 => self.write_vblank(value, cycle, screen),       // VBLANK
             // WSYNC
-            0x02 if c > 0 => return Request::Wait(CYCLES_PER_LINE - c),
+            0x02 if c > 0 => return Ready::After(CYCLES_PER_LINE - c),
             // RSYNC is not modelled
             // NUSIZ0, NUSIZ1
-            register @ (0x04 | 0x05) => {
+            register @ (0x04 | 0x05) if self.nusiz[usize::from(register) - 0x04] != value => {
                 let i = usize::from(register) - 0x04;
-                self.draw(clock + 8, screen);
+                self.change(1 << (P0 + i) | 1 << (M0 + i), clock + 8, screen);
                 self.nusiz[i] = value;
-                self.place_player(i);
-                self.place_missile(i);
             }
             // COLUP0, COLUP1
             register @ (0x06 | 0x07) => {
                 let i = usize::from(register) - 0x06;
                 if self.colup[i] != value & 0xfe {
-                    self.draw(clock, screen);
+                    self.change_colors(clock, screen);
                     self.colup[i] = value & 0xfe;
                 }
             }
             // COLUPF
             0x08 if self.colupf != value & 0xfe => {
-                self.draw(clock, screen);
+                self.change_colors(clock, screen);
                 self.colupf = value & 0xfe;
             }
             // COLUBK
             0x09 if self.colubk != value & 0xfe => {
-                self.draw(clock, screen);
+                self.change_colors(clock, screen);
                 self.colubk = value & 0xfe;
             }
             // CTRLPF
-            0x0a => {
-                self.draw(clock, screen);
+            0x0a if self.ctrlpf != value => {
+                self.change_colors(clock, screen);
+                self.change(1 << PF | 1 << BL, clock, screen);
                 self.ctrlpf = value;
                 // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
                 if (clock as i32) < BLANK + 79 {
                     self.reflected = value & 0x01 != 0;
                 }
-                self.place_playfield();
-                self.place_ball();
             }
             // REFP0, REFP1
             register @ (0x0b | 0x0c) => {
                 let i = usize::from(register) - 0x0b;
-                self.draw(clock + 1, screen);
-                self.refp[i] = value & 0x08 != 0;
-                self.place_player(i);
+                let reflected = value & 0x08 != 0;
+                if self.refp[i] != reflected {
+                    self.change(1 << (P0 + i), clock + 1, screen);
+                    self.refp[i] = reflected;
+                }
             }
-            // PF0, PF1, PF2
-            register @ 0x0d..=0x0f if self.pf[usize::from(register) - 0x0d] != value => {
-                self.draw(clock + [4, 5, 2, 3][c as usize % 4], screen);
-                self.pf[usize::from(register) - 0x0d] = value;
-                self.place_playfield();
-            }
+            // PF0
+            0x0d => self.write_playfield(0x0000f, u32::from(value >> 4), c, screen),
+            // PF1
+            0x0e => self.write_playfield(0x00ff0, u32::from(value.reverse_bits()) << 4, c, screen),
+            // PF2
+            0x0f => self.write_playfield(0xff000, u32::from(value) << 12, c, screen),
             // RESP0, RESP1
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             // RESM0, RESM1, RESBL
             register @ 0x12..=0x14 => {
-                self.draw(clock, screen);
-                self.x[usize::from(register) - 0x10] =
-                    if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
-                self.place_all();
+                let object = usize::from(register) - 0x10;
+                self.change(1 << object, clock, screen);
+                self.x[object] = if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
             }
             // AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
             0x15..=0x1a => {}
@@ -306,49 +335,55 @@ impl Tia {
             register @ (0x1d | 0x1e) => {
                 let i = usize::from(register) - 0x1d;
                 if self.enam[i] != (value & 0x02 != 0) {
-                    self.draw(clock, screen);
+                    self.change(1 << (M0 + i), clock, screen);
                     self.enam[i] = value & 0x02 != 0;
-                    self.place_missile(i);
                 }
             }
             // ENABL
-            0x1f if self.enabl[0] != (value & 0x02 != 0) => {
-                self.draw(clock, screen);
-                self.enabl[0] = value & 0x02 != 0;
-                self.place_ball();
+            0x1f if self.enabl != (value & 0x02 != 0) => {
+                self.change(1 << BL, clock, screen);
+                self.enabl = value & 0x02 != 0;
             }
             // HMP0, HMP1, HMM0, HMM1, HMBL
-            register @ 0x20..=0x24 => self.hm[usize::from(register) - 0x20] = value >> 4,
+            register @ 0x20..=0x24 => {
+                let object = usize::from(register) - 0x20;
+                self.hm[object] = value >> 4;
+                self.in_motion = self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
+            }
             // VDELP0, VDELP1
             register @ (0x25 | 0x26) => {
                 let i = usize::from(register) - 0x25;
-                self.draw(clock, screen);
-                self.vdelp[i] = value & 0x01 != 0;
-                self.place_player(i);
+                let delayed = value & 0x01 != 0;
+                if self.vdelp[i] != delayed {
+                    self.change(1 << (P0 + i), clock, screen);
+                    self.vdelp[i] = delayed;
+                }
             }
             // VDELBL
-            0x27 => {
-                self.draw(clock, screen);
+            0x27 if self.vdelbl != (value & 0x01 != 0) => {
+                self.change(1 << BL, clock, screen);
                 self.vdelbl = value & 0x01 != 0;
-                self.place_ball();
             }
             // RESMP0, RESMP1
             register @ (0x28 | 0x29) => self.write_resmp(usize::from(register) - 0x28, value, clock, screen),
             // HMOVE
             0x2a => self.hmove(c, screen),
             // HMCLR
-            0x2b => self.hm = [0; 5],
+            0x2b => {
+                self.hm = [0; 5];
+                self.in_motion = 0;
+            }
             // CXCLR
             0x2c => {
-                self.draw(clock, screen);
+                self.change_colors(clock, screen);
                 self.collisions = 0;
             }
             _ => {}
         }
-        Request::None
+        Ready::Now
     }
 
-    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Request {
+    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
         self.vsync = value;
         if is && !was {
@@ -356,13 +391,15 @@ impl Tia {
         }
         if was && !is && cycle - self.vsync_since >= u64::from(CYCLES_PER_LINE) {
             self.end_frame(cycle, screen);
-            return Request::FrameEnd;
+            return Ready::Return;
         }
-        Request::None
+        Ready::Now
     }
 
     fn write_vblank(&mut self, value: u8, cycle: u64, screen: &mut Screen) {
-        self.draw(self.clock(cycle) + 1, screen);
+        if (self.vblank ^ value) & 0x02 != 0 {
+            self.change_colors(self.clock(cycle) + 1, screen);
+        }
         if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
             self.released = 3 * cycle;
         }
@@ -372,39 +409,45 @@ impl Tia {
         self.vblank = value;
     }
 
+    /// `PFx`: some of the playfield's bits.
+    fn write_playfield(&mut self, mask: u32, bits: u32, c: u32, screen: &mut Screen) {
+        let pf = self.pf & !mask | bits;
+        if self.pf != pf {
+            self.change(1 << PF, 3 * c + [4, 5, 2, 3][c as usize % 4], screen);
+            self.pf = pf;
+        }
+    }
+
+    /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the ball's.
     fn write_grp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
-        // the vertical delay: a write to one player shows the other's last, and GRP1 the ball's
-        let mut grp = self.grp;
-        grp[i][0] = value;
-        grp[1 - i][1] = grp[1 - i][0];
-        let ball = [self.enabl[0], if i == 1 { self.enabl[0] } else { self.enabl[1] }];
-        if grp == self.grp && ball == self.enabl {
-            return;
+        let other = 1 - i;
+        let shows_other = self.vdelp[other] && self.old_grp[other] != self.grp[other];
+        let shows_this = !self.vdelp[i] && self.grp[i] != value;
+        let shows_ball = i == 1 && self.vdelbl && self.old_enabl != self.enabl;
+        let changed = u8::from(shows_other) << (P0 + other)
+            | u8::from(shows_this) << (P0 + i)
+            | u8::from(shows_ball) << BL;
+        if changed != 0 {
+            self.change(changed, clock + 1, screen);
         }
-        self.draw(clock + 1, screen);
-        for player in [P0, P1] {
-            let shown = usize::from(self.vdelp[player]);
-            let changed = self.grp[player][shown] != grp[player][shown];
-            self.grp[player] = grp[player];
-            if changed {
-                self.place_player(player);
-            }
-        }
-        if self.enabl != ball {
-            self.enabl = ball;
-            self.place_ball();
+        self.grp[i] = value;
+        self.old_grp[other] = self.grp[other];
+        if i == 1 {
+            self.old_enabl = self.enabl;
         }
     }
 
     fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
-        self.draw(clock, screen);
         let locked = value & 0x02 != 0;
-        if self.resmp[i] && !locked {
+        if self.resmp[i] == locked {
+            return;
+        }
+        self.change(1 << (M0 + i), clock, screen);
+        if !locked {
             let middle = 4 * objects::scale(self.nusiz[i]);
             self.x[M0 + i] = objects::around(self.x[P0 + i], i32::from(middle));
         }
         self.resmp[i] = locked;
-        self.place_missile(i);
     }
 
     /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
@@ -423,17 +466,17 @@ impl Tia {
                 about_to_start |= (-5..0).contains(&passed);
             }
         }
-        self.draw(if running { clock + 11 } else { clock }, screen);
+        self.change(1 << (P0 + i), if running { clock + 11 } else { clock }, screen);
         self.x[i] = if c >= 23 { ((beam + 5) % 160) as u8 } else { 3 };
         self.without_main[i] = !about_to_start;
-        self.place_player(i);
     }
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
     /// gives fewer.
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         // the last cycle of a line is the first of the next
-        self.draw(if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c }, screen);
+        let clock = if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c };
+        self.reach(clock, screen);
         let c = c as i32;
         let shift = |m: i32| match c {
             ..=20 => 8 - m.min((70 - 3 * c) / 4),
@@ -441,48 +484,31 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        for (x, hm) in self.x.iter_mut().zip(self.hm) {
-            *x = objects::around(*x, shift(i32::from(hm ^ 0x08)));
+        let shift_of = |object: usize| shift(i32::from(self.hm[object] ^ 0x08));
+        // where all 8 pulses come, only those objects move whose `HM` register is not 0
+        let candidates = match c {
+            ..=12 | 75.. => self.in_motion,
+            21..=54 => 0,
+            _ => MOVABLE,
+        };
+        let moved =
+            draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
+        if moved != 0 {
+            self.change(moved, clock, screen);
+            for object in draw::bits(moved) {
+                let shift = shift(i32::from(self.hm[object] ^ 0x08));
+                self.x[object] = objects::around(self.x[object], shift);
+            }
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             self.comb = true;
         }
-        self.place_all();
     }
 
-    fn place_all(&mut self) {
-        for i in 0..2 {
-            self.place_player(i);
-            self.place_missile(i);
-        }
-        self.place_ball();
-    }
-
-    fn place_player(&mut self, i: usize) {
-        let graphics = self.grp[i][usize::from(self.vdelp[i])];
-        let pixels = objects::player(self.x[i], self.nusiz[i], graphics, self.refp[i], self.without_main[i]);
-        *[&mut self.objects.p0, &mut self.objects.p1][i] = pixels;
-    }
-
-    fn place_missile(&mut self, i: usize) {
-        let pixels = if self.enam[i] && !self.resmp[i] {
-            objects::missile(self.x[M0 + i], self.nusiz[i])
-        } else {
-            pixels::Pixels::default()
-        };
-        *[&mut self.objects.m0, &mut self.objects.m1][i] = pixels;
-    }
-
-    fn place_ball(&mut self) {
-        self.objects.bl = if self.enabl[usize::from(self.vdelbl)] {
-            objects::ball(self.x[BL], self.ctrlpf)
-        } else {
-            pixels::Pixels::default()
-        };
-    }
-
-    fn place_playfield(&mut self) {
-        self.objects.pf = objects::playfield(self.pf, self.reflected);
+    /// Something other than an object's pixels changes at a clock of the beam's line.
+    fn change_colors(&mut self, clock: u32, screen: &mut Screen) {
+        self.paint_to(clock, screen);
+        self.repeats = false;
     }
 
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
@@ -507,80 +533,13 @@ impl Tia {
     }
 
     /// The beam's line becomes the first of a new frame.
+    #[cold]
     fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
-        self.draw(self.clock(cycle), screen);
-        self.short = self.row().is_some() || self.drawn.0 < self.display.first_line;
-        self.drawn.0 = self.drawn.0.saturating_sub(self.line);
+        self.paint_to(self.clock(cycle), screen);
+        self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
+        self.drawn_line = self.drawn_line.saturating_sub(self.line);
+        self.start_picture();
         self.line = 0;
-    }
-
-    /// Draws up to a clock of the beam's line, which may lie beyond its end.
-    fn draw(&mut self, clock: u32, screen: &mut Screen) {
-        let ahead = clock / CLOCKS_PER_LINE;
-        let (line, clock) = (self.line + ahead, clock % CLOCKS_PER_LINE);
-        if self.drawn.0 > line {
-            return;
-        }
-        while self.drawn.0 < line {
-            self.draw_within_line(CLOCKS_PER_LINE, screen);
-            self.start_line(screen);
-        }
-        self.draw_within_line(clock, screen);
-    }
-
-    fn start_line(&mut self, screen: &mut Screen) {
-        // a comb ahead of the picture waits for its first row
-        if self.comb
-            && let Some(row) = self.row()
-        {
-            screen.row(row)[..8].fill(0);
-            self.comb = false;
-        }
-        self.drawn = (self.drawn.0 + 1, 0);
-        let reflected = self.ctrlpf & 0x01 != 0;
-        if self.reflected != reflected {
-            self.reflected = reflected;
-            self.place_playfield();
-        }
-        for i in [P0, P1] {
-            if self.without_main[i] {
-                self.without_main[i] = false;
-                self.place_player(i);
-            }
-        }
-    }
-
-    /// The row of the picture that is being drawn.
-    fn row(&self) -> Option<usize> {
-        let row = self.drawn.0.checked_sub(self.display.first_line)? as usize;
-        (row < self.display.rows).then_some(row)
-    }
-
-    fn draw_within_line(&mut self, clock: u32, screen: &mut Screen) {
-        let from = (self.drawn.1 as usize).saturating_sub(BLANK as usize);
-        let to = (clock as usize).saturating_sub(BLANK as usize);
-        self.drawn.1 = self.drawn.1.max(clock);
-        if from >= to {
-            return;
-        }
-        let Some(row) = self.row() else { return };
-        if self.vblank & 0x02 != 0 {
-            screen.row(row)[from..to].fill(0);
-            return;
-        }
-        self.collisions |= self.objects.collisions(from, to);
-        if !screen.unseen {
-            let colors = Colors {
-                p0: self.colup[0],
-                p1: self.colup[1],
-                pf: self.colupf,
-                bk: self.colubk,
-                playfield_first: self.ctrlpf & 0x04 != 0,
-                // the playfield's priority ends the score mode only where there is something to be before
-                score: self.ctrlpf & 0x02 != 0 && (self.ctrlpf & 0x04 == 0 || self.objects.only_playfield()),
-            };
-            self.objects.paint(screen.row(row), from, to, &colors);
-        }
     }
 }

@@ -29,16 +29,29 @@ pub(super) fn scale(nusiz: u8) -> u8 {
     copies(nusiz).scale
 }
 
-/// `x` positions further right, around the line's end.
+/// `x < 160`, less than 160 positions further right or left, around the line's ends.
 pub(super) fn around(x: u8, shift: i32) -> u8 {
-    (i32::from(x) + shift).rem_euclid(160) as u8
+    let x = i32::from(x) + shift;
+    let x = if x < 0 { x + 160 } else { x };
+    (if x >= 160 { x - 160 } else { x }) as u8
 }
 
 /// A byte of graphics as a pattern whose lowest bit is the leftmost pixel.
 fn pattern(graphics: u8, reflected: bool, scale: u8) -> u32 {
-    let bits = if reflected { graphics } else { graphics.reverse_bits() };
+    let bits = if reflected { graphics } else { REVERSED[usize::from(graphics)] };
     WIDENED[usize::from(scale >> 1)][usize::from(bits)]
 }
+
+/// Bytes with their bits in the opposite order.
+static REVERSED: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        table[bits] = (bits as u8).reverse_bits();
+        bits += 1;
+    }
+    table
+};
 
 /// Bytes with each bit once, twice and four times.
 static WIDENED: [[u32; 256]; 3] = {
@@ -60,6 +73,7 @@ static WIDENED: [[u32; 256]; 3] = {
 };
 
 /// A player: `without_main` leaves out the first copy, on the line of a `RESPx`.
+#[inline(always)]
 pub(super) fn player(x: u8, nusiz: u8, graphics: u8, reflected: bool, without_main: bool) -> Pixels {
     let mut pixels = Pixels::default();
     if graphics != 0 {
@@ -80,6 +94,7 @@ pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
 }
 
 /// A missile; its width is in bits 4 and 5 of `NUSIZx`.
+#[inline(always)]
 pub(super) fn missile(x: u8, nusiz: u8) -> Pixels {
     let mut pixels = Pixels::default();
     for &offset in copies(nusiz).offsets {
@@ -89,6 +104,7 @@ pub(super) fn missile(x: u8, nusiz: u8) -> Pixels {
 }
 
 /// The ball; its width is in bits 4 and 5 of `CTRLPF`.
+#[inline(always)]
 pub(super) fn ball(x: u8, ctrlpf: u8) -> Pixels {
     let mut pixels = Pixels::default();
     pixels.stamp(x, bar(ctrlpf));
@@ -101,8 +117,8 @@ fn bar(register: u8) -> u32 {
 }
 
 /// The playfield: 20 bits, each 4 pixels wide, repeated on the right half or reflected there.
-pub(super) fn playfield(pf: [u8; 3], reflected: bool) -> Pixels {
-    let left = u32::from(pf[0] >> 4) | u32::from(pf[1].reverse_bits()) << 4 | u32::from(pf[2]) << 12;
+#[inline(always)]
+pub(super) fn playfield(left: u32, reflected: bool) -> Pixels {
     let right = if reflected { left.reverse_bits() >> 12 } else { left };
     let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|byte| {
         let bits = (u64::from(left) | u64::from(right) << 20) >> (8 * byte);

@@ -2,17 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pixels::{Pixels, WIDTH};
+use super::pixels::{Pixels, WIDTH, window};
+use super::{BL, M0, M1, OBJECTS, P0, P1, PF};
 
-/// The pixels of each object on a line.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// The pixels of each object on a line: `P0`, `P1`, `M0`, `M1`, `BL`, `PF`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Objects {
-    pub(super) p0: Pixels,
-    pub(super) p1: Pixels,
-    pub(super) m0: Pixels,
-    pub(super) m1: Pixels,
-    pub(super) bl: Pixels,
-    pub(super) pf: Pixels,
+    pixels: [Pixels; OBJECTS],
+    /// Those that have any, by bit.
+    present: u8,
 }
 
 /// What decides about colours.
@@ -28,96 +26,161 @@ pub(super) struct Colors {
     pub(super) score: bool,
 }
 
-/// Collision registers in the order of their addresses, two bits each: bit 7 of a register is the upper one.
-fn pairs([p0, p1, m0, m1, bl, pf]: [u64; 6]) -> u16 {
-    [
-        (m0 & p0, m0 & p1), // CXM0P
-        (m1 & p1, m1 & p0), // CXM1P
-        (p0 & bl, p0 & pf), // CXP0FB
-        (p1 & bl, p1 & pf), // CXP1FB
-        (m0 & bl, m0 & pf), // CXM0FB
-        (m1 & bl, m1 & pf), // CXM1FB
-        (0, bl & pf),       // CXBLPF
-        (m0 & m1, p0 & p1), // CXPPMM
-    ]
-    .iter()
-    .rev()
-    .fold(0, |bits, &(six, seven)| bits << 2 | u16::from(seven != 0) << 1 | u16::from(six != 0))
-}
+/// Which objects a bit of the collision registers is about: bit 6 and bit 7 of each, in the order of their addresses.
+const PAIRS: [[usize; 2]; 16] = [
+    [M0, P0], // CXM0P
+    [M0, P1],
+    [M1, P1], // CXM1P
+    [M1, P0],
+    [P0, BL], // CXP0FB
+    [P0, PF],
+    [P1, BL], // CXP1FB
+    [P1, PF],
+    [M0, BL], // CXM0FB
+    [M0, PF],
+    [M1, BL], // CXM1FB
+    [M1, PF],
+    [BL, BL], // CXBLPF, which has no bit 6
+    [BL, PF],
+    [M0, M1], // CXPPMM
+    [P0, P1],
+];
 
-/// The bits of word `word` that lie in `from..to`.
-fn window(word: usize, from: usize, to: usize) -> u64 {
-    let clamp = |x: usize| x.saturating_sub(64 * word).min(64) as u32;
-    let below = |x: u32| if x == 64 { u64::MAX } else { (1 << x) - 1 };
-    below(clamp(to)) & !below(clamp(from))
-}
+/// The collisions that there can be, by the bits of the objects that have pixels.
+static POSSIBLE: [u16; 1 << OBJECTS] = {
+    let mut table = [0; 1 << OBJECTS];
+    let mut present = 0;
+    while present < table.len() {
+        let mut bit = 0;
+        while bit < PAIRS.len() {
+            let [a, b] = PAIRS[bit];
+            if a != b && present >> a & present >> b & 1 == 1 {
+                table[present] |= 1 << bit;
+            }
+            bit += 1;
+        }
+        present += 1;
+    }
+    table
+};
 
 impl Objects {
-    fn word(&self, word: usize) -> [u64; 6] {
-        [self.p0, self.p1, self.m0, self.m1, self.bl, self.pf].map(|pixels| pixels.0[word])
+    pub(super) fn get(&self, object: usize) -> Pixels {
+        self.pixels[object]
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, object: usize, pixels: Pixels) {
+        self.pixels[object] = pixels;
+        let bit = 1 << object;
+        let present = !pixels.is_empty();
+        self.present = self.present & !bit | if present { bit } else { 0 };
     }
 
     /// Whether nothing but the playfield is on the line.
     pub(super) fn only_playfield(&self) -> bool {
-        [self.p0, self.p1, self.m0, self.m1, self.bl].iter().all(|pixels| pixels.0 == [0; 3])
+        self.present & !(1 << PF) == 0
     }
 
-    /// The collisions within `from..to`.
-    pub(super) fn collisions(&self, from: usize, to: usize) -> u16 {
-        let mut found = 0;
-        for word in from / 64..to.div_ceil(64) {
-            let window = window(word, from, to);
-            let [p0, p1, m0, m1, bl, pf] = self.word(word).map(|bits| bits & window);
-            // two objects at least, one of which is not the playfield
-            if p0 | p1 | m0 | m1 | bl != 0 {
-                found |= pairs([p0, p1, m0, m1, bl, pf]);
+    /// The collisions that there can be on the line.
+    pub(super) fn possible_collisions(&self) -> u16 {
+        POSSIBLE[usize::from(self.present) % POSSIBLE.len()]
+    }
+
+    /// Those of some collisions that there are within a window.
+    pub(super) fn collisions(&self, candidates: u16, window: Pixels) -> u16 {
+        let (mut found, mut left) = (0, candidates);
+        while left != 0 {
+            let bit = left.trailing_zeros() as usize % PAIRS.len();
+            let [a, b] = PAIRS[bit].map(|object| self.pixels[object].0);
+            let overlap = |word: usize| a[word] & b[word] & window.0[word];
+            if overlap(0) | overlap(1) | overlap(2) != 0 {
+                found |= 1 << bit;
             }
+            left &= left - 1;
         }
         found
     }
 
-    /// Paints `from..to` of a row.
+    /// Paints `from..to` of a row, which is not empty: background and playfield in cells of eight pixels, the others
+    /// where they are.
     pub(super) fn paint(&self, row: &mut [u8; WIDTH], from: usize, to: usize, colors: &Colors) {
-        for word in from / 64..to.div_ceil(64) {
-            let window = window(word, from, to);
-            let [p0, p1, m0, m1, bl, pf] = self.word(word);
-            let (zero, one) = (p0 | m0, p1 | m1);
-            for group in 8 * word..(8 * word + 8).min(WIDTH / 8) {
-                let shift = 8 * (group % 8);
-                let byte = |bits: u64| EXPANDED[(bits >> shift) as usize & 0xff];
-                let inside = byte(window);
-                if inside == 0 {
-                    continue;
-                }
-                let playfield = match (colors.score, group < WIDTH / 16) {
-                    (false, _) => colors.pf,
-                    (true, true) => colors.p0,
-                    (true, false) => colors.p1,
-                };
-                let mut painted = solid(colors.bk);
-                let mut over = |mask: u64, color: u8| painted = painted & !mask | solid(color) & mask;
-                if colors.playfield_first {
-                    over(byte(one), colors.p1);
-                    over(byte(zero), colors.p0);
-                    over(byte(bl), colors.pf);
-                    over(byte(pf), playfield);
-                } else {
-                    over(byte(bl), colors.pf);
-                    over(byte(pf), playfield);
-                    over(byte(one), colors.p1);
-                    over(byte(zero), colors.p0);
-                }
-                let cells: &mut [u8; 8] = (&mut row[8 * group..8 * group + 8]).try_into().expect("8 bytes");
-                let before = u64::from_le_bytes(*cells);
-                *cells = (before & !inside | painted & inside).to_le_bytes();
+        let cells = row.as_chunks_mut::<8>().0;
+        let (first, last) = (from / 8, (to - 1) / 8);
+        let (before, after) = (cells[first], cells[last]);
+
+        let playfield = self.pixels[PF].bytes();
+        if colors.score {
+            let half = WIDTH / 16;
+            let middle = half.clamp(first, last + 1);
+            paint_playfield(&mut cells[first..middle], &playfield[first..middle], colors.bk, colors.p0);
+            paint_playfield(&mut cells[middle..=last], &playfield[middle..=last], colors.bk, colors.p1);
+        } else {
+            paint_playfield(&mut cells[first..=last], &playfield[first..=last], colors.bk, colors.pf);
+        }
+        if !self.only_playfield() {
+            self.paint_movable(cells, window(8 * first, 8 * last + 8), colors);
+        }
+
+        // what lies outside stays
+        merge(&mut cells[first], before, (1 << (8 * (from - 8 * first))) - 1);
+        merge(&mut cells[last], after, !(u64::MAX >> (8 * (8 * last + 8 - to))));
+    }
+
+    /// Paints players, missiles and the ball over background and playfield.
+    fn paint_movable(&self, cells: &mut [Cell], window: Pixels, colors: &Colors) {
+        for (word, window) in window.0.into_iter().enumerate() {
+            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
+            let (zero, one) = ((p0 | m0) & window, (p1 | m1) & window);
+            let bl = bl & window;
+            if zero | one | bl == 0 {
+                continue;
             }
+            let hidden = if colors.playfield_first { pf | bl } else { 0 };
+            let cells = &mut cells[8 * word..];
+            paint_over(cells, bl & !pf, colors.pf);
+            paint_over(cells, one & !hidden, colors.p1);
+            paint_over(cells, zero & !hidden, colors.p0);
         }
     }
 }
 
+/// Eight pixels.
+type Cell = [u8; 8];
+
 /// Eight pixels of one colour.
 fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
+}
+
+/// Fills cells with the background and, where a bit is set, with the playfield.
+fn paint_playfield(cells: &mut [Cell], playfield: &[u8], background: u8, color: u8) {
+    let background = solid(background);
+    if playfield.iter().all(|&bits| bits == 0) {
+        cells.fill(background.to_le_bytes());
+        return;
+    }
+    let difference = background ^ solid(color);
+    for (cell, &bits) in cells.iter_mut().zip(playfield) {
+        *cell = (background ^ EXPANDED[usize::from(bits)] & difference).to_le_bytes();
+    }
+}
+
+/// Gives pixels a colour.
+fn paint_over(cells: &mut [Cell], mut pixels: u64, color: u8) {
+    let color = solid(color);
+    while pixels != 0 {
+        let group = pixels.trailing_zeros() / 8;
+        let mask = EXPANDED[(pixels >> (8 * group)) as usize & 0xff];
+        let cell = &mut cells[group as usize];
+        *cell = (u64::from_le_bytes(*cell) & !mask | color & mask).to_le_bytes();
+        pixels &= !(0xff << (8 * group));
+    }
+}
+
+/// Puts back what a mask of bytes covers.
+fn merge(cell: &mut Cell, back: Cell, mask: u64) {
+    *cell = (u64::from_le_bytes(*cell) & !mask | u64::from_le_bytes(back) & mask).to_le_bytes();
 }
 
 /// Bits as bytes: `00` or `FF`.

@@ -10,17 +10,57 @@ pub(crate) const WIDTH: usize = 160;
 pub(crate) struct Pixels(pub(crate) [u64; 3]);
 
 impl Pixels {
+    #[inline(always)]
+    pub(crate) fn is_empty(self) -> bool {
+        let [a, b, c] = self.0;
+        a | b | c == 0
+    }
+
+    /// Word by word, where vectors would have to wait for words that were just written.
+    #[inline(always)]
+    pub(crate) fn equals(self, other: Self) -> bool {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a == x && b == y && c == z
+    }
+
+    /// These pixels ahead of `x`, and others from there on.
+    #[inline(always)]
+    pub(crate) fn until(self, x: u8, others: Self) -> Self {
+        let Self(ahead) = window(0, usize::from(x));
+        Self([0, 1, 2].map(|word| self.0[word] & ahead[word] | others.0[word] & !ahead[word]))
+    }
+
     /// Sets a pattern of up to 32 pixels, its lowest bit at `x < 160`; what leaves the line on the right enters it
     /// again on the left.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn stamp(&mut self, x: u8, pattern: u32) {
-        let (word, shift) = (usize::from(x >> 6) % 3, u32::from(x & 63));
-        let pattern = u64::from(pattern);
-        self.0[word] |= pattern << shift;
-        if shift > 32 && word < 2 {
-            self.0[word + 1] |= pattern >> (64 - shift);
-        }
-        self.0[0] |= self.0[2] >> 32;
-        self.0[2] &= 0xffff_ffff;
+        let wide = u128::from(pattern) << (x & 63);
+        let (low, high) = (wide as u64, (wide >> 64) as u64);
+        let [a, b, c] = self.0;
+        self.0 = match x >> 6 {
+            0 => [a | low, b | high, c],
+            1 => [a, b | low, c | high],
+            _ => [a | low >> 32, b, c | low & 0xffff_ffff],
+        };
     }
+
+    /// Eight pixels in each byte.
+    #[inline]
+    pub(crate) fn bytes(&self) -> [u8; WIDTH / 8] {
+        let mut bytes = [0; WIDTH / 8];
+        let words = self.0.map(u64::to_le_bytes);
+        bytes.copy_from_slice(&words.as_flattened()[..WIDTH / 8]);
+        bytes
+    }
+}
+
+/// The pixels `from..to`.
+#[inline]
+pub(crate) fn window(from: usize, to: usize) -> Pixels {
+    let below = |x: usize, word: usize| match x.checked_sub(64 * word) {
+        Some(bits @ 0..64) => (1 << bits) - 1,
+        Some(_) => u64::MAX,
+        None => 0,
+    };
+    Pixels([0, 1, 2].map(|word| below(to, word) & !below(from, word)))
 }

@@ -1,0 +1,346 @@
+//! Executing instructions: fetching, addressing, and the accesses of each cycle.
+
+use super::instructions::{Access, INSTRUCTIONS, Mode, Operation};
+use super::{Bus, Cpu, Ready, flag};
+
+/// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
+struct Core<B> {
+    cpu: Cpu,
+    bus: B,
+    /// How many instructions may follow.
+    left: u32,
+}
+
+/// An operand's address, and what it was before the index was added.
+#[derive(Clone, Copy)]
+struct Address {
+    at: u16,
+    base: u16,
+}
+
+/// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles of a round.
+const LOOP_BYTES: i8 = 5;
+const LOOP_CYCLES: u64 = 7;
+
+impl Cpu {
+    /// Executes instructions until a write answers [`Ready::Return`], and at most so many.
+    #[inline(never)]
+    pub fn run<B: Bus>(&mut self, bus: B, most: u32) {
+        let mut core = Core { cpu: *self, bus, left: most };
+        while core.left > 0 {
+            core.left -= 1;
+            core.step();
+        }
+        *self = core.cpu;
+    }
+}
+
+/// A match on the opcode with an arm for each. The compiler knows the opcode of an arm, so that of all matches on
+/// operations and modes only one arm is left there.
+macro_rules! dispatch {
+    ($core:ident, $opcode:ident: $($code:literal)*) => {
+        match $opcode { $($code => $core.execute::<$code>(),)* }
+    };
+}
+
+impl<B: Bus> Core<B> {
+    #[inline(always)]
+    #[rustfmt::skip]
+    fn step(&mut self) {
+        let opcode = self.fetch();
+        dispatch!(self, opcode:
+            0x00 0x01 0x02 0x03 0x04 0x05 0x06 0x07 0x08 0x09 0x0a 0x0b 0x0c 0x0d 0x0e 0x0f
+            0x10 0x11 0x12 0x13 0x14 0x15 0x16 0x17 0x18 0x19 0x1a 0x1b 0x1c 0x1d 0x1e 0x1f
+            0x20 0x21 0x22 0x23 0x24 0x25 0x26 0x27 0x28 0x29 0x2a 0x2b 0x2c 0x2d 0x2e 0x2f
+            0x30 0x31 0x32 0x33 0x34 0x35 0x36 0x37 0x38 0x39 0x3a 0x3b 0x3c 0x3d 0x3e 0x3f
+            0x40 0x41 0x42 0x43 0x44 0x45 0x46 0x47 0x48 0x49 0x4a 0x4b 0x4c 0x4d 0x4e 0x4f
+            0x50 0x51 0x52 0x53 0x54 0x55 0x56 0x57 0x58 0x59 0x5a 0x5b 0x5c 0x5d 0x5e 0x5f
+            0x60 0x61 0x62 0x63 0x64 0x65 0x66 0x67 0x68 0x69 0x6a 0x6b 0x6c 0x6d 0x6e 0x6f
+            0x70 0x71 0x72 0x73 0x74 0x75 0x76 0x77 0x78 0x79 0x7a 0x7b 0x7c 0x7d 0x7e 0x7f
+            0x80 0x81 0x82 0x83 0x84 0x85 0x86 0x87 0x88 0x89 0x8a 0x8b 0x8c 0x8d 0x8e 0x8f
+            0x90 0x91 0x92 0x93 0x94 0x95 0x96 0x97 0x98 0x99 0x9a 0x9b 0x9c 0x9d 0x9e 0x9f
+            0xa0 0xa1 0xa2 0xa3 0xa4 0xa5 0xa6 0xa7 0xa8 0xa9 0xaa 0xab 0xac 0xad 0xae 0xaf
+            0xb0 0xb1 0xb2 0xb3 0xb4 0xb5 0xb6 0xb7 0xb8 0xb9 0xba 0xbb 0xbc 0xbd 0xbe 0xbf
+            0xc0 0xc1 0xc2 0xc3 0xc4 0xc5 0xc6 0xc7 0xc8 0xc9 0xca 0xcb 0xcc 0xcd 0xce 0xcf
+            0xd0 0xd1 0xd2 0xd3 0xd4 0xd5 0xd6 0xd7 0xd8 0xd9 0xda 0xdb 0xdc 0xdd 0xde 0xdf
+            0xe0 0xe1 0xe2 0xe3 0xe4 0xe5 0xe6 0xe7 0xe8 0xe9 0xea 0xeb 0xec 0xed 0xee 0xef
+            0xf0 0xf1 0xf2 0xf3 0xf4 0xf5 0xf6 0xf7 0xf8 0xf9 0xfa 0xfb 0xfc 0xfd 0xfe 0xff
+        );
+    }
+
+    #[inline(always)]
+    fn read(&mut self, address: u16) -> u8 {
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.read(address, self.cpu.cycle, self.cpu.bus);
+        self.cpu.bus
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, address: u16) {
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.touch(address, self.cpu.cycle, self.cpu.bus);
+    }
+
+    #[inline(always)]
+    fn write(&mut self, address: u16, value: u8) {
+        self.cpu.cycle += 1;
+        self.cpu.bus = value;
+        match self.bus.write(address, value, self.cpu.cycle) {
+            Ready::Now => {}
+            Ready::After(cycles) => self.cpu.cycle += u64::from(cycles),
+            Ready::Return => self.left = 0,
+        }
+    }
+
+    #[inline(always)]
+    fn fetch(&mut self) -> u8 {
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.fetch(self.cpu.pc, self.cpu.cycle, self.cpu.bus);
+        self.cpu.pc = self.cpu.pc.wrapping_add(1);
+        self.cpu.bus
+    }
+
+    #[inline(always)]
+    fn fetch_word(&mut self) -> u16 {
+        u16::from_le_bytes([self.fetch(), self.fetch()])
+    }
+
+    #[inline(always)]
+    fn push(&mut self, value: u8) {
+        self.write(0x100 | u16::from(self.cpu.s), value);
+        self.cpu.s = self.cpu.s.wrapping_sub(1);
+    }
+
+    #[inline(always)]
+    fn pull(&mut self) -> u8 {
+        self.cpu.s = self.cpu.s.wrapping_add(1);
+        self.read(0x100 | u16::from(self.cpu.s))
+    }
+
+    #[inline(always)]
+    fn touch_stack(&mut self) {
+        self.touch(0x100 | u16::from(self.cpu.s));
+    }
+
+    #[inline(always)]
+    fn push_pc(&mut self) {
+        let [low, high] = self.cpu.pc.to_le_bytes();
+        self.push(high);
+        self.push(low);
+    }
+
+    #[inline(always)]
+    fn pull_pc(&mut self) {
+        self.cpu.pc = u16::from_le_bytes([self.pull(), self.pull()]);
+    }
+
+    /// Where an instruction of this mode works, and the address before the index was added.
+    #[inline(always)]
+    fn address(&mut self, mode: Mode, access: Access) -> Address {
+        let plain = |at: u16| Address { at, base: at };
+        match mode {
+            Mode::Immediate => {
+                let at = self.cpu.pc;
+                self.cpu.pc = self.cpu.pc.wrapping_add(1);
+                plain(at)
+            }
+            Mode::ZeroPage => plain(u16::from(self.fetch())),
+            Mode::ZeroPageX => plain(self.zero_page_indexed(self.cpu.x)),
+            Mode::ZeroPageY => plain(self.zero_page_indexed(self.cpu.y)),
+            Mode::Absolute => plain(self.fetch_word()),
+            Mode::AbsoluteX => {
+                let base = self.fetch_word();
+                self.indexed(base, self.cpu.x, access)
+            }
+            Mode::AbsoluteY => {
+                let base = self.fetch_word();
+                self.indexed(base, self.cpu.y, access)
+            }
+            Mode::IndirectX => {
+                let pointer = self.zero_page_indexed(self.cpu.x);
+                plain(self.zero_page_word(pointer as u8))
+            }
+            Mode::IndirectY => {
+                let pointer = self.fetch();
+                let base = self.zero_page_word(pointer);
+                self.indexed(base, self.cpu.y, access)
+            }
+            Mode::Implied | Mode::Indirect | Mode::Relative => plain(0),
+        }
+    }
+
+    #[inline(always)]
+    fn zero_page_indexed(&mut self, index: u8) -> u16 {
+        let base = self.fetch();
+        self.touch(u16::from(base));
+        u16::from(base.wrapping_add(index))
+    }
+
+    #[inline(always)]
+    fn zero_page_word(&mut self, pointer: u8) -> u16 {
+        u16::from_le_bytes([self.read(u16::from(pointer)), self.read(u16::from(pointer.wrapping_add(1)))])
+    }
+
+    /// Adds an index to an address. The processor first reads without the carry into the page: where a page is
+    /// crossed, and always ahead of a write.
+    #[inline(always)]
+    fn indexed(&mut self, base: u16, index: u8, access: Access) -> Address {
+        let at = base.wrapping_add(u16::from(index));
+        let without_carry = (base & 0xff00) | (at & 0x00ff);
+        if access != Access::Read || at != without_carry {
+            self.touch(without_carry);
+        }
+        Address { at, base }
+    }
+
+    /// Executes the instruction of an opcode that was just fetched.
+    #[inline(always)]
+    fn execute<const OPCODE: u8>(&mut self) {
+        let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
+        let mode = const { INSTRUCTIONS[OPCODE as usize].mode };
+        match (operation, mode) {
+            (Operation::Jsr, _) => self.jsr(),
+            (Operation::Jmp, Mode::Absolute) => self.cpu.pc = self.fetch_word(),
+            (Operation::Jmp, _) => self.jump_indirect(),
+            (Operation::Bcc, _) => self.branch(!self.cpu.carry),
+            (Operation::Bcs, _) => self.branch(self.cpu.carry),
+            (Operation::Beq, _) => self.branch(self.cpu.zero == 0),
+            (Operation::Bmi, _) => self.branch(self.cpu.negative & flag::N != 0),
+            (Operation::Bne, _) => self.branch(self.cpu.zero != 0),
+            (Operation::Bpl, _) => self.branch(self.cpu.negative & flag::N == 0),
+            (Operation::Bvc, _) => self.branch(!self.cpu.overflow),
+            (Operation::Bvs, _) => self.branch(self.cpu.overflow),
+            (_, Mode::Implied) => self.implied(operation),
+            _ => {
+                let access = const { INSTRUCTIONS[OPCODE as usize].operation.access() };
+                let Address { at, base } = self.address(mode, access);
+                match access {
+                    Access::Read => {
+                        let value = self.read(at);
+                        self.cpu.with_value(operation, value);
+                    }
+                    Access::Write => {
+                        let value = self.cpu.stored(operation, base);
+                        self.write(at, value);
+                    }
+                    Access::Modify => {
+                        let value = self.read(at);
+                        self.cpu.cycle += 1;
+                        let value = self.cpu.modified(operation, value);
+                        self.write(at, value);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the branch, or not.
+    #[inline(always)]
+    fn branch(&mut self, taken: bool) {
+        let offset = self.fetch() as i8;
+        if taken {
+            let pc = self.cpu.pc;
+            self.touch(pc);
+            let target = pc.wrapping_add_signed(i16::from(offset));
+            if (target ^ pc) & 0xff00 != 0 {
+                self.touch((pc & 0xff00) | (target & 0x00ff));
+            } else if offset == -LOOP_BYTES {
+                let rounds = self.rounds_without_change(target).min(self.left / 2);
+                self.cpu.cycle += LOOP_CYCLES * u64::from(rounds);
+                self.left -= 2 * rounds;
+            }
+            self.cpu.pc = target;
+        }
+    }
+
+    /// How many rounds of a waiting loop, which has just branched to its start, will find what the last one found.
+    #[inline(always)]
+    fn rounds_without_change(&self, start: u16) -> u32 {
+        let byte = |i: u16| self.bus.constant(start.wrapping_add(i));
+        // LDA, LDX, LDY and BIT
+        let (Some(0xad | 0xae | 0xac | 0x2c), Some(low), Some(high)) = (byte(0), byte(1), byte(2)) else {
+            return 0;
+        };
+        // the branch took three cycles since the register was read
+        let last_read = self.cpu.cycle - 3;
+        let until = self.bus.steady_until(u16::from_le_bytes([low, high]), last_read);
+        ((until - last_read) / LOOP_CYCLES) as u32
+    }
+
+    /// Operations on registers, flags and the stack, and jumps.
+    #[inline(always)]
+    fn implied(&mut self, operation: Operation) {
+        self.touch(self.cpu.pc);
+        let cpu = &mut self.cpu;
+        match operation {
+            Operation::Clc => cpu.carry = false,
+            Operation::Cld => cpu.decimal = false,
+            Operation::Cli => cpu.interrupt_disable = false,
+            Operation::Clv => cpu.overflow = false,
+            Operation::Sec => cpu.carry = true,
+            Operation::Sed => cpu.decimal = true,
+            Operation::Sei => cpu.interrupt_disable = true,
+            Operation::Dex => cpu.x = cpu.flags(cpu.x.wrapping_sub(1)),
+            Operation::Dey => cpu.y = cpu.flags(cpu.y.wrapping_sub(1)),
+            Operation::Inx => cpu.x = cpu.flags(cpu.x.wrapping_add(1)),
+            Operation::Iny => cpu.y = cpu.flags(cpu.y.wrapping_add(1)),
+            Operation::Tax => cpu.x = cpu.flags(cpu.a),
+            Operation::Tay => cpu.y = cpu.flags(cpu.a),
+            Operation::Tsx => cpu.x = cpu.flags(cpu.s),
+            Operation::Txa => cpu.a = cpu.flags(cpu.x),
+            Operation::Txs => cpu.s = cpu.x,
+            Operation::Tya => cpu.a = cpu.flags(cpu.y),
+            Operation::Pha => self.push(self.cpu.a),
+            Operation::Php => self.push(self.cpu.status()),
+            Operation::Pla => {
+                self.touch_stack();
+                let value = self.pull();
+                self.cpu.a = self.cpu.flags(value);
+            }
+            Operation::Plp => {
+                self.touch_stack();
+                let value = self.pull();
+                self.cpu.set_status(value);
+            }
+            Operation::Brk => {
+                self.cpu.pc = self.cpu.pc.wrapping_add(1);
+                self.push_pc();
+                self.push(self.cpu.status());
+                self.cpu.interrupt_disable = true;
+                self.cpu.pc = u16::from_le_bytes([self.read(0xfffe), self.read(0xffff)]);
+            }
+            Operation::Rti => {
+                self.touch_stack();
+                let value = self.pull();
+                self.cpu.set_status(value);
+                self.pull_pc();
+            }
+            Operation::Rts => {
+                self.touch_stack();
+                self.pull_pc();
+                self.touch(self.cpu.pc);
+                self.cpu.pc = self.cpu.pc.wrapping_add(1);
+            }
+            Operation::Nop | Operation::Jam => {}
+            // the accumulator as operand
+            _ => cpu.a = cpu.modified(operation, cpu.a),
+        }
+    }
+
+    #[inline(always)]
+    fn jsr(&mut self) {
+        let low = self.fetch();
+        self.touch_stack();
+        self.push_pc();
+        self.cpu.pc = u16::from_le_bytes([low, self.read(self.cpu.pc)]);
+    }
+
+    /// `JMP ($12FF)` reads its high byte from `$1200`.
+    #[inline(always)]
+    fn jump_indirect(&mut self) {
+        let pointer = self.fetch_word();
+        let low = self.read(pointer);
+        let high = self.read((pointer & 0xff00) | (pointer.wrapping_add(1) & 0x00ff));
+        self.cpu.pc = u16::from_le_bytes([low, high]);
+    }
+}

@@ -1,0 +1,193 @@
+//! From registers to lines, and from lines to the picture.
+//!
+//! A line is put together object by object: a change of one gives it other pixels from there on, and the rest of the
+//! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and whoever asks for
+//! collisions need what lies before them painted earlier.
+
+use super::paint::Colors;
+use super::pixels::{Pixels, WIDTH, window};
+use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
+use crate::screen::Screen;
+
+impl Tia {
+    /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie beyond its end.
+    pub(super) fn change(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
+        let x = self.reach(clock, screen) as u8;
+        if x > 0 {
+            self.keep_until(x, objects);
+        }
+        self.stale |= objects;
+    }
+
+    /// Lets objects be what they are up to a pixel.
+    fn keep_until(&mut self, x: u8, objects: u8) {
+        for object in bits(objects) {
+            if self.from[object] < x {
+                if self.stale & 1 << object != 0 {
+                    self.place(object);
+                }
+                self.from[object] = x;
+            }
+        }
+    }
+
+    /// Paints up to a clock of the beam's line.
+    pub(super) fn paint_to(&mut self, clock: u32, screen: &mut Screen) {
+        let x = self.reach(clock, screen);
+        self.paint(x, screen);
+    }
+
+    /// Completes the lines before that of a clock; gives its pixel.
+    #[inline]
+    pub(super) fn reach(&mut self, clock: u32, screen: &mut Screen) -> usize {
+        let (line, clock) = if clock < CLOCKS_PER_LINE {
+            (self.line, clock)
+        } else {
+            (self.line + 1, clock - CLOCKS_PER_LINE)
+        };
+        if self.drawn_line < line {
+            self.complete_lines(line, screen);
+        }
+        if self.drawn_line > line { 0 } else { (clock as usize).saturating_sub(BLANK as usize) }
+    }
+
+    #[inline(never)]
+    fn complete_lines(&mut self, line: u32, screen: &mut Screen) {
+        while self.drawn_line < line {
+            self.paint(WIDTH, screen);
+            self.start_line(screen);
+        }
+    }
+
+    /// Goes on to the next line.
+    fn start_line(&mut self, screen: &mut Screen) {
+        // a comb ahead of the picture waits for its first row
+        if self.comb
+            && let Some(row) = self.row()
+        {
+            screen.blacken(row, 0..8);
+            self.comb = false;
+            self.repeats = false;
+        }
+        self.drawn_line += 1;
+        self.painted = 0;
+        self.stale |= std::mem::take(&mut self.mixed);
+        self.from = [0; OBJECTS];
+        let reflected = self.ctrlpf & 0x01 != 0;
+        if self.reflected != reflected {
+            self.reflected = reflected;
+            self.stale |= 1 << PF;
+        }
+        for i in [0, 1] {
+            if self.without_main[i] {
+                self.without_main[i] = false;
+                self.stale |= 1 << (P0 + i);
+            }
+        }
+    }
+
+    /// The row of the picture that is being drawn.
+    pub(super) fn row(&self) -> Option<usize> {
+        let row = self.drawn_line.checked_sub(self.display.first_line)? as usize;
+        (row < self.display.rows).then_some(row)
+    }
+
+    /// Paints up to a pixel of the line.
+    fn paint(&mut self, to: usize, screen: &mut Screen) {
+        let from = usize::from(self.painted);
+        if from >= to {
+            return;
+        }
+        self.painted = to as u8;
+        let Some(row) = self.row() else { return };
+        let blank = self.vblank & 0x02 != 0;
+        if !blank {
+            for object in bits(self.stale) {
+                self.place(object);
+            }
+        }
+        let whole = to - from == WIDTH;
+        if self.repeats && whole && row > 0 {
+            screen.repeat_row(row);
+            return;
+        }
+        self.repeats = whole;
+        if blank {
+            screen.blacken(row, from..to);
+            return;
+        }
+        let candidates = self.objects.possible_collisions() & !self.collisions;
+        if candidates != 0 {
+            self.collisions |= self.objects.collisions(candidates, window(from, to));
+        }
+        if !screen.unseen {
+            let colors = Colors {
+                p0: self.colup[0],
+                p1: self.colup[1],
+                pf: self.colupf,
+                bk: self.colubk,
+                playfield_first: self.ctrlpf & 0x04 != 0,
+                // the playfield's priority ends the score mode only where there is something to be before
+                score: self.ctrlpf & 0x02 != 0 && (self.ctrlpf & 0x04 == 0 || self.objects.only_playfield()),
+            };
+            self.objects.paint(screen.row(row), from, to, &colors);
+        }
+    }
+
+    fn shows_ball(&self) -> bool {
+        if self.vdelbl { self.old_enabl } else { self.enabl }
+    }
+
+    /// Gives an object the pixels that it has from its last change on.
+    #[inline(never)]
+    fn place(&mut self, object: usize) {
+        match object {
+            P0 | P1 => {
+                let graphics = if self.vdelp[object] { self.old_grp[object] } else { self.grp[object] };
+                let without_main = self.without_main[object];
+                self.put(
+                    object,
+                    objects::player(
+                        self.x[object],
+                        self.nusiz[object],
+                        graphics,
+                        self.refp[object],
+                        without_main,
+                    ),
+                );
+            }
+            M0 | M1 if self.enam[object - M0] && !self.resmp[object - M0] => {
+                self.put(object, objects::missile(self.x[object], self.nusiz[object - M0]));
+            }
+            BL if self.shows_ball() => self.put(object, objects::ball(self.x[BL], self.ctrlpf)),
+            PF => self.put(object, objects::playfield(self.pf, self.reflected)),
+            _ => self.put(object, Pixels::default()),
+        }
+    }
+
+    /// It is a part of each arm that calls it: pixels that went through memory on their way would take twice as long.
+    #[inline(always)]
+    fn put(&mut self, object: usize, pixels: Pixels) {
+        let bit = 1 << object;
+        self.stale &= !bit;
+        let (from, before) = (self.from[object], self.objects.get(object));
+        let pixels = if from == 0 {
+            pixels
+        } else {
+            self.mixed |= bit;
+            before.until(from, pixels)
+        };
+        self.repeats &= before.equals(pixels);
+        self.objects.set(object, pixels);
+    }
+}
+
+/// The objects whose bits are set.
+#[inline]
+pub(super) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let object = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (object < OBJECTS).then_some(object)
+    })
+}

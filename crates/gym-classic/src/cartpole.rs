@@ -16,11 +16,13 @@
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::Real;
+use gym_core::math::{Fma, Real};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame};
+use gym_core::{
+    Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -111,6 +113,24 @@ impl Equations<4, 4> for CartPoleDynamics {
     fn see<R: Real>(&self, state: [R; 4]) -> [R; 4] {
         state
     }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> Transition<State> {
+        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let (state, mut reward, terminated) =
+            native::advance::<_, F, 4, 4>(self, [x, x_dot, theta, theta_dot], false, action);
+        if fallen && terminated && !self.config.sutton_barto_reward {
+            reward = 0.0; // the end of the episode was paid before
+        }
+        let [x, x_dot, theta, theta_dot] = state;
+        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
+        Transition { state, reward, terminated }
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 4] {
+        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
+    }
 }
 
 impl Dynamics for CartPoleDynamics {
@@ -147,20 +167,23 @@ impl Dynamics for CartPoleDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let State { x, x_dot, theta, theta_dot, fallen } = *state;
-        let (state, mut reward, terminated) =
-            native::advance(self, [x, x_dot, theta, theta_dot], false, *action);
-        if fallen && terminated && !self.config.sutton_barto_reward {
-            reward = 0.0; // the end of the episode was paid before
-        }
-        let [x, x_dot, theta, theta_dot] = state;
-        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
-        Ok(Transition { state, reward, terminated })
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 4] {
-        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &Action,
+        _rng: &mut Generator,
+        observation: &mut [f32; 4],
+    ) -> Result<Outcome> {
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {

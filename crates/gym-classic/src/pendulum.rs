@@ -15,12 +15,12 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
-use gym_core::math::Real;
+use gym_core::math::{Fma, Real};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -104,6 +104,20 @@ impl Equations<2, 3> for PendulumDynamics {
         let (sin, cos) = theta.sin_cos();
         [cos, sin, theta_dot]
     }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> Transition<State> {
+        let (state, reward, terminated) =
+            native::advance::<_, F, 2, 3>(self, [state.theta, state.theta_dot], false, action);
+        let [theta, theta_dot] = state;
+        let last_torque = Some(action[0].clamp(-MAX_TORQUE, MAX_TORQUE));
+        Transition { state: State { theta, theta_dot, last_torque }, reward, terminated }
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 3] {
+        native::see::<_, F, 2, 3>(self, [state.theta, state.theta_dot])
+    }
 }
 
 impl Dynamics for PendulumDynamics {
@@ -152,17 +166,25 @@ impl Dynamics for PendulumDynamics {
         action: &[f32; 1],
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
-        let torque = reset::finite(*action, || self.action_space())?;
-        let (state, reward, terminated) =
-            native::advance(self, [state.theta, state.theta_dot], false, *action);
-        let [theta, theta_dot] = state;
-        let last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
-        Ok(Transition { state: State { theta, theta_dot, last_torque }, reward, terminated })
+        reset::finite(*action, || self.action_space())?;
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 3] {
-        native::see(self, [state.theta, state.theta_dot])
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &[f32; 1],
+        _rng: &mut Generator,
+        observation: &mut [f32; 3],
+    ) -> Result<Outcome> {
+        reset::finite(*action, || self.action_space())?;
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {

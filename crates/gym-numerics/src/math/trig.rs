@@ -61,16 +61,33 @@ struct Reduced<R> {
 }
 
 impl<R: Real> Reduced<R> {
-    /// One formula for all: no turn, one with the parts of QUARTER, or those that are nearest.
+    /// The shortest way that is right for all.
     #[inline(always)]
     fn new(x: R) -> Self {
         let magnitude = x.abs();
-        let zero = x.same(0.0);
         let unreduced = magnitude.lt(x.same(UNREDUCED));
+        if R::LANES == 1 && R::all(unreduced) {
+            return Self { a: x, da: x.same(0.0), turns: x.same(ROUND) };
+        }
         let near = magnitude.lt(x.same(ONE_TURN));
+        let one = R::select(unreduced, x.same(0.0), x.same(1.0).copysign(x));
+        if R::all(near) { Self::of_near(x, one) } else { Self::of_any(x, near, one) }
+    }
+
+    /// With no turn or one, and the parts of QUARTER.
+    #[inline(always)]
+    fn of_near(x: R, n: R) -> Self {
+        let (minus_n, rest) = (-n, x.same(QUARTER[1]));
+        let y = minus_n.fma(x.same(QUARTER[0]), x);
+        let a = minus_n.fma(rest, y);
+        Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND }
+    }
+
+    /// One formula for those that are near and others, whose turns are counted and have the parts of PARTS.
+    #[inline(always)]
+    fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
-        let one = x.same(1.0).copysign(x);
-        let n = R::select(unreduced, zero, R::select(near, one, shifted - ROUND));
+        let n = R::select(near, one, shifted - ROUND);
         let part = |of_near: f64, k: usize| R::select(near, x.same(of_near), x.same(PARTS[k]));
         let minus_n = -n;
         let y = minus_n.fma(part(0.0, 1), minus_n.fma(part(QUARTER[0], 0), x));
@@ -205,37 +222,36 @@ fn both_in_quadrant<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> (R, R) {
     (sin.negate_if(turns.bit(1)), cos.negate_if((turns + 1.0).bit(1)))
 }
 
-/// The sine of an angle that is not that of the formula.
+/// The sines, where those of the formula are not: for HALF_WAY and from HUGE on, neither of which is likely.
 #[inline(always)]
-fn but_half_way<R: Real>(x: R, sin: R) -> R {
-    let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
-    let here = magnitude.le(half_way) & half_way.le(magnitude);
-    R::select(here, x.same(SIN_HALF_WAY).copysign(x), sin)
+fn repair_sin<R: Real>(x: R, sin: R) -> R {
+    let magnitude = x.abs();
+    let half_way = x.same(HALF_WAY);
+    let usual = R::but_not(magnitude.lt(x.same(HUGE)), magnitude.le(half_way) & half_way.le(magnitude));
+    if R::all(usual) { sin } else { sin.repair_unless(usual, x, sin_of_unusual) }
+}
+
+/// The cosines, where those of the formula are not: from HUGE on.
+#[inline(always)]
+fn repair_cos<R: Real>(x: R, cos: R) -> R {
+    let usual = x.abs().lt(x.same(HUGE));
+    if R::all(usual) { cos } else { cos.repair_unless(usual, x, |x| sin_cos_of_huge(x).1) }
 }
 
 /// Sines and cosines of angles in rad.
 #[inline(always)]
 pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
-    let magnitude = x.abs();
-    if R::all(magnitude.lt(x.same(UNREDUCED))) {
+    if R::all(x.abs().lt(x.same(UNREDUCED))) {
         return both_exact(x);
     }
     let (sin, cos) = both_in_quadrant(Reduced::new(x));
-    let sin = but_half_way(x, sin);
-    let reducible = magnitude.lt(x.same(HUGE));
-    if R::all(reducible) {
-        return (sin, cos);
-    }
-    let sin = sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0);
-    (sin, cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1))
+    (repair_sin(x, sin), repair_cos(x, cos))
 }
 
 /// The sines of angles in rad.
 #[inline(always)]
 pub(super) fn sin<R: Real>(x: R) -> R {
-    let sin = but_half_way(x, one_of_both(Reduced::new(x)));
-    let reducible = x.abs().lt(x.same(HUGE));
-    if R::all(reducible) { sin } else { sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0) }
+    repair_sin(x, one_of_both(Reduced::new(x)))
 }
 
 /// The cosines of angles in rad.
@@ -243,9 +259,13 @@ pub(super) fn sin<R: Real>(x: R) -> R {
 pub(super) fn cos<R: Real>(x: R) -> R {
     // the sine one quarter turn on
     let Reduced { a, da, turns } = Reduced::new(x);
-    let cos = one_of_both(Reduced { a, da, turns: turns + 1.0 });
-    let reducible = x.abs().lt(x.same(HUGE));
-    if R::all(reducible) { cos } else { cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1) }
+    repair_cos(x, one_of_both(Reduced { a, da, turns: turns + 1.0 }))
+}
+
+#[cold]
+#[inline(never)]
+fn sin_of_unusual(x: f64) -> f64 {
+    if x.abs() == HALF_WAY { SIN_HALF_WAY.copysign(x) } else { sin_cos_of_huge(x).0 }
 }
 
 /// Beyond HUGE, where no environment comes.

@@ -58,6 +58,8 @@ struct Reduced<R> {
     a: R,
     da: R,
     turns: R,
+    /// Whether one is beyond HUGE, where all this is wrong.
+    huge: bool,
 }
 
 impl<R: Real> Reduced<R> {
@@ -67,7 +69,7 @@ impl<R: Real> Reduced<R> {
         let magnitude = x.abs();
         let unreduced = magnitude.lt(x.same(UNREDUCED));
         if R::LANES == 1 && R::all(unreduced) {
-            return Self { a: x, da: x.same(0.0), turns: x.same(ROUND) };
+            return Self { a: x, da: x.same(0.0), turns: x.same(ROUND), huge: false };
         }
         let near = magnitude.lt(x.same(ONE_TURN));
         let one = R::select(unreduced, x.same(0.0), x.same(1.0).copysign(x));
@@ -80,7 +82,7 @@ impl<R: Real> Reduced<R> {
         let (minus_n, rest) = (-n, x.same(QUARTER[1]));
         let y = minus_n.fma(x.same(QUARTER[0]), x);
         let a = minus_n.fma(rest, y);
-        Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND }
+        Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND, huge: false }
     }
 
     /// One formula for those that are near and others, whose turns are counted and have the parts of PARTS.
@@ -97,7 +99,8 @@ impl<R: Real> Reduced<R> {
         let p4 = part(0.0, 3);
         let a = minus_n.fma(p4, t2);
         let da = da + minus_n.fma(p4, t2 - a);
-        Self { a, da, turns: n + ROUND }
+        let huge = !R::all(x.abs().lt(x.same(HUGE)));
+        Self { a, da, turns: n + ROUND, huge }
     }
 }
 
@@ -190,7 +193,7 @@ fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
 
 /// The sine, or where turns are odd the cosine.
 #[inline(always)]
-fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
+fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
     let odd = turns.bit(0);
     let small = R::but_not(a.abs().lt(a.same(SMALL)), odd);
     let value = if R::all(small) {
@@ -198,11 +201,13 @@ fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
     } else {
         let (r, [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
         let dx = da.negate_if(a.lt(a.same(0.0)));
-        let r = R::select(odd, r + dx, r);
-        let square = r * r;
+        // the cosine is that of the whole angle, the sine that of its first part, corrected
+        let whole = R::select(odd, r + dx, r);
+        let square = whole * whole;
         let (p, q) = polynomials(square);
-        let (cube, c) = (r * square, square * q);
-        let s = R::select(odd, cube.fma(p, r), r + cube.fma(p, dx));
+        let s = (whole * square).fma(p, R::select(odd, whole, dx));
+        let s = R::select(odd, s, r + s);
+        let c = square * q;
         let c = R::select(odd, c, r.fma(dx, c));
         let pick = |odd_one: R, even_one: R| R::select(odd, odd_one, even_one);
         let row = [pick(cos, sin), pick(cos_rest, sin_rest), pick(-sin, cos), pick(-sin_rest, cos_rest)];
@@ -215,7 +220,7 @@ fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
 
 /// Both, in the quadrant of the turns.
 #[inline(always)]
-fn both_in_quadrant<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> (R, R) {
+fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     let (sin, cos) = both(a, da);
     let odd = turns.bit(0);
     let (sin, cos) = (R::select(odd, cos, sin), R::select(odd, sin, cos));
@@ -224,18 +229,19 @@ fn both_in_quadrant<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> (R, R) {
 
 /// The sines, where those of the formula are not: for HALF_WAY and from HUGE on, neither of which is likely.
 #[inline(always)]
-fn repair_sin<R: Real>(x: R, sin: R) -> R {
-    let magnitude = x.abs();
-    let half_way = x.same(HALF_WAY);
-    let usual = R::but_not(magnitude.lt(x.same(HUGE)), magnitude.le(half_way) & half_way.le(magnitude));
-    if R::all(usual) { sin } else { sin.repair_unless(usual, x, sin_of_unusual) }
+fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
+    let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
+    let unlucky = magnitude.le(half_way) & half_way.le(magnitude);
+    if !R::any(unlucky) && !huge {
+        return sin;
+    }
+    sin.repair_unless(R::but_not(magnitude.lt(x.same(HUGE)), unlucky), x, sin_of_unusual)
 }
 
 /// The cosines, where those of the formula are not: from HUGE on.
 #[inline(always)]
-fn repair_cos<R: Real>(x: R, cos: R) -> R {
-    let usual = x.abs().lt(x.same(HUGE));
-    if R::all(usual) { cos } else { cos.repair_unless(usual, x, |x| sin_cos_of_huge(x).1) }
+fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
+    if huge { cos.repair_unless(x.abs().lt(x.same(HUGE)), x, |x| sin_cos_of_huge(x).1) } else { cos }
 }
 
 /// Sines and cosines of angles in rad.
@@ -244,22 +250,24 @@ pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
     if R::all(x.abs().lt(x.same(UNREDUCED))) {
         return both_exact(x);
     }
-    let (sin, cos) = both_in_quadrant(Reduced::new(x));
-    (repair_sin(x, sin), repair_cos(x, cos))
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    let (sin, cos) = both_in_quadrant(a, da, turns);
+    (repair_sin(x, sin, huge), repair_cos(x, cos, huge))
 }
 
 /// The sines of angles in rad.
 #[inline(always)]
 pub(super) fn sin<R: Real>(x: R) -> R {
-    repair_sin(x, one_of_both(Reduced::new(x)))
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    repair_sin(x, one_of_both(a, da, turns), huge)
 }
 
 /// The cosines of angles in rad.
 #[inline(always)]
 pub(super) fn cos<R: Real>(x: R) -> R {
     // the sine one quarter turn on
-    let Reduced { a, da, turns } = Reduced::new(x);
-    repair_cos(x, one_of_both(Reduced { a, da, turns: turns + 1.0 }))
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    repair_cos(x, one_of_both(a, da, turns + 1.0), huge)
 }
 
 #[cold]
@@ -275,7 +283,8 @@ fn sin_cos_of_huge(x: f64) -> (f64, f64) {
     if !x.is_finite() {
         return (f64::NAN, f64::NAN);
     }
-    let (sin, cos) = both_in_quadrant(reduce_huge(x));
+    let Reduced { a, da, turns, .. } = reduce_huge(x);
+    let (sin, cos) = both_in_quadrant(a, da, turns);
     (sin.value(), cos.value())
 }
 
@@ -334,5 +343,6 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
         a: One::new(sign * sum),
         da: One::new(sign * (a - sum + low)),
         turns: One::new(f64::from(turns) + ROUND),
+        huge: false,
     }
 }

@@ -52,6 +52,21 @@ impl Pixels for RgbPixels<'_> {
         }
     }
 
+    fn vline(&mut self, x: i32, y1: i32, y2: i32, color: Color) {
+        let (low, high) = (y1.min(y2).max(0), y1.max(y2).min(self.height() - 1));
+        let column = x - self.left;
+        if column < 0 || x >= self.width() || low > high {
+            return;
+        }
+        let top = if self.flipped { self.height() - 1 - high } else { low };
+        let bytes = self.frame.width() as usize * RGB;
+        let first = top as usize * bytes + column as usize * RGB;
+        let rows = self.frame.pixels_mut()[first..].chunks_mut(bytes);
+        for row in rows.take((high - low + 1) as usize) {
+            row[..RGB].copy_from_slice(&[color.r, color.g, color.b]);
+        }
+    }
+
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
         let Ok(x) = usize::try_from(x - self.left) else { return };
         let pixel = &mut self.row(y)[x * RGB..][..RGB];

@@ -185,14 +185,17 @@ impl Equations<4, 6> for AcrobotDynamics {
 
     /// One step in time.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4> {
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4, 6> {
         let [theta1, theta2, dtheta1, dtheta2] = rk4(state, torque);
         let (theta1, theta2) = (wrap(theta1), wrap(theta2));
         let dtheta1 = dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1);
         let dtheta2 = dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2);
-        let terminated = (-theta1.cos() - (theta2 + theta1).cos()).gt(theta1.same(1.0));
+        let state = [theta1, theta2, dtheta1, dtheta2];
+        let seen = self.see(state);
+        let [cos1, ..] = seen;
+        let terminated = (-cos1 - (theta2 + theta1).cos()).gt(theta1.same(1.0));
         let reward = R::select(terminated, theta1.same(0.0), theta1.same(-1.0));
-        Next { state: [theta1, theta2, dtheta1, dtheta2], reward, terminated }
+        Next { state, reward, terminated, seen }
     }
 
     #[inline(always)]
@@ -202,13 +205,13 @@ impl Equations<4, 6> for AcrobotDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> Transition<State> {
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 6]) {
         let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        let (state, reward, terminated) =
+        let (state, reward, terminated, seen) =
             native::advance::<_, F, 4, 6>(self, [theta1, theta2, dtheta1, dtheta2], fresh, action);
         let [theta1, theta2, dtheta1, dtheta2] = state;
         let state = State { theta1, theta2, dtheta1, dtheta2, fresh: false };
-        Transition { state, reward, terminated }
+        (Transition { state, reward, terminated }, seen)
     }
 
     #[inline(always)]

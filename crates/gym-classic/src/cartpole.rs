@@ -90,7 +90,7 @@ impl Equations<4, 4> for CartPoleDynamics {
 
     /// The equations of motion, for a pole that has not fallen.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4> {
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4, 4> {
         let [x, x_dot, theta, theta_dot] = state;
         let (sintheta, costheta) = theta.sin_cos();
 
@@ -106,7 +106,7 @@ impl Equations<4, 4> for CartPoleDynamics {
         let terminated = x.abs().gt(x.same(X_THRESHOLD)) | theta.abs().gt(x.same(THETA_THRESHOLD));
         let (dropped, held) = if self.config.sutton_barto_reward { (-1.0, 0.0) } else { (1.0, 1.0) };
         let reward = R::select(terminated, x.same(dropped), x.same(held));
-        Next { state: next, reward, terminated }
+        Next { state: next, reward, terminated, seen: next }
     }
 
     #[inline(always)]
@@ -115,16 +115,16 @@ impl Equations<4, 4> for CartPoleDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> Transition<State> {
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 4]) {
         let State { x, x_dot, theta, theta_dot, fallen } = *state;
-        let (state, mut reward, terminated) =
+        let (state, mut reward, terminated, seen) =
             native::advance::<_, F, 4, 4>(self, [x, x_dot, theta, theta_dot], false, action);
         if fallen && terminated && !self.config.sutton_barto_reward {
             reward = 0.0; // the end of the episode was paid before
         }
         let [x, x_dot, theta, theta_dot] = state;
         let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
-        Transition { state, reward, terminated }
+        (Transition { state, reward, terminated }, seen)
     }
 
     #[inline(always)]

@@ -78,7 +78,7 @@ impl Equations<2, 2> for MountainCarDynamics {
 
     /// The equations of motion.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2> {
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2, 2> {
         let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
         let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
         let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
@@ -87,7 +87,8 @@ impl Equations<2, 2> for MountainCarDynamics {
         let velocity = R::select(at_wall & velocity.lt(zero), zero, velocity);
         let terminated =
             position.same(GOAL_POSITION).le(position) & velocity.same(self.config.goal_velocity).le(velocity);
-        Next { state: [position, velocity], reward: velocity.same(-1.0), terminated }
+        let state = [position, velocity];
+        Next { state, reward: velocity.same(-1.0), terminated, seen: state }
     }
 
     #[inline(always)]
@@ -96,11 +97,11 @@ impl Equations<2, 2> for MountainCarDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> Transition<State> {
-        let (state, reward, terminated) =
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 2]) {
+        let (state, reward, terminated, seen) =
             native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], false, action);
         let [position, velocity] = state;
-        Transition { state: State { position, velocity }, reward, terminated }
+        (Transition { state: State { position, velocity }, reward, terminated }, seen)
     }
 
     #[inline(always)]

@@ -58,7 +58,7 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
 
     /// The equations of motion, for a force of any size.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2> {
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2, 2> {
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
         let state_type = |x: R| R::select(fresh, x, x.single());
         let same = |x: f64| position.same(x);
@@ -79,7 +79,8 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
             & state_type(same(self.config.goal_velocity)).le(velocity);
         let bonus = R::select(terminated, same(100.0), same(0.0));
         let reward = bonus - force * force * 0.1;
-        Next { state: [position.single(), velocity.single()], reward, terminated }
+        let state = [position.single(), velocity.single()];
+        Next { state, reward, terminated, seen: state }
     }
 
     #[inline(always)]
@@ -88,11 +89,11 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> Transition<State> {
-        let (state, reward, terminated) =
+    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> (Transition<State>, [f32; 2]) {
+        let (state, reward, terminated, seen) =
             native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], state.fresh, action);
         let [position, velocity] = state;
-        Transition { state: State { position, velocity, fresh: false }, reward, terminated }
+        (Transition { state: State { position, velocity, fresh: false }, reward, terminated }, seen)
     }
 
     #[inline(always)]

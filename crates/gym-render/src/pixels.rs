@@ -74,14 +74,16 @@ pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, ..
     if r == g && g == b {
         return run.fill(r);
     }
-    // in words as long as a register, so that the compiler does not write byte by byte
-    let group: [u8; 16 * RGB] = std::array::from_fn(|i| [r, g, b][i % RGB]);
-    let (groups, rest) = run.as_chunks_mut();
-    groups.fill(group);
-    let (groups, rest) = rest.as_chunks_mut();
-    let short: [u8; 4 * RGB] = std::array::from_fn(|i| [r, g, b][i % RGB]);
-    groups.fill(short);
-    rest.chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
+    // in words, so that the compiler does not write byte by byte
+    let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
+    let group = [word(0), word(1), word(2)];
+    let mut groups = run.chunks_exact_mut(8 * RGB);
+    for pixels in groups.by_ref() {
+        for (pixels, word) in pixels.chunks_exact_mut(8).zip(group) {
+            pixels.copy_from_slice(&word.to_ne_bytes());
+        }
+    }
+    groups.into_remainder().chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
 }
 
 /// `color` over `pixel`, weighed by the coverage.

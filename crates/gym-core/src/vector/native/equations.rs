@@ -12,14 +12,18 @@ pub trait Equations<const K: usize, const O: usize>: Dynamics {
 
     /// One step from a state that is `fresh`, the first of its episode, or not. To be marked
     /// `#[inline(always)]`, with all that it calls.
-    fn advance<R: Real>(&self, state: [R; K], fresh: R::Mask, action: R) -> Next<R, K>;
+    fn advance<R: Real>(&self, state: [R; K], fresh: R::Mask, action: R) -> Next<R, K, O>;
 
     /// What is seen of a state that is not fresh. To be marked `#[inline(always)]`.
     fn see<R: Real>(&self, state: [R; K]) -> [R; O];
 
-    /// [`Dynamics::transition`] for an action that can be executed, by [`advance`]. To be marked
-    /// `#[inline(always)]`.
-    fn move_on<F: Fma>(&self, state: &Self::State, action: Self::Action) -> Transition<Self::State>;
+    /// [`Dynamics::transition`] for an action that can be executed, and what is seen then, by [`advance`]. To
+    /// be marked `#[inline(always)]`.
+    fn move_on<F: Fma>(
+        &self,
+        state: &Self::State,
+        action: Self::Action,
+    ) -> (Transition<Self::State>, Self::Observation);
 
     /// [`Dynamics::observe`], by [`see`]. To be marked `#[inline(always)]`.
     fn look_at<F: Fma>(&self, state: &Self::State) -> Self::Observation;
@@ -27,23 +31,26 @@ pub trait Equations<const K: usize, const O: usize>: Dynamics {
 
 /// What comes of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Next<R: Real, const K: usize> {
+pub struct Next<R: Real, const K: usize, const O: usize> {
     /// The numbers of the new state.
     pub state: [R; K],
     /// The reward.
     pub reward: R,
     /// Whether the episode is over.
     pub terminated: R::Mask,
+    /// What is seen of the new state.
+    pub seen: [R; O],
 }
 
-/// [`Equations::advance`] of one environment: its new state, the reward, and whether the episode is over.
+/// [`Equations::advance`] of one environment: its new state, the reward, whether the episode is over, and what
+/// is seen.
 #[inline(always)]
 pub fn advance<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
     equations: &E,
     state: [f64; K],
     fresh: bool,
     action: E::Action,
-) -> ([f64; K], f64, bool) {
+) -> ([f64; K], f64, bool, [f32; O]) {
     let action = One::<F>::new(E::input(action));
     let mut numbers = [action; K];
     for (number, x) in numbers.iter_mut().zip(state) {
@@ -54,7 +61,7 @@ pub fn advance<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
     for (x, number) in state.iter_mut().zip(next.state) {
         *x = number.value();
     }
-    (state, next.reward.value(), next.terminated)
+    (state, next.reward.value(), next.terminated, singles(next.seen))
 }
 
 /// [`Equations::see`] of one environment.
@@ -67,11 +74,17 @@ pub fn see<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
     for (number, x) in numbers.iter_mut().zip(state) {
         *number = One::new(x);
     }
-    let mut seen = [0.0; O];
-    for (x, number) in seen.iter_mut().zip(equations.see(numbers)) {
+    singles(equations.see(numbers))
+}
+
+// (a loop, because `array::map` is not always inlined)
+#[inline(always)]
+fn singles<F: Fma, const O: usize>(numbers: [One<F>; O]) -> [f32; O] {
+    let mut singles = [0.0; O];
+    for (x, number) in singles.iter_mut().zip(numbers) {
         *x = number.value() as f32;
     }
-    seen
+    singles
 }
 
 /// [`Dynamics::transition`] of a task of equations.
@@ -84,9 +97,9 @@ pub fn transition<E: Equations<K, O>, const K: usize, const O: usize>(
     with(
         action,
         #[inline(always)]
-        |action| equations.move_on::<Hardware>(state, action),
+        |action| equations.move_on::<Hardware>(state, action).0,
         #[inline(always)]
-        |action| equations.move_on::<Emulated>(state, action),
+        |action| equations.move_on::<Emulated>(state, action).0,
     )
 }
 
@@ -135,8 +148,8 @@ fn step_with<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
     action: E::Action,
     observation: &mut E::Observation,
 ) -> (f64, bool) {
-    let Transition { state: next, reward, terminated } = equations.move_on::<F>(state, action);
-    *observation = equations.look_at::<F>(&next);
+    let (Transition { state: next, reward, terminated }, seen) = equations.move_on::<F>(state, action);
+    *observation = seen;
     *state = next;
     (reward, terminated)
 }
@@ -169,7 +182,7 @@ impl<D: Native> Many<'_, D> {
             }
             next.reward.put(&mut self.rewards[first..]);
             terminated |= (R::bits(next.terminated) as u32) << first;
-            for (column, x) in seen.iter_mut().zip(equations.see(next.state)) {
+            for (column, x) in seen.iter_mut().zip(next.seen) {
                 x.put(&mut column[first..]);
             }
         }

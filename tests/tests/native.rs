@@ -276,7 +276,7 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
     compare_steps::<MountainCarDynamics, 2, 2>(mountain_car::Config::default(), bounds(-1.2, 0.55));
     let config = mountain_car_continuous::Config::default();
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds(-1.2, 0.55));
-    compare_steps::<PendulumDynamics, 2, 3>(
+    compare_steps::<PendulumDynamics, 3, 3>(
         pendulum::Config::default(),
         [("x_init", 100.0), ("y_init", 8.0)],
     );
@@ -292,7 +292,7 @@ fn steps_from_extremes_equal_those_of_scalar_environments() {
     compare_steps::<MountainCarDynamics, 2, 2>(mountain_car::Config { goal_velocity: -1.0 }, bounds);
     let config = mountain_car_continuous::Config { goal_velocity: -1.0 };
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds);
-    compare_steps::<PendulumDynamics, 2, 3>(pendulum::Config { g: -3e5 }, [("x_init", 1e6), ("y_init", 1e6)]);
+    compare_steps::<PendulumDynamics, 3, 3>(pendulum::Config { g: -3e5 }, [("x_init", 1e6), ("y_init", 1e6)]);
     compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, bounds);
 }
 

@@ -20,12 +20,13 @@
 use std::f64::consts::{PI, TAU};
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos};
+use gym_core::math::{Fma, Real, numpy_sin_cos_f32, sin_cos};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Generator, NoArguments, Outcome, Registration, Reset, Result, Space, Stateful, Transition,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -111,22 +112,23 @@ impl Dynamics for AcrobotDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        let (state, reward, terminated) =
-            native::advance(self, [theta1, theta2, dtheta1, dtheta2], fresh, *action);
-        let [theta1, theta2, dtheta1, dtheta2] = state;
-        let state = State { theta1, theta2, dtheta1, dtheta2, fresh: false };
-        Ok(Transition { state, reward, terminated })
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 6] {
-        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        if !fresh {
-            return native::see(self, [theta1, theta2, dtheta1, dtheta2]);
-        }
-        let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
-        [cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32]
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &Action,
+        _rng: &mut Generator,
+        observation: &mut [f32; 6],
+    ) -> Result<Outcome> {
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -183,20 +185,43 @@ impl Equations<4, 6> for AcrobotDynamics {
 
     /// One step in time.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4> {
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4, 6> {
         let [theta1, theta2, dtheta1, dtheta2] = rk4(state, torque);
         let (theta1, theta2) = (wrap(theta1), wrap(theta2));
         let dtheta1 = dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1);
         let dtheta2 = dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2);
-        let terminated = (-theta1.cos() - (theta2 + theta1).cos()).gt(theta1.same(1.0));
+        let state = [theta1, theta2, dtheta1, dtheta2];
+        let seen = self.see(state);
+        let [cos1, ..] = seen;
+        let terminated = (-cos1 - (theta2 + theta1).cos()).gt(theta1.same(1.0));
         let reward = R::select(terminated, theta1.same(0.0), theta1.same(-1.0));
-        Next { state: [theta1, theta2, dtheta1, dtheta2], reward, terminated }
+        Next { state, reward, terminated, seen }
     }
 
     #[inline(always)]
     fn see<R: Real>(&self, [theta1, theta2, dtheta1, dtheta2]: [R; 4]) -> [R; 6] {
         let ((sin1, cos1), (sin2, cos2)) = (theta1.sin_cos(), theta2.sin_cos());
         [cos1, sin1, cos2, sin2, dtheta1, dtheta2]
+    }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 6]) {
+        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
+        let (state, reward, terminated, seen) =
+            native::advance::<_, F, 4, 6>(self, [theta1, theta2, dtheta1, dtheta2], fresh, action);
+        let [theta1, theta2, dtheta1, dtheta2] = state;
+        let state = State { theta1, theta2, dtheta1, dtheta2, fresh: false };
+        (Transition { state, reward, terminated }, seen)
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 6] {
+        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
+        if !fresh {
+            return native::see::<_, F, 4, 6>(self, [theta1, theta2, dtheta1, dtheta2]);
+        }
+        let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
+        [cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32]
     }
 }
 

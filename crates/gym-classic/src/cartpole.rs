@@ -16,11 +16,13 @@
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::Real;
+use gym_core::math::{Fma, Real};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame};
+use gym_core::{
+    Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -88,7 +90,7 @@ impl Equations<4, 4> for CartPoleDynamics {
 
     /// The equations of motion, for a pole that has not fallen.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4> {
+    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4, 4> {
         let [x, x_dot, theta, theta_dot] = state;
         let (sintheta, costheta) = theta.sin_cos();
 
@@ -104,12 +106,30 @@ impl Equations<4, 4> for CartPoleDynamics {
         let terminated = x.abs().gt(x.same(X_THRESHOLD)) | theta.abs().gt(x.same(THETA_THRESHOLD));
         let (dropped, held) = if self.config.sutton_barto_reward { (-1.0, 0.0) } else { (1.0, 1.0) };
         let reward = R::select(terminated, x.same(dropped), x.same(held));
-        Next { state: next, reward, terminated }
+        Next { state: next, reward, terminated, seen: next }
     }
 
     #[inline(always)]
     fn see<R: Real>(&self, state: [R; 4]) -> [R; 4] {
         state
+    }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 4]) {
+        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let (state, mut reward, terminated, seen) =
+            native::advance::<_, F, 4, 4>(self, [x, x_dot, theta, theta_dot], false, action);
+        if fallen && terminated && !self.config.sutton_barto_reward {
+            reward = 0.0; // the end of the episode was paid before
+        }
+        let [x, x_dot, theta, theta_dot] = state;
+        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
+        (Transition { state, reward, terminated }, seen)
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 4] {
+        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
     }
 }
 
@@ -147,20 +167,23 @@ impl Dynamics for CartPoleDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let State { x, x_dot, theta, theta_dot, fallen } = *state;
-        let (state, mut reward, terminated) =
-            native::advance(self, [x, x_dot, theta, theta_dot], false, *action);
-        if fallen && terminated && !self.config.sutton_barto_reward {
-            reward = 0.0; // the end of the episode was paid before
-        }
-        let [x, x_dot, theta, theta_dot] = state;
-        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
-        Ok(Transition { state, reward, terminated })
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 4] {
-        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &Action,
+        _rng: &mut Generator,
+        observation: &mut [f32; 4],
+    ) -> Result<Outcome> {
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {

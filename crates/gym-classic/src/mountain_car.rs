@@ -13,12 +13,12 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
-use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
+use gym_core::math::{Fma, Real, cos, numpy_sin_cos_f32, sin};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +78,7 @@ impl Equations<2, 2> for MountainCarDynamics {
 
     /// The equations of motion.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2> {
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2, 2> {
         let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
         let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
         let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
@@ -87,12 +87,26 @@ impl Equations<2, 2> for MountainCarDynamics {
         let velocity = R::select(at_wall & velocity.lt(zero), zero, velocity);
         let terminated =
             position.same(GOAL_POSITION).le(position) & velocity.same(self.config.goal_velocity).le(velocity);
-        Next { state: [position, velocity], reward: velocity.same(-1.0), terminated }
+        let state = [position, velocity];
+        Next { state, reward: velocity.same(-1.0), terminated, seen: state }
     }
 
     #[inline(always)]
     fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
         state
+    }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 2]) {
+        let (state, reward, terminated, seen) =
+            native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], false, action);
+        let [position, velocity] = state;
+        (Transition { state: State { position, velocity }, reward, terminated }, seen)
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 2] {
+        [state.position as f32, state.velocity as f32]
     }
 }
 
@@ -128,15 +142,23 @@ impl Dynamics for MountainCarDynamics {
 
     #[inline]
     fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        let (state, reward, terminated) =
-            native::advance(self, [state.position, state.velocity], false, *action);
-        let [position, velocity] = state;
-        Ok(Transition { state: State { position, velocity }, reward, terminated })
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 2] {
-        [state.position as f32, state.velocity as f32]
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &Action,
+        _rng: &mut Generator,
+        observation: &mut [f32; 2],
+    ) -> Result<Outcome> {
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {

@@ -14,11 +14,11 @@
 //! the state is `float64` after a reset and `float32` from the first step on.
 
 use gym_core::canvas::Canvas;
-use gym_core::math::Real;
+use gym_core::math::{Fma, Real};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::{Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, MAX_POSITION, MAX_SPEED, MIN_POSITION};
@@ -58,7 +58,7 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
 
     /// The equations of motion, for a force of any size.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2> {
+    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2, 2> {
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
         let state_type = |x: R| R::select(fresh, x, x.single());
         let same = |x: f64| position.same(x);
@@ -79,12 +79,26 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
             & state_type(same(self.config.goal_velocity)).le(velocity);
         let bonus = R::select(terminated, same(100.0), same(0.0));
         let reward = bonus - force * force * 0.1;
-        Next { state: [position.single(), velocity.single()], reward, terminated }
+        let state = [position.single(), velocity.single()];
+        Next { state, reward, terminated, seen: state }
     }
 
     #[inline(always)]
     fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
         state
+    }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> (Transition<State>, [f32; 2]) {
+        let (state, reward, terminated, seen) =
+            native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], state.fresh, action);
+        let [position, velocity] = state;
+        (Transition { state: State { position, velocity, fresh: false }, reward, terminated }, seen)
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 2] {
+        [state.position as f32, state.velocity as f32]
     }
 }
 
@@ -126,15 +140,24 @@ impl Dynamics for MountainCarContinuousDynamics {
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
         reset::finite(*action, || self.action_space())?;
-        let (state, reward, terminated) =
-            native::advance(self, [state.position, state.velocity], state.fresh, *action);
-        let [position, velocity] = state;
-        Ok(Transition { state: State { position, velocity, fresh: false }, reward, terminated })
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 2] {
-        [state.position as f32, state.velocity as f32]
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &[f32; 1],
+        _rng: &mut Generator,
+        observation: &mut [f32; 2],
+    ) -> Result<Outcome> {
+        reset::finite(*action, || self.action_space())?;
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {

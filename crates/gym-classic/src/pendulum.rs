@@ -15,12 +15,12 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
-use gym_core::math::Real;
+use gym_core::math::{Fma, One, Real, sin};
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -75,34 +75,54 @@ struct Start {
     y_init: Option<f64>,
 }
 
-impl Equations<2, 3> for PendulumDynamics {
+impl Equations<3, 3> for PendulumDynamics {
     /// The torque.
     #[inline(always)]
     fn input([torque]: [f32; 1]) -> f64 {
         f64::from(torque)
     }
 
-    /// The equation of motion, for a torque of any size.
+    /// The equation of motion, for a torque of any size. The third number of the state is the angle's sine.
     #[inline(always)]
-    fn advance<R: Real>(&self, [theta, theta_dot]: [R; 2], _fresh: R::Mask, torque: R) -> Next<R, 2> {
+    fn advance<R: Real>(&self, [theta, theta_dot, sin]: [R; 3], _fresh: R::Mask, torque: R) -> Next<R, 3, 3> {
         let u = torque.clamp(-f64::from(MAX_TORQUE), f64::from(MAX_TORQUE));
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
         // the last product and its sum with nothing are those of `float32`
         let effort = (u.square_f32() * f64::from(0.001f32)).single();
         let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
-        let pull = theta.sin() * (3.0 * self.config.g / (2.0 * LENGTH));
+        let pull = sin * (3.0 * self.config.g / (2.0 * LENGTH));
         let push = (u * f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32)).single();
         let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
         let theta = theta + theta_dot * DT;
         let terminated = theta.lt(theta) & theta.lt(theta);
-        Next { state: [theta, theta_dot], reward: -costs, terminated }
+        let seen = self.see([theta, theta_dot, sin]);
+        let [_, sin, _] = seen;
+        Next { state: [theta, theta_dot, sin], reward: -costs, terminated, seen }
     }
 
     #[inline(always)]
-    fn see<R: Real>(&self, [theta, theta_dot]: [R; 2]) -> [R; 3] {
+    fn see<R: Real>(&self, [theta, theta_dot, _]: [R; 3]) -> [R; 3] {
         let (sin, cos) = theta.sin_cos();
         [cos, sin, theta_dot]
+    }
+
+    #[inline(always)]
+    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> (Transition<State>, [f32; 3]) {
+        let (state, reward, terminated, seen) = native::advance::<_, F, 3, 3>(
+            self,
+            [state.theta, state.theta_dot, One::<F>::new(state.theta).sin().value()],
+            false,
+            action,
+        );
+        let [theta, theta_dot, _] = state;
+        let last_torque = Some(action[0].clamp(-MAX_TORQUE, MAX_TORQUE));
+        (Transition { state: State { theta, theta_dot, last_torque }, reward, terminated }, seen)
+    }
+
+    #[inline(always)]
+    fn look_at<F: Fma>(&self, state: &State) -> [f32; 3] {
+        native::see::<_, F, 3, 3>(self, [state.theta, state.theta_dot, 0.0])
     }
 }
 
@@ -152,17 +172,25 @@ impl Dynamics for PendulumDynamics {
         action: &[f32; 1],
         _rng: &mut Generator,
     ) -> Result<Transition<State>> {
-        let torque = reset::finite(*action, || self.action_space())?;
-        let (state, reward, terminated) =
-            native::advance(self, [state.theta, state.theta_dot], false, *action);
-        let [theta, theta_dot] = state;
-        let last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
-        Ok(Transition { state: State { theta, theta_dot, last_torque }, reward, terminated })
+        reset::finite(*action, || self.action_space())?;
+        Ok(native::transition(self, state, *action))
     }
 
     #[inline]
     fn observe(&self, state: &State) -> [f32; 3] {
-        native::see(self, [state.theta, state.theta_dot])
+        native::observe(self, state)
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut State,
+        action: &[f32; 1],
+        _rng: &mut Generator,
+        observation: &mut [f32; 3],
+    ) -> Result<Outcome> {
+        reset::finite(*action, || self.action_space())?;
+        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -222,15 +250,16 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
 }
 
 impl Native for PendulumDynamics {
-    type Packed = [f64; 2];
+    /// The third number is the sine of the angle: it was computed to be seen, and the next step needs it.
+    type Packed = [f64; 3];
     type Stream = WordStream;
 
-    fn pack(state: &State) -> [f64; 2] {
-        [state.theta, state.theta_dot]
+    fn pack(state: &State) -> [f64; 3] {
+        [state.theta, state.theta_dot, sin(state.theta)]
     }
 
     #[inline(always)]
-    fn unpack([theta, theta_dot]: [f64; 2], _fresh: bool) -> State {
+    fn unpack([theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
         State { theta, theta_dot, last_torque: None }
     }
 

@@ -151,6 +151,27 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
         false
     }
 
+    /// [`transition`](Self::transition) and all that is asked after it, in place: what a step of
+    /// [`Stateful`] does. A task of [`Equations`](crate::vector::native::Equations) has one function for both,
+    /// compiled for the CPU as a whole.
+    ///
+    /// # Errors
+    /// Those of `transition`; then nothing has changed.
+    #[inline]
+    fn step(
+        &self,
+        state: &mut Self::State,
+        action: &Self::Action,
+        rng: &mut Generator,
+        observation: &mut Self::Observation,
+    ) -> Result<Outcome> {
+        let Transition { state: next, reward, terminated } = self.transition(state, action, rng)?;
+        self.observe_into(&next, observation);
+        let truncated = self.truncates(&next);
+        *state = next;
+        Ok(Outcome { reward, terminated, truncated })
+    }
+
     /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
     /// refused.
     fn is_valid(&self, state: &Self::State) -> bool;
@@ -258,11 +279,7 @@ impl<D: Dynamics> Env for Stateful<D> {
     #[inline]
     fn step_into(&mut self, action: &D::Action, observation: &mut D::Observation) -> Result<Outcome> {
         let Some(Episode { state, rng }) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-        let Transition { state: next, reward, terminated } = self.dynamics.transition(state, action, rng)?;
-        self.dynamics.observe_into(&next, observation);
-        let truncated = self.dynamics.truncates(&next);
-        *state = next;
-        Ok(Outcome { reward, terminated, truncated })
+        self.dynamics.step(state, action, rng, observation)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

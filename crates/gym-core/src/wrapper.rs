@@ -290,7 +290,7 @@ impl<W: Wrapper> Env for W {
         Wrapper::reset_into(self, reset, observation)
     }
 
-    #[inline]
+    #[inline(always)]
     fn step_into(&mut self, action: &W::Action, observation: &mut W::Observation) -> Result<Outcome> {
         Wrapper::step_into(self, action, observation)
     }

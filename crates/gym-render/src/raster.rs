@@ -178,7 +178,7 @@ impl Canvas for Surface<'_> {
                 if self.sheet.is_some() {
                     self.raster.sheet.push(&primitive, color, flipped);
                 } else {
-                    paint(&mut RgbPixels { frame: self.frame, left, flipped }, &primitive, color);
+                    paint(&mut RgbPixels::new(self.frame, left, flipped), &primitive, color);
                 }
             }
             _ => pygame::smooth(self, primitive, color),

@@ -52,6 +52,7 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
         Ok(())
     }
 
+    #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.check("step")?;
         self.env.step_into(action, observation)

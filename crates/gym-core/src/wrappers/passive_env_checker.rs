@@ -48,6 +48,7 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
         Ok(())
     }
 
+    #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         if !self.checked_step && !self.has_options {

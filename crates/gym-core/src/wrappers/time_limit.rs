@@ -46,6 +46,7 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
         Ok(())
     }
 
+    #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let mut outcome = self.env.step_into(action, observation)?;
         self.elapsed_steps = self.elapsed_steps.saturating_add(1);

@@ -73,20 +73,37 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
 
 /// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the
 /// second. Both are to be `#[inline(always)]` closures that differ in [`Hardware`] and [`Emulated`] alone.
+///
+/// To be put around all of a step: what crosses this border goes through memory, and a call of it within
+/// is one more border.
 #[inline(always)]
-pub fn with<T>(hardware: impl FnOnce() -> T, emulated: impl FnOnce() -> T) -> T {
+pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl FnOnce(A) -> T) -> T {
     if cfg!(feature = "emulate-fma") {
-        return emulated();
+        return emulated(arguments);
     }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     return match Level::new().as_avx2() {
-        Some(avx2) => avx2.vectorize(hardware),
-        None => emulated(),
+        Some(avx2) => avx2.vectorize(
+            #[inline(always)]
+            || hardware(arguments),
+        ),
+        None => apart(
+            #[inline(always)]
+            || emulated(arguments),
+        ),
     };
     #[cfg(target_arch = "aarch64")]
-    return hardware();
+    return hardware(arguments);
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
-    emulated()
+    emulated(arguments)
+}
+
+/// Calls a function that is to stay out of the code around: it is long, and most CPUs never need it.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[cold]
+#[inline(never)]
+fn apart<T>(f: impl FnOnce() -> T) -> T {
+    f()
 }
 
 macro_rules! functions {
@@ -97,10 +114,11 @@ macro_rules! functions {
             #[must_use]
             pub fn $name($($x: $type),+) -> $result {
                 with(
+                    ($($x,)+),
                     #[inline(always)]
-                    || { type $F = Hardware; $body },
+                    |($($x,)+)| { type $F = Hardware; $body },
                     #[inline(always)]
-                    || { type $F = Emulated; $body },
+                    |($($x,)+)| { type $F = Emulated; $body },
                 )
             }
         )+

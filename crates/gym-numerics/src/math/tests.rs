@@ -24,13 +24,14 @@ macro_rules! function {
             name: $name,
             ours: |$x| {
                 with(
+                    $x,
                     #[inline(always)]
-                    || {
+                    |$x| {
                         type $F = Hardware;
                         $ours
                     },
                     #[inline(always)]
-                    || {
+                    |$x| {
                         type $F = Emulated;
                         $ours
                     },

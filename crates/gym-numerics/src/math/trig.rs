@@ -58,19 +58,38 @@ struct Reduced<R> {
     a: R,
     da: R,
     turns: R,
+    /// Whether one is beyond HUGE, where all this is wrong.
+    huge: bool,
 }
 
 impl<R: Real> Reduced<R> {
-    /// One formula for all: no turn, one with the parts of QUARTER, or those that are nearest.
+    /// The shortest way that is right for all.
     #[inline(always)]
     fn new(x: R) -> Self {
         let magnitude = x.abs();
-        let zero = x.same(0.0);
         let unreduced = magnitude.lt(x.same(UNREDUCED));
+        if R::LANES == 1 && R::all(unreduced) {
+            return Self { a: x, da: x.same(0.0), turns: x.same(ROUND), huge: false };
+        }
         let near = magnitude.lt(x.same(ONE_TURN));
+        let one = R::select(unreduced, x.same(0.0), x.same(1.0).copysign(x));
+        if R::all(near) { Self::of_near(x, one) } else { Self::of_any(x, near, one) }
+    }
+
+    /// With no turn or one, and the parts of QUARTER.
+    #[inline(always)]
+    fn of_near(x: R, n: R) -> Self {
+        let (minus_n, rest) = (-n, x.same(QUARTER[1]));
+        let y = minus_n.fma(x.same(QUARTER[0]), x);
+        let a = minus_n.fma(rest, y);
+        Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND, huge: false }
+    }
+
+    /// One formula for those that are near and others, whose turns are counted and have the parts of PARTS.
+    #[inline(always)]
+    fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
-        let one = x.same(1.0).copysign(x);
-        let n = R::select(unreduced, zero, R::select(near, one, shifted - ROUND));
+        let n = R::select(near, one, shifted - ROUND);
         let part = |of_near: f64, k: usize| R::select(near, x.same(of_near), x.same(PARTS[k]));
         let minus_n = -n;
         let y = minus_n.fma(part(0.0, 1), minus_n.fma(part(QUARTER[0], 0), x));
@@ -80,7 +99,8 @@ impl<R: Real> Reduced<R> {
         let p4 = part(0.0, 3);
         let a = minus_n.fma(p4, t2);
         let da = da + minus_n.fma(p4, t2 - a);
-        Self { a, da, turns: n + ROUND }
+        let huge = !R::all(x.abs().lt(x.same(HUGE)));
+        Self { a, da, turns: n + ROUND, huge }
     }
 }
 
@@ -173,7 +193,7 @@ fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
 
 /// The sine, or where turns are odd the cosine.
 #[inline(always)]
-fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
+fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
     let odd = turns.bit(0);
     let small = R::but_not(a.abs().lt(a.same(SMALL)), odd);
     let value = if R::all(small) {
@@ -181,11 +201,13 @@ fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
     } else {
         let (r, [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
         let dx = da.negate_if(a.lt(a.same(0.0)));
-        let r = R::select(odd, r + dx, r);
-        let square = r * r;
+        // the cosine is that of the whole angle, the sine that of its first part, corrected
+        let whole = R::select(odd, r + dx, r);
+        let square = whole * whole;
         let (p, q) = polynomials(square);
-        let (cube, c) = (r * square, square * q);
-        let s = R::select(odd, cube.fma(p, r), r + cube.fma(p, dx));
+        let s = (whole * square).fma(p, R::select(odd, whole, dx));
+        let s = R::select(odd, s, r + s);
+        let c = square * q;
         let c = R::select(odd, c, r.fma(dx, c));
         let pick = |odd_one: R, even_one: R| R::select(odd, odd_one, even_one);
         let row = [pick(cos, sin), pick(cos_rest, sin_rest), pick(-sin, cos), pick(-sin_rest, cos_rest)];
@@ -198,54 +220,60 @@ fn one_of_both<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> R {
 
 /// Both, in the quadrant of the turns.
 #[inline(always)]
-fn both_in_quadrant<R: Real>(Reduced { a, da, turns }: Reduced<R>) -> (R, R) {
+fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     let (sin, cos) = both(a, da);
     let odd = turns.bit(0);
     let (sin, cos) = (R::select(odd, cos, sin), R::select(odd, sin, cos));
     (sin.negate_if(turns.bit(1)), cos.negate_if((turns + 1.0).bit(1)))
 }
 
-/// The sine of an angle that is not that of the formula.
+/// The sines, where those of the formula are not: for HALF_WAY and from HUGE on, neither of which is likely.
 #[inline(always)]
-fn but_half_way<R: Real>(x: R, sin: R) -> R {
+fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
-    let here = magnitude.le(half_way) & half_way.le(magnitude);
-    R::select(here, x.same(SIN_HALF_WAY).copysign(x), sin)
+    let unlucky = magnitude.le(half_way) & half_way.le(magnitude);
+    if !R::any(unlucky) && !huge {
+        return sin;
+    }
+    sin.repair_unless(R::but_not(magnitude.lt(x.same(HUGE)), unlucky), x, sin_of_unusual)
+}
+
+/// The cosines, where those of the formula are not: from HUGE on.
+#[inline(always)]
+fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
+    if huge { cos.repair_unless(x.abs().lt(x.same(HUGE)), x, |x| sin_cos_of_huge(x).1) } else { cos }
 }
 
 /// Sines and cosines of angles in rad.
 #[inline(always)]
 pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
-    let magnitude = x.abs();
-    if R::all(magnitude.lt(x.same(UNREDUCED))) {
+    if R::all(x.abs().lt(x.same(UNREDUCED))) {
         return both_exact(x);
     }
-    let (sin, cos) = both_in_quadrant(Reduced::new(x));
-    let sin = but_half_way(x, sin);
-    let reducible = magnitude.lt(x.same(HUGE));
-    if R::all(reducible) {
-        return (sin, cos);
-    }
-    let sin = sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0);
-    (sin, cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1))
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    let (sin, cos) = both_in_quadrant(a, da, turns);
+    (repair_sin(x, sin, huge), repair_cos(x, cos, huge))
 }
 
 /// The sines of angles in rad.
 #[inline(always)]
 pub(super) fn sin<R: Real>(x: R) -> R {
-    let sin = but_half_way(x, one_of_both(Reduced::new(x)));
-    let reducible = x.abs().lt(x.same(HUGE));
-    if R::all(reducible) { sin } else { sin.repair_unless(reducible, x, |x| sin_cos_of_huge(x).0) }
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    repair_sin(x, one_of_both(a, da, turns), huge)
 }
 
 /// The cosines of angles in rad.
 #[inline(always)]
 pub(super) fn cos<R: Real>(x: R) -> R {
     // the sine one quarter turn on
-    let Reduced { a, da, turns } = Reduced::new(x);
-    let cos = one_of_both(Reduced { a, da, turns: turns + 1.0 });
-    let reducible = x.abs().lt(x.same(HUGE));
-    if R::all(reducible) { cos } else { cos.repair_unless(reducible, x, |x| sin_cos_of_huge(x).1) }
+    let Reduced { a, da, turns, huge } = Reduced::new(x);
+    repair_cos(x, one_of_both(a, da, turns + 1.0), huge)
+}
+
+#[cold]
+#[inline(never)]
+fn sin_of_unusual(x: f64) -> f64 {
+    if x.abs() == HALF_WAY { SIN_HALF_WAY.copysign(x) } else { sin_cos_of_huge(x).0 }
 }
 
 /// Beyond HUGE, where no environment comes.
@@ -255,7 +283,8 @@ fn sin_cos_of_huge(x: f64) -> (f64, f64) {
     if !x.is_finite() {
         return (f64::NAN, f64::NAN);
     }
-    let (sin, cos) = both_in_quadrant(reduce_huge(x));
+    let Reduced { a, da, turns, .. } = reduce_huge(x);
+    let (sin, cos) = both_in_quadrant(a, da, turns);
     (sin.value(), cos.value())
 }
 
@@ -314,5 +343,6 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
         a: One::new(sign * sum),
         da: One::new(sign * (a - sum + low)),
         turns: One::new(f64::from(turns) + ROUND),
+        huge: false,
     }
 }

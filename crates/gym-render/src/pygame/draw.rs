@@ -60,6 +60,9 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, before: usize| {
         let cuts = (y1 <= y && y < y2) || (y == max && y == y2);
         cuts.then(|| {
+            if x1 == x2 {
+                return x1; // the ground of BipedalWalker is made of upright edges
+            }
             let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
             // which way a cut is rounded depends on the order of the points
             x1 + if before.is_multiple_of(2) { q.floor() } else { q.ceil() } as i32

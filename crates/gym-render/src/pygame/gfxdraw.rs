@@ -114,6 +114,9 @@ pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: 
     let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, _: usize| {
         let cuts = (y1 <= y && y < y2) || (y == edges.max && y == y2);
         cuts.then(|| {
+            if x1 == x2 {
+                return x1.wrapping_mul(65536);
+            }
             let along = 65536_i32.wrapping_mul(y - y1) / (y2 - y1);
             along.wrapping_mul(x2 - x1).wrapping_add(x1.wrapping_mul(65536))
         })

@@ -17,9 +17,15 @@ pub(crate) struct RgbPixels<'a> {
     pub(crate) left: i32,
     /// Whether row 0 is the lowest.
     pub(crate) flipped: bool,
+    /// The bytes of the last long run, if they are as they were left, and its colour.
+    last: (Range<usize>, Color),
 }
 
-impl RgbPixels<'_> {
+impl<'a> RgbPixels<'a> {
+    pub(crate) fn new(frame: &'a mut Frame, left: i32, flipped: bool) -> Self {
+        Self { frame, left, flipped, last: (0..0, Color::BLACK) }
+    }
+
     fn row(&mut self, y: i32) -> &mut [u8] {
         let y = if self.flipped { self.height() - 1 - y } else { y };
         pixels::row(self.frame, y as usize)
@@ -40,20 +46,56 @@ impl Pixels for RgbPixels<'_> {
     }
 
     fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
+        /// Shorter runs are not worth a look at the one before.
+        const LONG: usize = 32 * RGB;
         let (x1, x2) = (x1 - self.left, x2 - self.left);
-        if x2 >= 0 {
-            pixels::fill_run(self.row(y), x1.max(0) as usize..(x2 + 1) as usize, color);
+        if x2 < 0 {
+            return;
         }
+        let columns = x1.max(0) as usize..(x2 + 1) as usize;
+        let bytes = columns.len() * RGB;
+        if bytes < LONG {
+            return pixels::fill_run(self.row(y), columns, color);
+        }
+        let row = if self.flipped { self.height() - 1 - y } else { y } as usize;
+        let start = (row * self.frame.width() as usize + columns.start) * RGB;
+        // polygons are made of runs that are much alike, and copies are fast
+        let (last, last_color) = &self.last;
+        if bytes <= last.len() && *last_color == color {
+            let first = last.start;
+            self.frame.pixels_mut().copy_within(first..first + bytes, start);
+        } else {
+            pixels::fill_run(self.row(y), columns, color);
+        }
+        self.last = (start..start + bytes, color);
     }
 
     fn dot(&mut self, x: i32, y: i32, color: Color) {
         if let Ok(x) = usize::try_from(x - self.left) {
+            self.last.0 = 0..0;
             self.row(y)[x * RGB..][..RGB].copy_from_slice(&[color.r, color.g, color.b]);
+        }
+    }
+
+    fn vline(&mut self, x: i32, y1: i32, y2: i32, color: Color) {
+        let (low, high) = (y1.min(y2).max(0), y1.max(y2).min(self.height() - 1));
+        let column = x - self.left;
+        if column < 0 || x >= self.width() || low > high {
+            return;
+        }
+        let top = if self.flipped { self.height() - 1 - high } else { low };
+        self.last.0 = 0..0;
+        let bytes = self.frame.width() as usize * RGB;
+        let first = top as usize * bytes + column as usize * RGB;
+        let rows = self.frame.pixels_mut()[first..].chunks_mut(bytes);
+        for row in rows.take((high - low + 1) as usize) {
+            row[..RGB].copy_from_slice(&[color.r, color.g, color.b]);
         }
     }
 
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
         let Ok(x) = usize::try_from(x - self.left) else { return };
+        self.last.0 = 0..0;
         let pixel = &mut self.row(y)[x * RGB..][..RGB];
         for (d, s) in pixel.iter_mut().zip([color.r, color.g, color.b]) {
             *d = f(*d, s);

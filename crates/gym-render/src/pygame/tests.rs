@@ -83,7 +83,7 @@ fn check(name: &str, cases: &[Case], primitive: impl Fn(&Case) -> Primitive<'_>)
     assert!(!cases.is_empty());
     let differ = cases.iter().enumerate().filter(|(_, case)| {
         let mut frame = case.picture();
-        let mut pixels = RgbPixels { frame: &mut frame, left: 0, flipped: false };
+        let mut pixels = RgbPixels::new(&mut frame, 0, false);
         paint(&mut pixels, &primitive(case), case.color());
         crc32fast::hash(frame.pixels()) != case.crc32
     });

@@ -38,7 +38,7 @@ use crate::{Dynamics, EnvSpec, Error, Result};
 pub use columns::indices;
 pub use columns::{ActionColumn, ObservationColumn};
 pub use envs::NativeVectorEnv;
-pub use equations::{Equations, Next, advance, see};
+pub use equations::{Equations, Next, advance, observe, see, step, transition};
 pub use packed::{Packed, Whole};
 pub use step::Many;
 

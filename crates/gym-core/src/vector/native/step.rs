@@ -53,12 +53,13 @@ pub(super) struct Step<'a, D: Native> {
     pub(super) finals: &'a mut [D::Packed],
 }
 
-/// The results of a block, before they go to the columns.
+/// The results of a block, before they go to the columns. Flags are sets of bits, the lowest for the
+/// first.
 struct Results<O> {
     observations: [O; LANES],
     rewards: [f64; LANES],
-    terminated: [bool; LANES],
-    truncated: [bool; LANES],
+    terminated: u32,
+    truncated: u32,
 }
 
 impl<D: Native> Step<'_, D> {
@@ -73,8 +74,8 @@ impl<D: Native> Step<'_, D> {
         let mut results = Results {
             observations: [D::Observation::empty(); LANES],
             rewards: [0.0; LANES],
-            terminated: [false; LANES],
-            truncated: [false; LANES],
+            terminated: 0,
+            truncated: 0,
         };
         let mut last = [Default::default(); LANES];
         let num_envs = self.actions.len();
@@ -107,8 +108,8 @@ impl<D: Native> Step<'_, D> {
                 D::Observation::write_rows(&mut self.observations, first, &observations[..len]);
             }
             put(self.rewards, first, rewards);
-            put(self.terminated, first, terminated);
-            put(self.truncated, first, truncated);
+            put(self.terminated, first, &flags(*terminated));
+            put(self.truncated, first, &flags(*truncated));
         }
         Ok(())
     }
@@ -138,10 +139,10 @@ impl<D: Native> Step<'_, D> {
                 for lane in lanes(block.due) {
                     start(block, results, lane)?;
                     results.rewards[lane] = 0.0;
-                    results.terminated[lane] = false;
-                    results.truncated[lane] = false;
                     self.progress[first + lane] = Progress::Started;
                 }
+                results.terminated &= !block.due;
+                results.truncated &= !block.due;
                 block.due = done & !block.due;
             }
             Autoreset::SameStep => {
@@ -173,7 +174,8 @@ pub struct Many<'a, D: Native> {
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
     pub(super) observations: &'a mut [D::Observation; LANES],
     pub(super) rewards: &'a mut [f64; LANES],
-    pub(super) terminated: &'a mut [bool; LANES],
+    /// A set of bits.
+    pub(super) terminated: &'a mut u32,
 }
 
 impl<D: Native> Many<'_, D> {
@@ -184,6 +186,7 @@ impl<D: Native> Many<'_, D> {
         dynamics: &D,
         step: impl Fn(&D::State, D::Action, &mut D::Stream) -> Transition<D::State>,
     ) {
+        *self.terminated = 0;
         for lane in 0..LANES {
             if self.due >> lane & 1 == 1 {
                 continue;
@@ -194,7 +197,7 @@ impl<D: Native> Many<'_, D> {
             D::pack(&transition.state).set(self.states, lane);
             self.observations[lane] = dynamics.observe(&transition.state);
             self.rewards[lane] = transition.reward;
-            self.terminated[lane] = transition.terminated;
+            *self.terminated |= u32::from(transition.terminated) << lane;
         }
     }
 }
@@ -202,14 +205,23 @@ impl<D: Native> Many<'_, D> {
 /// Counts the step and truncates; gives which episodes are over.
 #[inline(always)]
 fn count<D: Native, O>(block: &mut Block<D>, results: &mut Results<O>, limit: u16) -> u32 {
-    let mut done = 0;
-    for lane in 0..LANES {
-        let steps = (block.steps[lane] + 1).min(NO_LIMIT - 1);
-        block.steps[lane] = steps;
-        results.truncated[lane] = steps >= limit;
-        done |= u32::from(results.terminated[lane] | results.truncated[lane]) << lane;
+    let mut truncated = 0;
+    for (lane, steps) in block.steps.iter_mut().enumerate() {
+        *steps = (*steps + 1).min(NO_LIMIT - 1);
+        truncated |= u32::from(*steps >= limit) << lane;
     }
-    done
+    results.truncated = truncated;
+    results.terminated | truncated
+}
+
+/// A set of bits, one by one.
+#[inline(always)]
+fn flags(bits: u32) -> [bool; LANES] {
+    let mut flags = [false; LANES];
+    for (lane, flag) in flags.iter_mut().enumerate() {
+        *flag = bits >> lane & 1 == 1;
+    }
+    flags
 }
 
 /// Overwrites the rows from `first` on, as far as there are any.

@@ -1,0 +1,66 @@
+//! Native vectors give the bits of scalar environments, step by step.
+
+use gym_classic as _;
+use gym_core::vector::{Autoreset, VectorKind};
+use gym_core::{VectorEnv, builder};
+
+const IDS: [&str; 6] =
+    ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
+
+/// Compares all that both kinds of vectors give, for as many steps of one environment.
+fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
+    let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync]
+        .map(|kind| builder(id).vector(num_envs).kind(kind).autoreset(Autoreset::NextStep).build().unwrap());
+    let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+    let mut actions = native.action_space().unwrap().sampler(seed);
+    native.reset_into(&seed.into(), &mut fast).unwrap();
+    sync.reset_into(&seed.into(), &mut exact).unwrap();
+    assert_eq!(fast, exact, "{id}: reset");
+    for step in 0..steps.div_ceil(num_envs) {
+        let actions = actions.sample();
+        native.step_into(&actions, &mut fast).unwrap();
+        sync.step_into(&actions, &mut exact).unwrap();
+        assert_eq!(fast, exact, "{id}, {num_envs} environments, seed {seed}: step {step}");
+    }
+}
+
+/// 100 is no multiple of the numbers that a register holds.
+#[test]
+fn native_vectors_equal_scalar_environments() {
+    for id in IDS {
+        compare(id, 1, 2000, 3);
+        compare(id, 100, 100_000, 4);
+    }
+}
+
+/// FNV-1a of the numbers of 100 environments in 300 steps.
+fn fingerprint(id: &str) -> u64 {
+    let mut envs = builder(id).vector(100).kind(VectorKind::Native).build().unwrap();
+    let mut columns = envs.columns().unwrap();
+    let mut actions = envs.action_space().unwrap().sampler(6);
+    envs.reset_into(&6.into(), &mut columns).unwrap();
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for _ in 0..300 {
+        envs.step_into(&actions.sample(), &mut columns).unwrap();
+        let seen = columns.observations.as_slice::<f32>().unwrap().iter().map(|x| u64::from(x.to_bits()));
+        for number in seen.chain(columns.rewards.iter().map(|x| x.to_bits())) {
+            hash = (hash ^ number).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    hash
+}
+
+/// The same on every platform, and with the feature `emulate-fma` of gym-numerics.
+#[test]
+fn results_depend_on_no_machine() {
+    let fingerprints = IDS.map(fingerprint);
+    let expected = [
+        13_916_363_913_685_948_145,
+        6_135_544_227_799_461_774,
+        6_135_544_227_799_461_774,
+        8_804_461_551_199_745_785,
+        18_413_136_723_738_118_349,
+        10_315_836_550_077_561_870,
+    ];
+    assert_eq!(fingerprints, expected);
+}

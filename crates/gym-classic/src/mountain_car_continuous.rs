@@ -181,5 +181,6 @@ gym_core::register!(
         .description("Drive an underpowered car out of a valley, with little effort.")
         .max_episode_steps(999)
         .reward_threshold(90.0)
+        .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarContinuousDynamics>)
 );

@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::damage::{damaged, difference};
+use crate::damage::damages;
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{BoxEnv, Env, Error, Result, Snapshot};
@@ -111,13 +111,15 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
             return broken(format!("`restore` accepts {json}"));
         }
     }
-    for json in damaged(&good) {
-        let snapshot = Snapshot::of(&json)?;
-        let mut env = env.clone();
-        if env.restore(&snapshot).is_err() {
-            let after = env.snapshot().map_err(Trouble::Error)?;
+    let mut stored = good.clone();
+    for damage in damages(&good) {
+        let snapshot = damage.done_to(&mut stored, Snapshot::of)?;
+        let mut tried = env.clone();
+        if tried.restore(&snapshot).is_err() {
+            let after = tried.snapshot().map_err(Trouble::Error)?;
             if state(&after)? != good {
-                return broken("a snapshot that `restore` refuses changes the environment all the same");
+                let what = damage.difference(&good);
+                return broken(format!("`restore` refuses {what}, and changes the environment all the same"));
             }
         }
     }
@@ -131,12 +133,13 @@ pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
     let env = subject.after(SEEDS[0], 5)?;
     let space = env.observation_space();
     let good = env.snapshot()?.get::<Json>()?;
-    for json in damaged(&good) {
+    let mut stored = good.clone();
+    for damage in damages(&good) {
         let mut env = env.clone();
-        if env.restore(&Snapshot::of(&json)?).is_err() {
+        if env.restore(&damage.done_to(&mut stored, Snapshot::of)?).is_err() {
             continue;
         }
-        let place = || format!("after `restore` accepts a snapshot with {}", difference(&good, &json));
+        let place = || format!("after `restore` accepts a snapshot with {}", damage.difference(&good));
         let mut actions = env.action_sampler(0)?;
         for _ in 0..STEPS {
             // a state in which no step can be taken does no harm

@@ -7,39 +7,59 @@ use serde_json::{Map, Value as Json, json};
 /// A way to a part: keys of objects and indices of arrays.
 type Path = Vec<String>;
 
-/// Copies of a snapshot, each with one part changed: every field and container has its turn, and of the
-/// elements of a long array the first and the last.
-pub(crate) fn damaged(good: &Json) -> Vec<Json> {
-    /// So many copies at most, unless there are more fields.
-    const MAX: usize = 300;
-    let parts = representatives(good);
-    let mut copies = Vec::new();
-    for (turn, path) in parts.iter().enumerate() {
-        let Some(part) = good.pointer(&pointer(path)) else { continue };
-        let others = others(part);
-        let few = (MAX / parts.len()).clamp(1, others.len().max(1)).min(others.len());
-        // each kind of damage has its turn where there is no room for all
-        for other in others.iter().cycle().skip(turn).take(few) {
-            let mut copy = good.clone();
-            if let Some(place) = copy.pointer_mut(&pointer(path)) {
-                *place = other.clone();
-                copies.push(copy);
-            }
-        }
-    }
-    copies
+/// One part of a snapshot, and what could stand there instead.
+pub(crate) struct Damage {
+    pointer: String,
+    other: Json,
 }
 
-/// Where two snapshots part, and how.
-pub(crate) fn difference(good: &Json, bad: &Json) -> String {
-    let path = paths(good).into_iter().rev().find(|path| {
-        let pointer = pointer(path);
-        good.pointer(&pointer) != bad.pointer(&pointer)
+impl Damage {
+    /// Shows `f` the snapshot with the damage, and mends it again.
+    pub(crate) fn done_to<R>(&self, snapshot: &mut Json, f: impl FnOnce(&Json) -> R) -> R {
+        let mut other = self.other.clone();
+        let mut swap = |snapshot: &mut Json| {
+            if let Some(part) = snapshot.pointer_mut(&self.pointer) {
+                std::mem::swap(part, &mut other);
+            }
+        };
+        swap(snapshot);
+        let result = f(snapshot);
+        swap(snapshot);
+        result
+    }
+
+    /// What stands where.
+    pub(crate) fn difference(&self, good: &Json) -> String {
+        let Self { pointer, other } = self;
+        let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();
+        format!("{} for {} at `{pointer}`", short(other), good.pointer(pointer).map_or("nothing".into(), short))
+    }
+
+    /// Whether a number stands for a number, or a bool for a bool.
+    pub(crate) fn keeps_kind(&self, good: &Json) -> bool {
+        match good.pointer(&self.pointer) {
+            Some(Json::Number(_)) => self.other.is_number(),
+            Some(Json::Bool(_)) => self.other.is_boolean(),
+            _ => false,
+        }
+    }
+
+    /// Whether two snapshots have the same at that place.
+    pub(crate) fn is_same(&self, one: &Json, other: &Json) -> bool {
+        one.pointer(&self.pointer) == other.pointer(&self.pointer)
+    }
+}
+
+/// Every kind of damage to every field and container, and of the elements of a long array to the first and the
+/// last.
+pub(crate) fn damages(good: &Json) -> Vec<Damage> {
+    let parts = representatives(good).into_iter();
+    let damages = parts.filter_map(|path| {
+        let pointer = pointer(&path);
+        let others = others(good.pointer(&pointer)?);
+        Some(others.into_iter().map(move |other| Damage { pointer: pointer.clone(), other }))
     });
-    let pointer = pointer(&path.unwrap_or_default());
-    let text = |json: &Json| json.pointer(&pointer).map_or("nothing".into(), ToString::to_string);
-    let short = |text: String| text.chars().take(60).collect::<String>();
-    format!("{} for {} at `{pointer}`", short(text(bad)), short(text(good)))
+    damages.flatten().collect()
 }
 
 /// What could stand there instead: something of another kind, of another size, or a little off.
@@ -127,6 +147,10 @@ fn pointer(path: &[String]) -> String {
 mod tests {
     use super::*;
 
+    fn damaged(good: &Json) -> Vec<Json> {
+        damages(good).iter().map(|damage| damage.done_to(&mut good.clone(), Json::clone)).collect()
+    }
+
     #[test]
     fn small_fields_beside_a_long_array_have_their_turn() {
         let track: Vec<[f64; 2]> = (0..5000).map(|i| [f64::from(i), 0.5]).collect();
@@ -146,8 +170,24 @@ mod tests {
     }
 
     #[test]
-    fn differences_are_named() {
-        let (good, bad) = (json!({"a": [1, 2]}), json!({"a": [1, 3]}));
-        assert_eq!(difference(&good, &bad), "3 for 2 at `/a/1`");
+    fn every_field_of_many_has_every_kind_of_damage() {
+        let fields: Map<_, _> = (0..200).map(|i| (format!("field {i}"), json!(i))).collect();
+        let copies = damaged(&json!(fields));
+        for i in 0..200 {
+            let field = format!("field {i}");
+            for value in [json!(i + 1), json!(i - 1), json!(-1), json!(1e300), json!(null), json!([])] {
+                assert!(copies.iter().any(|copy| copy[&field] == value), "{field} = {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn damage_is_mended_again_and_named() {
+        let good = json!({"a": [1, 2]});
+        let damage = Damage { pointer: "/a/1".into(), other: json!(3) };
+        let mut snapshot = good.clone();
+        assert_eq!(damage.done_to(&mut snapshot, Json::clone), json!({"a": [1, 3]}));
+        assert_eq!(snapshot, good);
+        assert_eq!(damage.difference(&good), "3 for 2 at `/a/1`");
     }
 }

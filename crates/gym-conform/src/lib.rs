@@ -38,6 +38,7 @@ mod long;
 mod look;
 mod matching;
 mod observations;
+mod options;
 mod panics;
 mod pictures;
 mod registered;
@@ -48,6 +49,7 @@ mod spaces;
 mod subject;
 mod suite;
 mod threads;
+mod variation;
 mod verdict;
 
 pub use checks::{CHECKS, Check};

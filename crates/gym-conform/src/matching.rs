@@ -60,7 +60,8 @@ impl Default for Matching {
 /// Plays both environments side by side, typed or erased, with the same seed and actions.
 ///
 /// ```
-/// # use gym_core::{conform::{Matching, environments_match}, BoxEnv, Env, Outcome, Reset, Result, Snapshot, Space};
+/// use gym_conform::{Matching, environments_match};
+/// use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, Space};
 /// # #[derive(Clone)]
 /// # struct Still;
 /// # impl Env for Still {

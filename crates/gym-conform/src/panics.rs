@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde_json::{Value as Json, json};
 
 use crate::arguments::effective;
-use crate::damage::damaged;
+use crate::damage::damages;
 use crate::inputs::{corners, huge, invalid, uniform};
 use crate::look::look;
 use crate::subject::{Subject, carry_on};
@@ -40,7 +40,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             Ok(())
         })?;
     }
-    for (name, value) in odd_options() {
+    for (name, value) in odd_options(subject) {
         attempt(&format!("on the reset option {name}={value}"), || {
             let mut env = subject.make()?;
             let _ = env.reset(Reset::seed(0).option(name, value.clone()));
@@ -51,17 +51,19 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     }
     let env = subject.midway(0).ok();
     let snapshot = env.as_ref().and_then(|env| env.snapshot().ok()?.get::<Json>().ok());
-    for json in snapshot.iter().flat_map(damaged) {
-        let Some(mut env) = env.clone() else { break };
-        let text = json.to_string();
-        attempt(&format!("on the snapshot {}", text.chars().take(200).collect::<String>()), || {
-            if env.restore(&Snapshot::of(&json)?).is_ok() {
-                look(&env);
-                let _ = carry_on(&mut env, 0, 5);
-                look(&env);
-            }
-            Ok(())
-        })?;
+    if let (Some(env), Some(good)) = (env, snapshot) {
+        let mut stored = good.clone();
+        for damage in damages(&good) {
+            let mut env = env.clone();
+            attempt(&format!("on a snapshot with {}", damage.difference(&good)), || {
+                if env.restore(&damage.done_to(&mut stored, Snapshot::of)?).is_ok() {
+                    look(&env);
+                    let _ = carry_on(&mut env, 0, 5);
+                    look(&env);
+                }
+                Ok(())
+            })?;
+        }
     }
     odd_arguments(subject)
 }
@@ -115,12 +117,13 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     Ok(actions)
 }
 
-/// The options of Gymnasium's environments, with values that none of them expects.
-fn odd_options() -> impl Iterator<Item = (&'static str, Json)> {
+/// The options that the registration names, and some that stand in it nowhere, with values that none of them expects.
+fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values =
         [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
-    let names = ["low", "high", "x_init", "y_init", "randomize", "options", ""];
-    names.into_iter().flat_map(move |name| values.clone().map(|value| (name, value)))
+    let named = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
+    let names = named.unwrap_or_default().iter().map(|(name, _)| *name);
+    names.chain(["low", "high", "seed", "options", ""]).flat_map(move |name| values.clone().map(|value| (name, value)))
 }
 
 /// Arguments of each name with values out of range, and an episode with those that are accepted.

@@ -193,7 +193,7 @@ pub(crate) fn tour(
 }
 
 /// The entries of `info` without wall-clock time.
-fn info(env: &BoxEnv) -> Info {
+pub(crate) fn info(env: &BoxEnv) -> Info {
     let mut info = env.info_map();
     if let Some(Value::Dict(episode)) = info.get_mut("episode") {
         episode.retain(|(key, _)| key != "t");

@@ -499,6 +499,7 @@ impl Configure for CarRacing {
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v2")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .kwargs(r#"{"version": 2}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
@@ -506,6 +507,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v3")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .max_episode_steps(1000)
         .reward_threshold(900.0)
 );
@@ -514,6 +516,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("rapier/CarRacing-v3")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .exceptions(&[crate::common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)

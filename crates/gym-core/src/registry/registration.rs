@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
+use super::nearest;
 use super::stack::{Renders, stack};
 use crate::render::RenderMode;
 use crate::vector::{Autoreset, VectorEnv};
@@ -84,6 +85,7 @@ pub struct Registration {
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
     without_arguments: bool,
+    reset_options: &'static [(&'static str, &'static str)],
     exceptions: &'static [(&'static str, &'static str)],
     needs: Option<Need>,
     defaults: fn() -> Json,
@@ -112,6 +114,7 @@ impl Registration {
             max_episode_steps: None,
             nondeterministic: false,
             without_arguments: false,
+            reset_options: &[],
             exceptions: &[],
             needs: None,
             defaults: defaults::<E>,
@@ -163,6 +166,15 @@ impl Registration {
         self
     }
 
+    /// The [reset options](crate::Reset::options) that the environment knows, each with an example as JSON, such as
+    /// `&[("low", "-0.1"), ("high", "0.1")]`. Any other option is then an error that names these; an environment
+    /// that names none is handed every option.
+    #[must_use]
+    pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
+        self.reset_options = options;
+        self
+    }
+
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
@@ -202,6 +214,27 @@ impl Registration {
         self.description
     }
 
+    /// The reset options that the environment knows, each with an example as JSON; empty where
+    /// [`reset_options`](Self::reset_options) did not say.
+    pub fn known_reset_options(&self) -> &'static [(&'static str, &'static str)] {
+        self.reset_options
+    }
+
+    /// Refuses a reset option that is none of [those known](Self::known_reset_options), where they are known.
+    pub(crate) fn check_reset_options(&self, options: &Kwargs) -> Result<()> {
+        let names = || self.reset_options.iter().map(|(name, _)| *name);
+        let Some(unknown) = options.keys().find(|option| names().all(|name| name != *option)) else {
+            return Ok(());
+        };
+        if self.reset_options.is_empty() {
+            return Ok(());
+        }
+        let near = nearest(unknown, names()).map(|near| format!(": did you mean `{near}`?"));
+        let known = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let reason = format!("unknown option `{unknown}`{} (it knows {known})", near.unwrap_or_default());
+        Err(Error::argument(format!("reset options of `{}`", self.id), reason))
+    }
+
     /// The checks of the crate gym-conform that this id may fail, each with the reason.
     pub fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
         self.exceptions
@@ -217,7 +250,7 @@ impl Registration {
         self.needs.filter(|need| !(need.is_there)()).map(|need| need.what)
     }
 
-    /// Why this id may fail a check of [`conform`](crate::conform), if it may.
+    /// Why this id may fail a check of the crate gym-conform, if it may.
     pub fn exception(&self, check: &str) -> Option<&'static str> {
         self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
     }

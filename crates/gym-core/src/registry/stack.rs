@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::EnvSpec;
+use super::{EnvSpec, find};
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
@@ -82,6 +82,9 @@ impl<E: Env> crate::Wrapper for Registered<E> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        if !reset.options.is_empty() {
+            find(&self.spec.id)?.check_reset_options(&reset.options)?;
+        }
         self.env.reset_into(reset, observation)
     }
 

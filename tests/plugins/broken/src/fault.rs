@@ -55,7 +55,11 @@ pub enum Fault {
     #[serde(rename = "observation-in-space.huge-action")]
     ObservationInSpaceHugeAction,
     ObservationWhole,
+    OptionsAccepted,
+    #[serde(rename = "options-accepted.no-json")]
+    OptionsAcceptedNoJson,
     OptionsIgnored,
+    OptionsMatter,
     OtherSeedOtherEpisode,
     #[serde(rename = "other-seed-other-episode.cut")]
     OtherSeedOtherEpisodeCut,

@@ -28,7 +28,7 @@ macro_rules! register {
 }
 
 register! {
-    "none";
+    "none", reset_options(&[("start", "0.25")]);
     "constructs";
     "described", description(" ");
     "exceptions-known", exceptions(&[("reward-finit", "a slip of the pen")]);
@@ -60,7 +60,10 @@ register! {
     "same-seed-same-episode";
     "same-seed-same-episode.interrupted";
     "same-seed-same-episode.late";
+    "options-accepted", reset_options(&[("start", "0.25")]);
+    "options-accepted.no-json", reset_options(&[("start", "a quarter")]);
     "options-ignored";
+    "options-matter", reset_options(&[("start", "0.25")]);
     "reset-forgets";
     "other-seed-other-episode";
     "other-seed-other-episode.cut";

@@ -243,6 +243,14 @@ impl<C: 'static> Env for Walk<C> {
         if self.fault == Fault::OptionsIgnored && reset.options.contains_key("no_such_option") {
             return Err(Error::argument("reset", "there are no options"));
         }
+        let start = match (self.fault, reset.options.get("start")) {
+            (Fault::OptionsAccepted, Some(_)) => return Err(Error::argument("reset", "there are no options")),
+            (Fault::OptionsMatter, _) | (_, None) => None,
+            (_, Some(start)) => match start.as_f64() {
+                Some(start) if (-1.0..=1.0).contains(&start) => Some(start),
+                _ => return Err(Error::argument("reset", "`start` must be a number from -1 to 1")),
+            },
+        };
         let last = self.state.take();
         if reset.seed.is_some() {
             self.age = 0;
@@ -278,6 +286,7 @@ impl<C: 'static> Env for Walk<C> {
         };
         let seed = seed.map(|seed| seed.to_string()).or(last.as_ref().map(|last| last.seed.clone()));
         let mut position = rng.uniform(-0.3, 0.3) + self.disturbance();
+        position = start.unwrap_or(position);
         if self.fault == Fault::ResetForgets {
             position += last.map_or(0.0, |last| f64::from(last.steps.min(20)) / 100.0);
         }

@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use super::step::{Block, NO_LIMIT, Step};
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::{Kernel, Real, widest};
+use crate::registry::find;
 use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
@@ -214,6 +215,9 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         self.check_open("reset")?;
         reset.check(self.num_envs)?;
+        if let Some(spec) = self.spec.as_ref().filter(|_| !reset.options.is_empty()) {
+            find(&spec.env.id)?.check_reset_options(&reset.options)?;
+        }
         columns.prepare(&self.observation_space, self.num_envs)?;
         let Columns { observations, rewards, terminated, truncated, has_final, progress, .. } = columns;
         let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?;

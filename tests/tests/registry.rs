@@ -2,7 +2,7 @@
 
 use gym::classic::{CartPole, Pendulum};
 use gym::toytext::FrozenLake;
-use gym::{Env, EnvSpec, Error, Registration, registry};
+use gym::{Env, EnvSpec, Error, Registration, Reset, make, registry};
 
 // A second crate that claims a taken id, and one with broken arguments.
 gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").from_crate("first-crate") }
@@ -120,4 +120,29 @@ fn arguments_of_make_may_stand_among_the_others() {
     let drawn = spec(r#"{"render_mode": "rgb_array_list", "sutton_barto_reward": true}"#).unwrap();
     assert_eq!(drawn.render_mode, Some(gym::render::RenderMode::RgbArrayList));
     assert_eq!(drawn.kwargs.len(), 1);
+}
+
+/// A misspelt reset option is an error wherever the options are known, and changes nothing.
+#[test]
+fn reset_options_that_are_not_known_are_refused() {
+    let reset = || Reset::seed(1).option("lo", -0.01);
+    let mut env = make("CartPole-v1").unwrap();
+    let error = env.reset(reset()).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (it knows `low`, `high`)"
+    );
+    for kind in gym::vector::VectorKind::ALL {
+        let mut envs = gym::make_vec("CartPole-v1", 2, kind).unwrap();
+        let mut columns = envs.columns().unwrap();
+        let reset = gym::vector::VectorReset::from(1);
+        let error =
+            envs.reset_into(&reset.clone().option("lo", -0.01), &mut columns).unwrap_err().to_string();
+        assert!(error.contains("did you mean `low`?"), "{kind}: {error}");
+        envs.reset_into(&reset.option("low", -0.01), &mut columns).unwrap();
+    }
+    let error = make("Pendulum-v1").unwrap().reset(Reset::seed(1).option("zzz", 1)).unwrap_err().to_string();
+    assert!(error.contains("unknown option `zzz` (it knows `x_init`, `y_init`)"), "{error}");
+    // as in Gymnasium, where a task knows none
+    make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }

@@ -171,10 +171,15 @@ impl Dynamics for CartPoleDynamics {
         [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
     }
 
-    /// Between the start and the end of an episode cart and pole lie within the thresholds.
+    /// Between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
+    /// before, so that no velocity leads further than from one threshold to the other.
     fn is_valid(&self, state: &State) -> bool {
+        const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;
-        reset::plausible(&[x, x_dot, theta, theta_dot]) && (fallen || fresh || is_within(x, theta))
+        let is_slow = x_dot.abs() <= 2.0 * X_THRESHOLD / TAU + PUSH
+            && theta_dot.abs() <= 2.0 * THETA_THRESHOLD / TAU + PUSH;
+        let is_running = is_within(x, theta) && is_slow;
+        reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
     }
 
     fn metadata(&self) -> Metadata {
@@ -276,7 +281,9 @@ mod tests {
         };
         with("theta", THETA_THRESHOLD).unwrap();
         with("x", -X_THRESHOLD).unwrap();
-        for (name, value) in [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 1e7)] {
+        for (name, value) in
+            [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 300.0), ("theta_dot", -1000.0)]
+        {
             assert!(with(name, value).unwrap_err().to_string().contains("not a state of this CartPole"));
         }
     }

@@ -7,16 +7,8 @@ use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{EnvSpec, Kwargs};
 
-/// The arguments that are set when none is given.
-pub(crate) fn effective(subject: &Subject<'_>) -> Option<(EnvSpec, Kwargs)> {
-    let (spec, registration) = (subject.spec.as_ref()?, subject.registration.as_ref()?);
-    let mut kwargs = registration.default_kwargs();
-    kwargs.extend(spec.kwargs.clone());
-    Some((spec.clone(), kwargs))
-}
-
 pub(crate) fn round_trip(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     let explicit = EnvSpec { kwargs: kwargs.clone(), ..spec };
     let text = serde_json::to_string(&explicit).unwrap_or_default();
     let made = match serde_json::from_str::<EnvSpec>(&text) {
@@ -38,7 +30,7 @@ pub(crate) fn round_trip(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
     const UNKNOWN: &str = "no_such_argument";
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     let mut with = spec.clone();
     with.kwargs.insert(UNKNOWN.into(), json!(1));
     match with.make() {
@@ -66,7 +58,7 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
 
 /// Each bool and number among the arguments changes something, if only together with another.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     if subject.is_nondeterministic() {
         return skipped("it is registered as nondeterministic");
     }

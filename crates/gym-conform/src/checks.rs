@@ -4,8 +4,8 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, observations, options, panics, pictures,
-    registered, seeding, spaces, threads,
+    actions, allocations, arguments, copies, drawing, episodes, info, observations, options, panics,
+    pictures, registered, seeding, spaces, threads,
 };
 
 /// One rule.

@@ -28,20 +28,20 @@ impl Damage {
         result
     }
 
+    /// Where it is.
+    pub(crate) fn place(&self) -> &str {
+        &self.pointer
+    }
+
     /// What stands where.
     pub(crate) fn difference(&self, good: &Json) -> String {
         let Self { pointer, other } = self;
         let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();
-        format!("{} for {} at `{pointer}`", short(other), good.pointer(pointer).map_or("nothing".into(), short))
-    }
-
-    /// Whether a number stands for a number, or a bool for a bool.
-    pub(crate) fn keeps_kind(&self, good: &Json) -> bool {
-        match good.pointer(&self.pointer) {
-            Some(Json::Number(_)) => self.other.is_number(),
-            Some(Json::Bool(_)) => self.other.is_boolean(),
-            _ => false,
-        }
+        format!(
+            "{} for {} at `{pointer}`",
+            short(other),
+            good.pointer(pointer).map_or("nothing".into(), short)
+        )
     }
 
     /// Whether two snapshots have the same at that place.
@@ -50,16 +50,52 @@ impl Damage {
     }
 }
 
-/// Every kind of damage to every field and container, and of the elements of a long array to the first and the
-/// last.
+/// Every kind of damage to every field and container, and a few kinds to the first and the last element of a long
+/// array.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
-    let parts = representatives(good).into_iter();
-    let damages = parts.filter_map(|path| {
+    const FEW: usize = 3;
+    let mut turn = 0;
+    damages_by(good, |part, place| {
+        let others = others(part);
+        // the first ones are near, and of the far ones each has its turn
+        let (near, far) = others.split_at(FEW.min(others.len()));
+        match place {
+            Place::Field => others,
+            Place::First => {
+                turn += 1;
+                let far = far.iter().cycle().skip(FEW * turn).take(FEW.min(far.len()));
+                near.iter().chain(far).cloned().collect()
+            }
+            Place::Last => near.to_vec(),
+        }
+    })
+}
+
+fn damages_by(good: &Json, mut others: impl FnMut(&Json, Place) -> Vec<Json>) -> Vec<Damage> {
+    let damages = representatives(good).into_iter().filter_map(|(path, place)| {
         let pointer = pointer(&path);
-        let others = others(good.pointer(&pointer)?);
+        let others = others(good.pointer(&pointer)?, place);
         Some(others.into_iter().map(move |other| Damage { pointer: pointer.clone(), other }))
     });
     damages.flatten().collect()
+}
+
+/// Other numbers and switches of the same kind, near and far, with which a snapshot may still be of use.
+pub(crate) fn moves(good: &Json) -> Vec<Damage> {
+    let others = |part: &Json, _| match part {
+        Json::Bool(is) => vec![json!(!is)],
+        Json::Number(number) => match (number.as_i64(), number.as_f64()) {
+            // a number may be several in one, such as row, column and passenger
+            (Some(int), _) => (0..10)
+                .flat_map(|power| [1 << power, -(1 << power)])
+                .map(|by| json!(int.saturating_add(by)))
+                .collect(),
+            (None, Some(float)) => [float + 1.0, float - 1.0, 2.0 * float, -float].map(|x| json!(x)).to_vec(),
+            (None, None) => vec![],
+        },
+        _ => vec![],
+    };
+    damages_by(good, others)
 }
 
 /// What could stand there instead: something of another kind, of another size, or a little off.
@@ -94,8 +130,19 @@ fn others(part: &Json) -> Vec<Json> {
     others
 }
 
-/// Every part once, of those that differ in the index within an array alone the first and the last.
-fn representatives(json: &Json) -> Vec<Path> {
+/// Where a part is.
+#[derive(Clone, Copy)]
+enum Place {
+    /// In no long array.
+    Field,
+    /// In a long array, and the first of its kind.
+    First,
+    /// The last of its kind.
+    Last,
+}
+
+/// Every part once, of those that differ in the index within a long array alone the first and the last.
+fn representatives(json: &Json) -> Vec<(Path, Place)> {
     /// Longer arrays are lists, of elements much alike.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
@@ -110,10 +157,11 @@ fn representatives(json: &Json) -> Vec<Path> {
         kinds.entry(kind).or_default().push(path);
     }
     let mut chosen = Vec::new();
-    for paths in kinds.into_values() {
-        let last = paths.len().checked_sub(1).filter(|last| *last > 0).map(|last| paths[last].clone());
-        chosen.extend(paths.into_iter().next());
-        chosen.extend(last);
+    for (kind, mut paths) in kinds {
+        let last = if paths.len() > 1 { paths.pop() } else { None };
+        let place = if kind.split('/').any(|step| step == "*") { Place::First } else { Place::Field };
+        chosen.extend(paths.into_iter().next().map(|path| (path, place)));
+        chosen.extend(last.map(|path| (path, Place::Last)));
     }
     chosen
 }

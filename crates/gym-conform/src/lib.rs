@@ -29,6 +29,7 @@ mod arguments;
 mod checks;
 mod copies;
 mod damage;
+mod damaged;
 mod drawing;
 mod episodes;
 mod finding;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::arguments::{effective, others, surroundings};
+use crate::arguments::{others, surroundings};
 use crate::subject::Subject;
 use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
@@ -17,7 +17,9 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     }
     let read = |(name, example): &(&'static str, &str)| match serde_json::from_str(example) {
         Ok(example) => Ok((*name, example)),
-        Err(error) => broken(format!("the example `{example}` of the reset option `{name}` is no JSON: {error}")),
+        Err(error) => {
+            broken(format!("the example `{example}` of the reset option `{name}` is no JSON: {error}"))
+        }
     };
     named.iter().map(read).collect()
 }
@@ -28,13 +30,17 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let names = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
     let names = names.unwrap_or_default();
     match subject.make()?.reset(Reset::seed(3).option("no_such_option", "x")) {
-        Ok(_) if !names.is_empty() => broken("the reset option `no_such_option`, which is not named, is accepted"),
+        Ok(_) if !names.is_empty() => {
+            broken("the reset option `no_such_option`, which is not named, is accepted")
+        }
         Ok(observation) if observation == plain => Ok(()),
         Ok(observation) => broken(format!(
             "with the option `no_such_option` an episode starts with {observation}, and without it with {plain}"
         )),
         Err(error) => match names.iter().find(|(name, _)| !error.to_string().contains(name)) {
-            Some((name, _)) => broken(format!("the message about an unknown option does not name `{name}`: {error}")),
+            Some((name, _)) => {
+                broken(format!("the message about an unknown option does not name `{name}`: {error}"))
+            }
             None if names.is_empty() => broken(format!("`reset` with the option `no_such_option`: {error}")),
             None => Ok(()),
         },
@@ -54,7 +60,7 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
 /// Each named option changes something, if only together with an argument.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let examples = examples(subject)?;
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     if subject.is_nondeterministic() {
         return skipped("it is registered as nondeterministic");
     }

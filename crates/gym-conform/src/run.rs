@@ -7,10 +7,9 @@ use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
 
 use crate::checks::{CHECKS, Check};
 use crate::finding::{Finding, Severity};
-use crate::panics;
 use crate::report::{Excused, Report, Skipped};
 use crate::subject::Subject;
-use crate::verdict::Trouble;
+use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
@@ -50,7 +49,12 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
             skipped.push(Skipped { check: check.name, reason: format!("it rests on {needed}") });
             continue;
         }
-        let panicked = match catch_unwind(AssertUnwindSafe(|| (check.run)(subject))) {
+        let began = std::time::Instant::now(); // SCRATCH
+        let ran = catch_unwind(AssertUnwindSafe(|| (check.run)(subject)));
+        if std::env::var("TIMES").is_ok() {
+            eprintln!("{} {:?}", check.name, began.elapsed());
+        } // SCRATCH
+        let panicked = match ran {
             Ok(verdict) => match verdict {
                 Ok(()) => {
                     passed.push(check.name);
@@ -71,7 +75,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
                     continue;
                 }
             },
-            Err(payload) => panics::message(&*payload),
+            Err(payload) => message(&*payload),
         };
         panics.push((check, panicked));
     }

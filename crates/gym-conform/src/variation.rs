@@ -5,7 +5,7 @@ use std::collections::btree_map::Entry;
 
 use serde_json::Value as Json;
 
-use crate::damage::{Damage, damages};
+use crate::damage::moves;
 use crate::drawing::Calls;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, info};
 use gym_core::spaces::Sampler;
@@ -81,7 +81,9 @@ impl Search {
         }
         let is_seen = self.surroundings.iter().any(|surrounding| {
             let mut variants = changes.iter().filter_map(|change| change(surrounding));
-            variants.any(|variant| differ_elsewhere(surrounding, &variant).unwrap_or(false))
+            variants.any(|variant| {
+                SEEDS.into_iter().any(|seed| differ_elsewhere(surrounding, &variant, seed).unwrap_or(false))
+            })
         });
         if is_seen { Effect::Seen } else { effect }
     }
@@ -145,28 +147,27 @@ fn drawing(env: &BoxEnv) -> String {
 
 /// Whether two variants, alike so far, part in states where random actions do not lead: from snapshots with a
 /// number or a switch changed.
-fn differ_elsewhere(a: &Variant, b: &Variant) -> Result<bool> {
+fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
     const FEW: usize = 5;
     const STEPS: usize = 20;
     /// Snapshots of large models have hundreds of numbers.
     const MAX: usize = 100;
-    let mut plays = [Play::start(a, SEEDS[0])?, Play::start(b, SEEDS[0])?];
-    for play in &mut plays {
+    let [mut a, mut b] = [Play::start(a, seed)?, Play::start(b, seed)?];
+    for play in [&mut a, &mut b] {
         play.event(FEW)?;
     }
-    let [a, b] = plays;
     let [mut at_a, mut at_b] = [a.env.snapshot()?.get::<Json>()?, b.env.snapshot()?.get::<Json>()?];
-    let is_moved = |damage: &Damage| damage.keeps_kind(&at_a) && damage.is_same(&at_a, &at_b);
-    let moves: Vec<_> = damages(&at_a).into_iter().filter(is_moved).take(MAX).collect();
-    for damage in moves {
+    // what differs is the change itself
+    let moves = moves(&at_a).into_iter().filter(|to| to.is_same(&at_a, &at_b));
+    for to in moves.take(MAX).collect::<Vec<_>>() {
         let restored = |env: &BoxEnv, json: &mut Json| {
             let mut env = env.clone();
-            damage.done_to(json, |json| env.restore(&Snapshot::of(json)?)).map(|()| env)
+            to.done_to(json, |json| env.restore(&Snapshot::of(json)?)).map(|()| env)
         };
         let (Ok(mut a), Ok(mut b)) = (restored(&a.env, &mut at_a), restored(&b.env, &mut at_b)) else {
             continue;
         };
-        let mut actions = a.action_sampler(SEEDS[0])?;
+        let mut actions = a.action_sampler(seed)?;
         for _ in 0..STEPS {
             let action = actions.sample();
             let (Ok(step), Ok(other)) = (a.step(&action), b.step(&action)) else { break };

@@ -6,6 +6,7 @@
 
 mod builder;
 mod id;
+mod options;
 mod registration;
 mod spec;
 mod stack;
@@ -23,6 +24,9 @@ pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
 pub use wrappers::WrapperRegistration;
+
+use id::nearest;
+pub(crate) use options::ResetOptions;
 
 use crate::{Error, Result};
 
@@ -163,18 +167,6 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
             available: versions.iter().map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", "),
         },
     }
-}
-
-/// The most similar of some names, if it is similar at all. Case counts for nothing, so that
-/// `cartpole` finds `CartPole`.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
-    let name = name.to_lowercase();
-    known
-        .map(|other| (strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()), other))
-        .filter(|(similarity, _)| *similarity >= CUTOFF)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, other)| other)
 }
 
 /// The registry as a table of text: ids in columns, grouped by crate.

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
-use super::nearest;
+use super::options::ResetOptions;
 use super::stack::{Renders, stack};
 use crate::render::RenderMode;
 use crate::vector::{Autoreset, VectorEnv};
@@ -85,11 +85,11 @@ pub struct Registration {
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
     without_arguments: bool,
-    reset_options: &'static [(&'static str, &'static str)],
+    pub(crate) reset_options: ResetOptions,
     exceptions: &'static [(&'static str, &'static str)],
     needs: Option<Need>,
     defaults: fn() -> Json,
-    construct: fn(&EnvSpec) -> Result<BoxEnv>,
+    construct: fn(&EnvSpec, ResetOptions) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
 }
 
@@ -114,7 +114,7 @@ impl Registration {
             max_episode_steps: None,
             nondeterministic: false,
             without_arguments: false,
-            reset_options: &[],
+            reset_options: ResetOptions(&[]),
             exceptions: &[],
             needs: None,
             defaults: defaults::<E>,
@@ -171,7 +171,7 @@ impl Registration {
     /// that names none is handed every option.
     #[must_use]
     pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
-        self.reset_options = options;
+        self.reset_options = ResetOptions(options);
         self
     }
 
@@ -217,22 +217,7 @@ impl Registration {
     /// The reset options that the environment knows, each with an example as JSON; empty where
     /// [`reset_options`](Self::reset_options) did not say.
     pub fn known_reset_options(&self) -> &'static [(&'static str, &'static str)] {
-        self.reset_options
-    }
-
-    /// Refuses a reset option that is none of [those known](Self::known_reset_options), where they are known.
-    pub(crate) fn check_reset_options(&self, options: &Kwargs) -> Result<()> {
-        let names = || self.reset_options.iter().map(|(name, _)| *name);
-        let Some(unknown) = options.keys().find(|option| names().all(|name| name != *option)) else {
-            return Ok(());
-        };
-        if self.reset_options.is_empty() {
-            return Ok(());
-        }
-        let near = nearest(unknown, names()).map(|near| format!(": did you mean `{near}`?"));
-        let known = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let reason = format!("unknown option `{unknown}`{} (it knows {known})", near.unwrap_or_default());
-        Err(Error::argument(format!("reset options of `{}`", self.id), reason))
+        self.reset_options.0
     }
 
     /// The checks of the crate gym-conform that this id may fail, each with the reason.
@@ -301,7 +286,7 @@ impl Registration {
         if self.without_arguments && !spec.kwargs.is_empty() {
             return Err(Error::argument(format!("`{}`", spec.id), "this version takes no arguments"));
         }
-        (self.construct)(spec)
+        (self.construct)(spec, self.reset_options)
     }
 }
 
@@ -317,7 +302,7 @@ fn defaults<E: Configure>() -> Json {
     serde_json::to_value(E::Config::default()).unwrap_or_default()
 }
 
-fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
+fn construct<E: Configure>(spec: &EnvSpec, options: ResetOptions) -> Result<BoxEnv> {
     let invalid = |error: serde_json::Error| {
         let mut reason = error.to_string();
         if reason.contains("invalid type: null") {
@@ -331,7 +316,7 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
     if let Some(mode) = spec.render_mode
         && let Some(env) = E::configure_to_render(config()?, mode.single())?
     {
-        return stack(env, Renders::Itself, spec);
+        return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
     let asked = serde_json::to_value(&config).map_err(invalid)?;
@@ -343,7 +328,7 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
         let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
         spec.kwargs.extend(by_chance);
     }
-    stack(env, Renders::Drawings, &spec)
+    stack(env, Renders::Drawings, &spec, options)
 }
 
 /// Registers an environment when its crate is linked.

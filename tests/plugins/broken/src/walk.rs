@@ -244,7 +244,9 @@ impl<C: 'static> Env for Walk<C> {
             return Err(Error::argument("reset", "there are no options"));
         }
         let start = match (self.fault, reset.options.get("start")) {
-            (Fault::OptionsAccepted, Some(_)) => return Err(Error::argument("reset", "there are no options")),
+            (Fault::OptionsAccepted, Some(_)) => {
+                return Err(Error::argument("reset", "there are no options"));
+            }
             (Fault::OptionsMatter, _) | (_, None) => None,
             (_, Some(start)) => match start.as_f64() {
                 Some(start) if (-1.0..=1.0).contains(&start) => Some(start),

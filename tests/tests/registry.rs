@@ -146,3 +146,29 @@ fn reset_options_that_are_not_known_are_refused() {
     // as in Gymnasium, where a task knows none
     make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }
+
+#[test]
+fn an_id_without_its_namespace_is_suggested_with_it() {
+    for (asked, meant) in [
+        ("Arguments-v0", "did you mean `broken/Arguments-v0`?"),
+        ("arguments-v3", "did you mean `broken/Arguments-v0`?"),
+        ("runtme/Arguments-v0", "unknown namespace"),
+        ("twice/Arguments-v0", "did you mean `broken/Arguments-v0`?"),
+        ("Pong-v5", "`ALE/Pong-v5`"),
+        ("CartPol-v1", "did you mean `CartPole-v1`?"),
+    ] {
+        let error = make(asked).unwrap_err().to_string();
+        assert!(error.contains(meant), "{asked}: {error}");
+    }
+}
+
+/// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of the pen.
+#[test]
+fn only_what_is_alike_is_suggested() {
+    for (asked, is_alike) in
+        [("CarPoll-v1", true), ("cartpole-v1", true), ("Cartoons-v1", false), ("Pole-v1", false)]
+    {
+        let error = make(asked).unwrap_err().to_string();
+        assert_eq!(error.contains("did you mean `CartPole-v1`?"), is_alike, "{asked}: {error}");
+    }
+}

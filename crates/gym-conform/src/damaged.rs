@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde_json::Value as Json;
 
-use crate::damage::{Damage, damages};
+use crate::damage::damages;
 use crate::look::look;
 use crate::verdict::{Verdict, broken, message};
 use gym_core::{BoxEnv, Env, Result, Snapshot, Space};

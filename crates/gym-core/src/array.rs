@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq};
+use serde::{Serialize, Serializer, ser::SerializeSeq};
 
 pub use crate::data::{DType, Data, Scalar};
 use crate::spaces::number::{Number, Numeric, with_type};

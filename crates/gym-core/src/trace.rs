@@ -93,7 +93,7 @@ recorded! {
     // the programs that answered
     ale_py backend backend_version gymnasium module mujoco numpy pygame_ce
     // how they were asked
-    action_seed deep info_left_out max_episode_steps md5 policy rom seed smoothscale
+    action_seed deep info_left_out max_episode_steps md5 note policy rom seed smoothscale
     // the environment
     action_space dt frame_skip observation_space render_fps render_modes reward_threshold shape start types
     // what was seen of the episode as a whole

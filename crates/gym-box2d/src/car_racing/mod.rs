@@ -421,7 +421,8 @@ impl Episode {
         self.world.is_valid()
             && n > 0
             && [self.tiles.len(), self.tile_bodies.len(), self.visited.len(), self.touched.len()] == [n; 4]
-            && self.car.is_valid(&self.world)
+            && self.tile_visited_count == self.visited.iter().filter(|visited| **visited).count()
+            && self.car.is_valid(&self.world, n)
     }
 }
 

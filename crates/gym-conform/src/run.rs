@@ -49,12 +49,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
             skipped.push(Skipped { check: check.name, reason: format!("it rests on {needed}") });
             continue;
         }
-        let began = std::time::Instant::now(); // SCRATCH
-        let ran = catch_unwind(AssertUnwindSafe(|| (check.run)(subject)));
-        if std::env::var("TIMES").is_ok() {
-            eprintln!("{} {:?}", check.name, began.elapsed());
-        } // SCRATCH
-        let panicked = match ran {
+        let panicked = match catch_unwind(AssertUnwindSafe(|| (check.run)(subject))) {
             Ok(verdict) => match verdict {
                 Ok(()) => {
                     passed.push(check.name);

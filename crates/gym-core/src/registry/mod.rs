@@ -155,7 +155,7 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
         };
         // among the versions of the near name, the one asked for, else the newest
         let near = near.and_then(|name| {
-            let mut ids = known.iter().rev().filter(|other| other.name == name);
+            let mut ids = known.iter().copied().rev().filter(|other| other.name == name);
             let newest = ids.clone().next();
             ids.find(|other| other.version == id.version).or(newest)
         });

@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 use crate::damage::damages;
 use crate::look::look;
 use crate::verdict::{Verdict, broken, message};
-use gym_core::{BoxEnv, Env, Result, Snapshot, Space};
+use gym_core::{BoxEnv, Env, Result, Snapshot, Space, Step, Value};
 
 /// The first of each kind of fault.
 #[derive(Default)]
@@ -24,6 +24,8 @@ impl Damaged {
         let good = env.snapshot()?.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
+        // what goes wrong without damage is for other checks to tell
+        let steps = sound_steps(env.clone(), &space)?;
         // what a refusal leaves behind depends on how far it was read
         let mut looked_at = String::new();
         for damage in damages(&good) {
@@ -38,7 +40,7 @@ impl Damaged {
                     }
                     return Ok(true);
                 }
-                faults.go_on(&mut tried, &space, &|| damage.difference(&good))?;
+                faults.go_on(&mut tried, &space, steps, &|| damage.difference(&good))?;
                 Ok(false)
             }));
             match attempt {
@@ -58,19 +60,19 @@ impl Damaged {
     }
 
     /// Plays on after a damaged snapshot was accepted.
-    fn go_on(&mut self, env: &mut BoxEnv, space: &Space, damage: &dyn Fn() -> String) -> Result<()> {
-        const STEPS: usize = 20;
+    fn go_on(
+        &mut self,
+        env: &mut BoxEnv,
+        space: &Space,
+        steps: usize,
+        damage: &dyn Fn() -> String,
+    ) -> Result<()> {
         look(env);
         let mut actions = env.action_sampler(0)?;
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             // a state in which no step can be taken does no harm
             let Ok(step) = env.step(&actions.sample()) else { break };
-            let fault = match space.check(&step.observation) {
-                Err(error) => Some(error.to_string()),
-                Ok(()) if !step.reward.is_finite() => Some(format!("the reward is {}", step.reward)),
-                Ok(()) => None,
-            };
-            if let Some(fault) = fault {
+            if let Some(fault) = fault(&step, space) {
                 self.illegal.get_or_insert_with(|| {
                     format!("after `restore` accepts a snapshot with {}: {fault}", damage())
                 });
@@ -96,5 +98,27 @@ impl Damaged {
 
     pub(crate) fn panicked(&self) -> Verdict {
         self.panicked.as_ref().map_or(Ok(()), broken)
+    }
+}
+
+/// For how many steps, up to some, nothing is wrong.
+fn sound_steps(mut env: BoxEnv, space: &Space) -> Result<usize> {
+    const STEPS: usize = 20;
+    let mut actions = env.action_sampler(0)?;
+    for steps in 0..STEPS {
+        let is_sound = env.step(&actions.sample()).is_ok_and(|step| fault(&step, space).is_none());
+        if !is_sound {
+            return Ok(steps);
+        }
+    }
+    Ok(STEPS)
+}
+
+/// What no state of an episode shows.
+fn fault(step: &Step<Value>, space: &Space) -> Option<String> {
+    match space.check(&step.observation) {
+        Err(error) => Some(error.to_string()),
+        Ok(()) if !step.reward.is_finite() => Some(format!("the reward is {}", step.reward)),
+        Ok(()) => None,
     }
 }

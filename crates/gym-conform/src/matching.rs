@@ -5,6 +5,7 @@ use gym_core::{Element, Env, Error, Info, Result};
 
 /// How much of `info` two environments must share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum InfoComparison {
     /// The same entries.
     #[default]

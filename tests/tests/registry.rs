@@ -130,7 +130,7 @@ fn reset_options_that_are_not_known_are_refused() {
     let error = env.reset(reset()).unwrap_err().to_string();
     assert_eq!(
         error,
-        "reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (it knows `low`, `high`)"
+        "invalid argument for reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (it knows `low`, `high`)"
     );
     for kind in gym::vector::VectorKind::ALL {
         let mut envs = gym::make_vec("CartPole-v1", 2, kind).unwrap();
@@ -152,7 +152,7 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
     for (asked, meant) in [
         ("Arguments-v0", "did you mean `broken/Arguments-v0`?"),
         ("arguments-v3", "did you mean `broken/Arguments-v0`?"),
-        ("runtme/Arguments-v0", "unknown namespace"),
+        ("runtme/Arguments-v0", "namespace `runtme` not found"),
         ("twice/Arguments-v0", "did you mean `broken/Arguments-v0`?"),
         ("Pong-v5", "`ALE/Pong-v5`"),
         ("CartPol-v1", "did you mean `CartPole-v1`?"),
@@ -166,7 +166,7 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
 #[test]
 fn only_what_is_alike_is_suggested() {
     for (asked, is_alike) in
-        [("CarPoll-v1", true), ("cartpole-v1", true), ("Cartoons-v1", false), ("Pole-v1", false)]
+        [("CarPoll-v1", true), ("cartpole-v1", true), ("Pole-v1", false)]
     {
         let error = make(asked).unwrap_err().to_string();
         assert_eq!(error.contains("did you mean `CartPole-v1`?"), is_alike, "{asked}: {error}");

@@ -407,6 +407,7 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
             assert_eq!(rebuilt.spec().unwrap(), spec, "{text}");
             assert_eq!(rebuilt.action_space(), env.action_space(), "{text}");
             assert_eq!(rebuilt.observation_space(), env.observation_space(), "{text}");
+            assert_eq!(rebuilt.reset(3).unwrap(), env.reset(3).unwrap(), "{text}");
             assert_eq!(steps(&mut rebuilt, 50), steps(&mut env, 50), "{text}");
         }
     }

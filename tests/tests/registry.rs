@@ -165,9 +165,7 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
 /// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of the pen.
 #[test]
 fn only_what_is_alike_is_suggested() {
-    for (asked, is_alike) in
-        [("CarPoll-v1", true), ("cartpole-v1", true), ("Pole-v1", false)]
-    {
+    for (asked, is_alike) in [("CarPoll-v1", true), ("cartpole-v1", true), ("Pole-v1", false)] {
         let error = make(asked).unwrap_err().to_string();
         assert_eq!(error.contains("did you mean `CartPole-v1`?"), is_alike, "{asked}: {error}");
     }

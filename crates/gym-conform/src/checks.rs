@@ -279,7 +279,13 @@ pub const CHECKS: &[Check] = &[
     error!(
         "snapshot-legal",
         copies::snapshot_legal,
-        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "observation-in-space"],
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "snapshot-continues",
+            "observation-in-space",
+            "reward-finite",
+        ],
         "a damaged file must not become a state that no episode reaches",
         "check in `restore` that each field is in its range, and return Err(Error::Snapshot(..)) where it is not",
     ),

@@ -21,7 +21,7 @@ pub struct Reset {
     /// operating system).
     pub seed: Option<Seed>,
     /// Options of the environment. Names that it does not know are refused where its registration
-    /// [names those it knows](crate::Registration::reset_options), and ignored elsewhere, as in Gymnasium.
+    /// [names those it knows](crate::Registration::reset_options()), and ignored elsewhere, as in Gymnasium.
     pub options: Kwargs,
 }
 

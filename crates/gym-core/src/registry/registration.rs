@@ -166,7 +166,7 @@ impl Registration {
         self
     }
 
-    /// The [reset options](crate::Reset::options) that the environment knows, each with an example as JSON, such as
+    /// The [reset options](field@crate::Reset::options) that the environment knows, each with an example as JSON, such as
     /// `&[("low", "-0.1"), ("high", "0.1")]`. Any other option is then an error that names these; an environment
     /// that names none is handed every option.
     #[must_use]

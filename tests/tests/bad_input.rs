@@ -119,7 +119,7 @@ fn reset_options() {
     says(env.reset(reset().option("low", "a")), &["expected f64"]);
     says(env.reset(reset().option("low", f64::NAN)), &["expected f64"]);
     says(env.reset(reset().option("high", 1e300)), &["`high`", "must lie within"]);
-    env.reset(reset().option("colour", "blue")).expect("unknown options are ignored");
+    says(env.reset(reset().option("colour", "blue")), &["unknown option `colour`", "`low`, `high`"]);
     says("-1".parse::<gym::Seed>().map_err(Into::into), &["`-1`", "zero or greater"]);
     says("1.5".parse::<gym::Seed>().map_err(Into::into), &["`1.5`"]);
 }

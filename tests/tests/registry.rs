@@ -2,7 +2,7 @@
 
 use gym::classic::{CartPole, Pendulum};
 use gym::toytext::FrozenLake;
-use gym::{Env, EnvSpec, Error, Registration, registry};
+use gym::{Env, EnvSpec, Error, Registration, Reset, make, registry};
 
 // A second crate that claims a taken id, and one with broken arguments.
 gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").from_crate("first-crate") }
@@ -120,4 +120,53 @@ fn arguments_of_make_may_stand_among_the_others() {
     let drawn = spec(r#"{"render_mode": "rgb_array_list", "sutton_barto_reward": true}"#).unwrap();
     assert_eq!(drawn.render_mode, Some(gym::render::RenderMode::RgbArrayList));
     assert_eq!(drawn.kwargs.len(), 1);
+}
+
+/// A misspelt reset option is an error wherever the options are known, and changes nothing.
+#[test]
+fn reset_options_that_are_not_known_are_refused() {
+    let reset = || Reset::seed(1).option("lo", -0.01);
+    let mut env = make("CartPole-v1").unwrap();
+    let error = env.reset(reset()).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "invalid argument for reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (it knows `low`, `high`)"
+    );
+    for kind in gym::vector::VectorKind::ALL {
+        let mut envs = gym::make_vec("CartPole-v1", 2, kind).unwrap();
+        let mut columns = envs.columns().unwrap();
+        let reset = gym::vector::VectorReset::from(1);
+        let error =
+            envs.reset_into(&reset.clone().option("lo", -0.01), &mut columns).unwrap_err().to_string();
+        assert!(error.contains("did you mean `low`?"), "{kind}: {error}");
+        envs.reset_into(&reset.option("low", -0.01), &mut columns).unwrap();
+    }
+    let error = make("Pendulum-v1").unwrap().reset(Reset::seed(1).option("zzz", 1)).unwrap_err().to_string();
+    assert!(error.contains("unknown option `zzz` (it knows `x_init`, `y_init`)"), "{error}");
+    // as in Gymnasium, where a task knows none
+    make("Taxi-v4").unwrap().reset(reset()).unwrap();
+}
+
+#[test]
+fn an_id_without_its_namespace_is_suggested_with_it() {
+    for (asked, meant) in [
+        ("Arguments-v0", "did you mean `broken/Arguments-v0`?"),
+        ("arguments-v3", "did you mean `broken/Arguments-v0`?"),
+        ("runtme/Arguments-v0", "namespace `runtme` not found"),
+        ("twice/Arguments-v0", "did you mean `broken/Arguments-v0`?"),
+        ("Pong-v5", "`ALE/Pong-v5`"),
+        ("CartPol-v1", "did you mean `CartPole-v1`?"),
+    ] {
+        let error = make(asked).unwrap_err().to_string();
+        assert!(error.contains(meant), "{asked}: {error}");
+    }
+}
+
+/// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of the pen.
+#[test]
+fn only_what_is_alike_is_suggested() {
+    for (asked, is_alike) in [("CarPoll-v1", true), ("cartpole-v1", true), ("Pole-v1", false)] {
+        let error = make(asked).unwrap_err().to_string();
+        assert_eq!(error.contains("did you mean `CartPole-v1`?"), is_alike, "{asked}: {error}");
+    }
 }

@@ -393,3 +393,47 @@ fn statistics_are_reached_and_frozen() {
     assert!(one.wrapper_mut::<NormalizeObservation>().unwrap().set_statistics(other).is_err());
     assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
 }
+
+/// What the vector knows of a sub-environment, such as a reset that is due, is in no snapshot of the sub-environment
+/// alone.
+#[test]
+fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
+    for (kind, autoreset) in
+        [(VectorKind::Sync, Autoreset::NextStep), (VectorKind::Async, Autoreset::SameStep)]
+    {
+        let envs = builder("CartPole-v1").max_episode_steps(3).vector(2).kind(kind).autoreset(autoreset);
+        let mut envs = envs.build().unwrap();
+        let mut columns = envs.columns().unwrap();
+        let actions = envs.action_space().unwrap().sampler(0).sample();
+        envs.reset_into(&VectorReset::from(1), &mut columns).unwrap();
+        for _ in 0..3 {
+            envs.step_into(&actions, &mut columns).unwrap();
+        }
+        // looking changes nothing
+        let taken = envs.call(|_, env: &mut BoxEnv| env.snapshot().unwrap()).unwrap();
+        for _ in 0..2 {
+            envs.step_into(&actions, &mut columns).unwrap();
+        }
+        envs.call(|index, env: &mut BoxEnv| env.restore(&taken[index]).unwrap()).unwrap();
+        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+        assert!(error.contains("sub-environment 0") && error.contains("through `call`"), "{error}");
+
+        // neither a reset of the other one nor a snapshot of the whole hides it
+        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns).unwrap();
+        let stored = stored(&*envs);
+        envs.restore(&stored).unwrap();
+        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+        assert!(error.contains("sub-environment 1"), "{error}");
+        envs.reset_into(&VectorReset::default().mask([false, true]), &mut columns).unwrap();
+        envs.step_into(&actions, &mut columns).unwrap();
+
+        for call in [
+            |env: &mut BoxEnv| drop(env.reset(0).unwrap()),
+            |env: &mut BoxEnv| drop(env.step(&Value::Int(0))),
+        ] {
+            envs.call(|_, env: &mut BoxEnv| call(env)).unwrap();
+            assert!(envs.step_into(&actions, &mut columns).is_err());
+            envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
+        }
+    }
+}

@@ -376,3 +376,39 @@ proptest! {
         }
     }
 }
+
+/// Bounds of another type than the box's count in the type of the box, before they are stored and after.
+#[test]
+fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
+    use gym::Array;
+    use gym::wrappers::{Bound, RescaleAction, RescaleObservation};
+
+    let bounds: [[Bound; 2]; 4] = [
+        [(-0.1).into(), 0.3.into()],
+        [[-0.1f64].into(), [0.3f64].into()],
+        [[-0.1f32].into(), [0.3f32].into()],
+        [Array::from([-1i64]).into(), Array::from([7u8]).into()],
+    ];
+    let thrice = |bound: &Bound| match bound {
+        Bound::Scalar(x) => Bound::Scalar(*x),
+        Bound::Array(array) => {
+            let x = array.iter_f64().next().expect("a number");
+            if array.dtype() == gym::DType::F32 { [x as f32; 3].into() } else { [x; 3].into() }
+        }
+    };
+    for [min, max] in bounds {
+        let pendulum = || gym::make("Pendulum-v1").unwrap();
+        let action = BoxEnv::new(RescaleAction::new(pendulum(), min.clone(), max.clone()).unwrap());
+        let observation = RescaleObservation::new(pendulum(), thrice(&min), thrice(&max)).unwrap();
+        for mut env in [action, BoxEnv::new(observation)] {
+            let spec = env.spec().unwrap();
+            let text = serde_json::to_string(&spec).unwrap();
+            let mut rebuilt = serde_json::from_str::<EnvSpec>(&text).unwrap().make().unwrap();
+            assert_eq!(rebuilt.spec().unwrap(), spec, "{text}");
+            assert_eq!(rebuilt.action_space(), env.action_space(), "{text}");
+            assert_eq!(rebuilt.observation_space(), env.observation_space(), "{text}");
+            assert_eq!(rebuilt.reset(3).unwrap(), env.reset(3).unwrap(), "{text}");
+            assert_eq!(steps(&mut rebuilt, 50), steps(&mut env, 50), "{text}");
+        }
+    }
+}

@@ -415,8 +415,11 @@ impl Episode {
     }
 
     fn is_valid(&self) -> bool {
+        /// Far beyond what any place and speed are worth.
+        const MAX_SHAPING: f64 = 1e6;
         let [a, b] = self.legs;
         self.world.is_valid()
+            && self.prev_shaping.is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
             && [self.lander, a, b].iter().all(|body| self.world.has_body(*body))
             && self.fixtures.iter().all(|fixture| self.world.has_fixture(*fixture))
             && self.exhaust.as_ref().is_none_or(Exhaust::is_valid)

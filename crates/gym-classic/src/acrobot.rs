@@ -328,5 +328,6 @@ gym_core::register!(
         .description("Swing a two-link arm above a line.")
         .max_episode_steps(500)
         .reward_threshold(-100.0)
+        .reset_options(&[("low", "-0.05"), ("high", "0.05")])
         .vector_entry_point(native::entry_point::<AcrobotDynamics>)
 );

@@ -73,6 +73,14 @@ pub struct State {
     pub theta_dot: f64,
     /// Whether the episode has already terminated: steps beyond earn nothing.
     pub fallen: bool,
+    /// Whether no step was taken yet. A start may lie anywhere, as reset options say.
+    #[serde(default)]
+    pub fresh: bool,
+}
+
+/// Whether an episode goes on with the cart and the pole there.
+fn is_within(x: f64, theta: f64) -> bool {
+    x.abs() <= X_THRESHOLD && theta.abs() <= THETA_THRESHOLD
 }
 
 /// The pure functions of the task.
@@ -116,14 +124,14 @@ impl Equations<4, 4> for CartPoleDynamics {
 
     #[inline(always)]
     fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 4]) {
-        let State { x, x_dot, theta, theta_dot, fallen } = *state;
+        let State { x, x_dot, theta, theta_dot, fallen, .. } = *state;
         let (state, mut reward, terminated, seen) =
             native::advance::<_, F, 4, 4>(self, [x, x_dot, theta, theta_dot], false, action);
         if fallen && terminated && !self.config.sutton_barto_reward {
             reward = 0.0; // the end of the episode was paid before
         }
         let [x, x_dot, theta, theta_dot] = state;
-        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated };
+        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated, fresh: false };
         (Transition { state, reward, terminated }, seen)
     }
 
@@ -162,7 +170,7 @@ impl Dynamics for CartPoleDynamics {
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.05, 0.05)?;
         let [x, x_dot, theta, theta_dot] = [(); 4].map(|()| rng.uniform(low, high));
-        Ok(State { x, x_dot, theta, theta_dot, fallen: false })
+        Ok(State { x, x_dot, theta, theta_dot, fallen: false, fresh: true })
     }
 
     #[inline]
@@ -186,8 +194,15 @@ impl Dynamics for CartPoleDynamics {
         Ok(native::step(self, state, *action, observation))
     }
 
+    /// Between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
+    /// before, so that no velocity leads further than from one threshold to the other.
     fn is_valid(&self, state: &State) -> bool {
-        reset::plausible(&[state.x, state.x_dot, state.theta, state.theta_dot])
+        const PUSH: f64 = 1.0; // more than one step adds to a velocity
+        let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;
+        let is_slow = x_dot.abs() <= 2.0 * X_THRESHOLD / TAU + PUSH
+            && theta_dot.abs() <= 2.0 * THETA_THRESHOLD / TAU + PUSH;
+        let is_running = is_within(x, theta) && is_slow;
+        reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
     }
 
     fn metadata(&self) -> Metadata {
@@ -228,10 +243,10 @@ impl Native for CartPoleDynamics {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
-    /// A pole that has fallen is not stepped again in a vector.
+    /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
     #[inline(always)]
-    fn unpack([x, x_dot, theta, theta_dot]: [f64; 4], _fresh: bool) -> State {
-        State { x, x_dot, theta, theta_dot, fallen: false }
+    fn unpack([x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
+        State { x, x_dot, theta, theta_dot, fallen: !is_within(x, theta), fresh }
     }
 
     #[inline(always)]
@@ -245,6 +260,7 @@ gym_core::register!(
         .description("Balance a pole on a cart.")
         .max_episode_steps(200)
         .reward_threshold(195.0)
+        .reset_options(&[("low", "-0.025"), ("high", "0.025")])
         .vector_entry_point(native::entry_point::<CartPoleDynamics>)
 );
 gym_core::register!(
@@ -252,6 +268,7 @@ gym_core::register!(
         .description("Balance a pole on a cart.")
         .max_episode_steps(500)
         .reward_threshold(475.0)
+        .reset_options(&[("low", "-0.025"), ("high", "0.025")])
         .vector_entry_point(native::entry_point::<CartPoleDynamics>)
 );
 
@@ -272,6 +289,39 @@ mod tests {
         rewards.push(env.step(&Action::Right).unwrap().reward);
         rewards.drain(..rewards.len() - 3);
         rewards
+    }
+
+    #[test]
+    fn only_what_an_episode_reaches_is_restored() {
+        let mut env = CartPole::new(Config::default()).unwrap();
+        env.reset(0).unwrap();
+        env.step(&Action::Left).unwrap();
+        let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let mut with = |name: &str, value: f64| {
+            let mut stored = stored.clone();
+            stored["episode"]["state"][name] = value.into();
+            env.restore(&serde_json::from_value(stored).unwrap())
+        };
+        with("theta", THETA_THRESHOLD).unwrap();
+        with("x", -X_THRESHOLD).unwrap();
+        for (name, value) in
+            [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 300.0), ("theta_dot", -1000.0)]
+        {
+            assert!(with(name, value).unwrap_err().to_string().contains("not a state of this CartPole"));
+        }
+    }
+
+    #[test]
+    fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
+        let mut env = CartPole::new(Config::default()).unwrap();
+        env.reset(Reset::seed(0).option("low", 0.8).option("high", 0.9)).unwrap();
+        let start = env.snapshot().unwrap();
+        assert!(env.step(&Action::Left).unwrap().terminated);
+        let end = env.snapshot().unwrap();
+        for snapshot in [start, end] {
+            env.restore(&snapshot).unwrap();
+            assert_eq!(env.snapshot().unwrap(), snapshot);
+        }
     }
 
     #[test]

@@ -252,5 +252,6 @@ gym_core::register!(
         .description("Drive an underpowered car out of a valley by rocking.")
         .max_episode_steps(200)
         .reward_threshold(-110.0)
+        .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarDynamics>)
 );

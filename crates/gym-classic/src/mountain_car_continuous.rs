@@ -204,5 +204,26 @@ gym_core::register!(
         .description("Drive an underpowered car out of a valley, with little effort.")
         .max_episode_steps(999)
         .reward_threshold(90.0)
+        .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarContinuousDynamics>)
 );
+
+#[cfg(test)]
+mod tests {
+    use gym_core::Env;
+
+    use super::*;
+
+    /// The force is clipped, and what was asked for is paid.
+    #[test]
+    fn the_cost_is_that_of_the_action_as_given() {
+        let step = |force: f32| {
+            let mut env = MountainCarContinuous::new(Config::default()).unwrap();
+            env.reset(0).unwrap();
+            env.step(&[force]).unwrap()
+        };
+        assert!((step(3.0).reward + 0.9).abs() < 1e-9, "{}", step(3.0).reward);
+        assert!((step(1.0).reward + 0.1).abs() < 1e-9);
+        assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
+    }
+}

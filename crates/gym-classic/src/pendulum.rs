@@ -273,5 +273,6 @@ gym_core::register!(
     Registration::new::<Pendulum>("Pendulum-v1")
         .description("Swing a pendulum up and hold it.")
         .max_episode_steps(200)
+        .reset_options(&[("x_init", "0.5"), ("y_init", "0.5")])
         .vector_entry_point(native::entry_point::<PendulumDynamics>)
 );

@@ -2,21 +2,13 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::drawing::Calls;
-use crate::subject::{SEEDS, STEPS, Shown, Subject, roll_out, same};
+use crate::subject::{SEEDS, STEPS, Subject, roll_out, same};
+use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{Env, EnvSpec, Kwargs, Result};
-
-/// The arguments that are set when none is given.
-pub(crate) fn effective(subject: &Subject<'_>) -> Option<(EnvSpec, Kwargs)> {
-    let (spec, registration) = (subject.spec.as_ref()?, subject.registration.as_ref()?);
-    let mut kwargs = registration.default_kwargs();
-    kwargs.extend(spec.kwargs.clone());
-    Some((spec.clone(), kwargs))
-}
+use gym_core::{EnvSpec, Kwargs};
 
 pub(crate) fn round_trip(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     let explicit = EnvSpec { kwargs: kwargs.clone(), ..spec };
     let text = serde_json::to_string(&explicit).unwrap_or_default();
     let made = match serde_json::from_str::<EnvSpec>(&text) {
@@ -38,7 +30,7 @@ pub(crate) fn round_trip(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
     const UNKNOWN: &str = "no_such_argument";
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     let mut with = spec.clone();
     with.kwargs.insert(UNKNOWN.into(), json!(1));
     match with.make() {
@@ -66,42 +58,22 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
 
 /// Each bool and number among the arguments changes something, if only together with another.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = effective(subject) else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
     if subject.is_nondeterministic() {
         return skipped("it is registered as nondeterministic");
     }
-    let with = |changes: &[(&String, &Json)]| {
-        let mut spec = spec.clone();
-        let changes = changes.iter().map(|(name, value)| ((*name).clone(), (*value).clone()));
-        spec.kwargs.extend(changes);
-        spec
-    };
-    // alone, and where a switch that is off would hide what it does
-    let flipped = |(name, value): (&String, &Json)| Some((name.clone(), json!(!value.as_bool()?)));
-    let switches: Vec<_> = kwargs.iter().filter_map(flipped).collect();
-    let surroundings: Vec<_> = std::iter::once(None).chain(switches.iter().map(Some)).collect();
+    let mut search = Search::new(subject, surroundings(&spec, &kwargs))?;
     for (name, value) in &kwargs {
         let others = others(value);
-        let (mut accepted, mut matters) = (false, others.is_empty());
-        'search: for steps in [STEPS, subject.long()?] {
-            for surrounding in &surroundings {
-                let surrounding = surrounding.filter(|(other, _)| other != name);
-                let around: Vec<_> = surrounding.iter().map(|(name, value)| (name, value)).collect();
-                let Ok(before) = appearance(&with(&around), steps) else { continue };
-                for other in &others {
-                    let Ok(after) = appearance(&with(&[&around[..], &[(name, other)]].concat()), steps)
-                    else {
-                        continue;
-                    };
-                    accepted = true;
-                    if before != after {
-                        matters = true;
-                        break 'search;
-                    }
-                }
+        let set = |other: &Json| {
+            let changed = (name.clone(), other.clone());
+            move |around: &Variant| {
+                // the switch itself is no surrounding of its own
+                let is_other = around.spec.kwargs.get(name).is_none_or(|now| now == value);
+                is_other.then(|| around.clone().with_arguments([changed.clone()]))
             }
-        }
-        if accepted && !matters {
+        };
+        if search.effect(&others.iter().map(set).collect::<Vec<_>>()) == Effect::None {
             return broken(format!(
                 "the argument `{name}` changes neither spaces nor episodes, info or pictures: tried {} for {value}",
                 json!(others)
@@ -111,8 +83,16 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
+/// The default, and the default with each switch the other way.
+pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
+    let default = Variant { spec: spec.clone(), options: Kwargs::new() };
+    let flipped = kwargs.iter().filter_map(|(name, value)| Some((name.clone(), json!(!value.as_bool()?))));
+    let flipped = flipped.map(|switch| default.clone().with_arguments([switch]));
+    std::iter::once(default.clone()).chain(flipped).collect()
+}
+
 /// Other values of a bool or a number.
-fn others(value: &Json) -> Vec<Json> {
+pub(crate) fn others(value: &Json) -> Vec<Json> {
     match value {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
@@ -124,12 +104,4 @@ fn others(value: &Json) -> Vec<Json> {
         },
         _ => vec![],
     }
-}
-
-/// All that an environment shows in an episode: spaces, metadata, what steps give, and drawings.
-fn appearance(spec: &EnvSpec, steps: usize) -> Result<(String, Vec<Shown>, String)> {
-    let mut env = spec.make()?;
-    let spaces = format!("{} {} {:?}", env.observation_space(), env.action_space(), env.metadata());
-    let shown = roll_out(&mut env, SEEDS[0], steps)?;
-    Ok((spaces, shown, format!("{} {:?}", Calls::of(&env).text, env.ansi())))
 }

@@ -4,8 +4,8 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, observations, panics, pictures,
-    registered, seeding, spaces, threads,
+    actions, allocations, arguments, copies, drawing, episodes, info, observations, options, panics,
+    pictures, registered, seeding, spaces, threads,
 };
 
 /// One rule.
@@ -164,7 +164,7 @@ pub const CHECKS: &[Check] = &[
         "wrappers and vectors gather entries by name, whenever they ask",
         "show each entry of `info` once, from the state alone",
     ),
-    warning!(
+    error!(
         "info-constant",
         info::constant,
         EPISODES,
@@ -194,10 +194,17 @@ pub const CHECKS: &[Check] = &[
     ),
     error!(
         "options-ignored",
-        episodes::options_ignored,
+        options::unknown,
         ["same-seed-same-episode"],
         "options are for those environments that know them, as in Gymnasium",
-        "ignore reset options of names that are not known",
+        "ignore reset options of names that are not known, or name those that are known with `.reset_options(...)`",
+    ),
+    error!(
+        "options-accepted",
+        options::accepted,
+        EPISODES,
+        "people copy the options that a registration names",
+        "name the options of `.reset_options(...)` as `reset` reads them, each with an example that it takes",
     ),
     error!(
         "reset-forgets",
@@ -269,10 +276,16 @@ pub const CHECKS: &[Check] = &[
         "a file from somewhere else must not become a state that nobody meant",
         "return Err(Error::Snapshot(..)) for what `snapshot` cannot have written, before anything changes",
     ),
-    warning!(
+    error!(
         "snapshot-legal",
         copies::snapshot_legal,
-        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "observation-in-space"],
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "snapshot-continues",
+            "observation-in-space",
+            "reward-finite",
+        ],
         "a damaged file must not become a state that no episode reaches",
         "check in `restore` that each field is in its range, and return Err(Error::Snapshot(..)) where it is not",
     ),
@@ -346,12 +359,19 @@ pub const CHECKS: &[Check] = &[
         "a misspelt argument that is ignored costs a day of training",
         "put #[serde(default, deny_unknown_fields)] on the `Config`",
     ),
-    warning!(
+    error!(
         "arguments-matter",
         arguments::matter,
         ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],
         "an experiment over an argument that is ignored compares nothing",
         "use the argument, or remove it",
+    ),
+    error!(
+        "options-matter",
+        options::matter,
+        ["options-accepted", "same-seed-same-episode", "reset-forgets"],
+        "a start that was asked for and is not given is looked for in vain",
+        "use the option in `reset`, or remove it from `.reset_options(...)`",
     ),
     error!(
         "no-allocation",

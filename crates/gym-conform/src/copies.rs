@@ -2,9 +2,8 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::damage::{damaged, difference};
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
-use crate::verdict::{Trouble, Verdict, broken};
+use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, Error, Result, Snapshot};
 
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
@@ -111,46 +110,12 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
             return broken(format!("`restore` accepts {json}"));
         }
     }
-    for json in damaged(&good) {
-        let snapshot = Snapshot::of(&json)?;
-        let mut env = env.clone();
-        if env.restore(&snapshot).is_err() {
-            let after = env.snapshot().map_err(Trouble::Error)?;
-            if state(&after)? != good {
-                return broken("a snapshot that `restore` refuses changes the environment all the same");
-            }
-        }
-    }
+    subject.damaged()?.changed()?;
     let what = "after refused snapshots an episode";
     same(&carry_on(&mut midway()?, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)
 }
 
 /// What `restore` accepts is a state that the environment can be in.
 pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
-    const STEPS: usize = 20;
-    let env = subject.after(SEEDS[0], 5)?;
-    let space = env.observation_space();
-    let good = env.snapshot()?.get::<Json>()?;
-    for json in damaged(&good) {
-        let mut env = env.clone();
-        if env.restore(&Snapshot::of(&json)?).is_err() {
-            continue;
-        }
-        let place = || format!("after `restore` accepts a snapshot with {}", difference(&good, &json));
-        let mut actions = env.action_sampler(0)?;
-        for _ in 0..STEPS {
-            // a state in which no step can be taken does no harm
-            let Ok(step) = env.step(&actions.sample()) else { break };
-            if let Err(error) = space.check(&step.observation) {
-                return broken(format!("{}: {error}", place()));
-            }
-            if !step.reward.is_finite() {
-                return broken(format!("{}: the reward is {}", place(), step.reward));
-            }
-            if step.done() {
-                break;
-            }
-        }
-    }
-    Ok(())
+    subject.damaged()?.illegal()
 }

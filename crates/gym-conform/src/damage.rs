@@ -7,39 +7,103 @@ use serde_json::{Map, Value as Json, json};
 /// A way to a part: keys of objects and indices of arrays.
 type Path = Vec<String>;
 
-/// Copies of a snapshot, each with one part changed: every field and container has its turn, and of the
-/// elements of a long array the first and the last.
-pub(crate) fn damaged(good: &Json) -> Vec<Json> {
-    /// So many copies at most, unless there are more fields.
-    const MAX: usize = 300;
-    let parts = representatives(good);
-    let mut copies = Vec::new();
-    for (turn, path) in parts.iter().enumerate() {
-        let Some(part) = good.pointer(&pointer(path)) else { continue };
-        let others = others(part);
-        let few = (MAX / parts.len()).clamp(1, others.len().max(1)).min(others.len());
-        // each kind of damage has its turn where there is no room for all
-        for other in others.iter().cycle().skip(turn).take(few) {
-            let mut copy = good.clone();
-            if let Some(place) = copy.pointer_mut(&pointer(path)) {
-                *place = other.clone();
-                copies.push(copy);
-            }
-        }
-    }
-    copies
+/// One part of a snapshot, and what could stand there instead.
+pub(crate) struct Damage {
+    pointer: String,
+    other: Json,
 }
 
-/// Where two snapshots part, and how.
-pub(crate) fn difference(good: &Json, bad: &Json) -> String {
-    let path = paths(good).into_iter().rev().find(|path| {
-        let pointer = pointer(path);
-        good.pointer(&pointer) != bad.pointer(&pointer)
+impl Damage {
+    /// Shows `f` the snapshot with the damage, and mends it again.
+    pub(crate) fn done_to<R>(&self, snapshot: &mut Json, f: impl FnOnce(&Json) -> R) -> R {
+        let mut other = self.other.clone();
+        let mut swap = |snapshot: &mut Json| {
+            if let Some(part) = snapshot.pointer_mut(&self.pointer) {
+                std::mem::swap(part, &mut other);
+            }
+        };
+        swap(snapshot);
+        let result = f(snapshot);
+        swap(snapshot);
+        result
+    }
+
+    /// Where it is.
+    pub(crate) fn place(&self) -> &str {
+        &self.pointer
+    }
+
+    /// What stands where.
+    pub(crate) fn difference(&self, good: &Json) -> String {
+        let Self { pointer, other } = self;
+        let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();
+        format!(
+            "{} for {} at `{pointer}`",
+            short(other),
+            good.pointer(pointer).map_or("nothing".into(), short)
+        )
+    }
+
+    /// Whether two snapshots have the same at that place.
+    pub(crate) fn is_same(&self, one: &Json, other: &Json) -> bool {
+        one.pointer(&self.pointer) == other.pointer(&self.pointer)
+    }
+}
+
+/// Every kind of damage to every field and container, and a few kinds to the first and the last element of a long
+/// array. The snapshot of a large world, which takes long to read, has a few kinds for each field.
+pub(crate) fn damages(good: &Json) -> Vec<Damage> {
+    /// More parts are a large world's.
+    const MANY: usize = 200;
+    let representatives = representatives(good);
+    let is_large = representatives.len() > MANY;
+    let mut turn = 0;
+    damages_by(good, representatives, |part, place| {
+        let others = others(part);
+        let (near, far) = match (place, is_large) {
+            (Place::Field, false) => (others.len(), 0),
+            (Place::Field, true) => (2, 2),
+            (Place::First, false) => (3, 3),
+            (Place::First, true) => (1, 1),
+            (Place::Last, false) => (3, 0),
+            (Place::Last, true) => (1, 0),
+        };
+        // the first ones are near, and of the far ones each has its turn
+        let (close, rest) = others.split_at(near.min(others.len()));
+        turn += far;
+        close.iter().chain(rest.iter().cycle().skip(turn).take(far.min(rest.len()))).cloned().collect()
+    })
+}
+
+fn damages_by(
+    good: &Json,
+    representatives: Vec<(Path, Place)>,
+    mut others: impl FnMut(&Json, Place) -> Vec<Json>,
+) -> Vec<Damage> {
+    let damages = representatives.into_iter().filter_map(|(path, place)| {
+        let pointer = pointer(&path);
+        let others = others(good.pointer(&pointer)?, place);
+        Some(others.into_iter().map(move |other| Damage { pointer: pointer.clone(), other }))
     });
-    let pointer = pointer(&path.unwrap_or_default());
-    let text = |json: &Json| json.pointer(&pointer).map_or("nothing".into(), ToString::to_string);
-    let short = |text: String| text.chars().take(60).collect::<String>();
-    format!("{} for {} at `{pointer}`", short(text(bad)), short(text(good)))
+    damages.flatten().collect()
+}
+
+/// Other numbers and switches of the same kind, near and far, with which a snapshot may still be of use.
+pub(crate) fn moves(good: &Json) -> Vec<Damage> {
+    let others = |part: &Json, _| match part {
+        Json::Bool(is) => vec![json!(!is)],
+        Json::Number(number) => match (number.as_i64(), number.as_f64()) {
+            // a number may be several in one, such as row, column and passenger
+            (Some(int), _) => (0..10)
+                .flat_map(|power| [1 << power, -(1 << power)])
+                .map(|by| json!(int.saturating_add(by)))
+                .collect(),
+            (None, Some(float)) => [float + 1.0, float - 1.0, 2.0 * float, -float].map(|x| json!(x)).to_vec(),
+            (None, None) => vec![],
+        },
+        _ => vec![],
+    };
+    damages_by(good, representatives(good), others)
 }
 
 /// What could stand there instead: something of another kind, of another size, or a little off.
@@ -74,8 +138,19 @@ fn others(part: &Json) -> Vec<Json> {
     others
 }
 
-/// Every part once, of those that differ in the index within an array alone the first and the last.
-fn representatives(json: &Json) -> Vec<Path> {
+/// Where a part is.
+#[derive(Clone, Copy)]
+enum Place {
+    /// In no long array.
+    Field,
+    /// In a long array, and the first of its kind.
+    First,
+    /// The last of its kind.
+    Last,
+}
+
+/// Every part once, of those that differ in the index within a long array alone the first and the last.
+fn representatives(json: &Json) -> Vec<(Path, Place)> {
     /// Longer arrays are lists, of elements much alike.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
@@ -90,10 +165,11 @@ fn representatives(json: &Json) -> Vec<Path> {
         kinds.entry(kind).or_default().push(path);
     }
     let mut chosen = Vec::new();
-    for paths in kinds.into_values() {
-        let last = paths.len().checked_sub(1).filter(|last| *last > 0).map(|last| paths[last].clone());
-        chosen.extend(paths.into_iter().next());
-        chosen.extend(last);
+    for (kind, mut paths) in kinds {
+        let last = if paths.len() > 1 { paths.pop() } else { None };
+        let place = if kind.split('/').any(|step| step == "*") { Place::First } else { Place::Field };
+        chosen.extend(paths.into_iter().next().map(|path| (path, place)));
+        chosen.extend(last.map(|path| (path, Place::Last)));
     }
     chosen
 }
@@ -127,6 +203,10 @@ fn pointer(path: &[String]) -> String {
 mod tests {
     use super::*;
 
+    fn damaged(good: &Json) -> Vec<Json> {
+        damages(good).iter().map(|damage| damage.done_to(&mut good.clone(), Json::clone)).collect()
+    }
+
     #[test]
     fn small_fields_beside_a_long_array_have_their_turn() {
         let track: Vec<[f64; 2]> = (0..5000).map(|i| [f64::from(i), 0.5]).collect();
@@ -146,8 +226,38 @@ mod tests {
     }
 
     #[test]
-    fn differences_are_named() {
-        let (good, bad) = (json!({"a": [1, 2]}), json!({"a": [1, 3]}));
-        assert_eq!(difference(&good, &bad), "3 for 2 at `/a/1`");
+    fn every_field_of_many_has_every_kind_of_damage() {
+        let fields: Map<_, _> = (0..150).map(|i| (format!("field {i}"), json!(i))).collect();
+        let copies = damaged(&json!(fields));
+        for i in 0..150 {
+            let field = format!("field {i}");
+            for value in [json!(i + 1), json!(i - 1), json!(-1), json!(1e300), json!(null), json!([])] {
+                assert!(copies.iter().any(|copy| copy[&field] == value), "{field} = {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_field_of_a_large_world_is_left_out() {
+        let fields: Map<_, _> = (0..1000).map(|i| (format!("field {i}"), json!(i))).collect();
+        let copies = damaged(&json!(fields));
+        for i in 0..1000 {
+            let field = format!("field {i}");
+            assert!(copies.iter().any(|copy| copy[&field] == i + 1), "{field}");
+            assert!(copies.iter().filter(|copy| copy[&field] != i).count() >= 4, "{field}");
+        }
+        for far in [json!(-1), json!(1e300), json!(u64::MAX), json!(null), json!("x"), json!([]), json!({})] {
+            assert!(copies.iter().any(|copy| copy.as_object().unwrap().values().any(|x| *x == far)), "{far}");
+        }
+    }
+
+    #[test]
+    fn damage_is_mended_again_and_named() {
+        let good = json!({"a": [1, 2]});
+        let damage = Damage { pointer: "/a/1".into(), other: json!(3) };
+        let mut snapshot = good.clone();
+        assert_eq!(damage.done_to(&mut snapshot, Json::clone), json!({"a": [1, 3]}));
+        assert_eq!(snapshot, good);
+        assert_eq!(damage.difference(&good), "3 for 2 at `/a/1`");
     }
 }

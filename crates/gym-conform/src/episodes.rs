@@ -2,7 +2,7 @@
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken};
-use gym_core::{Env, Error, Reset};
+use gym_core::{Env, Error};
 
 pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
@@ -37,15 +37,4 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
         }
     }
     Ok(())
-}
-
-pub(crate) fn options_ignored(subject: &Subject<'_>) -> Verdict {
-    let plain = subject.make()?.reset(3)?;
-    match subject.make()?.reset(Reset::seed(3).option("no_such_option", "x")) {
-        Ok(observation) if observation == plain => Ok(()),
-        Ok(observation) => broken(format!(
-            "with the option `no_such_option` an episode starts with {observation}, and without it with {plain}"
-        )),
-        Err(error) => broken(format!("`reset` with the option `no_such_option`: {error}")),
-    }
 }

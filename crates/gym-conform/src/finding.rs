@@ -7,6 +7,7 @@ use serde::Serialize;
 /// How bad a broken rule is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Severity {
     /// Something that users rely on does not hold.
     Error,
@@ -16,6 +17,7 @@ pub enum Severity {
 
 /// A broken rule.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Finding {
     /// The name of the check, one of [`CHECKS`](crate::CHECKS).
     pub check: &'static str,

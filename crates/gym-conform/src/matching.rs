@@ -5,6 +5,7 @@ use gym_core::{Element, Env, Error, Info, Result};
 
 /// How much of `info` two environments must share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum InfoComparison {
     /// The same entries.
     #[default]
@@ -60,7 +61,8 @@ impl Default for Matching {
 /// Plays both environments side by side, typed or erased, with the same seed and actions.
 ///
 /// ```
-/// # use gym_core::{conform::{Matching, environments_match}, BoxEnv, Env, Outcome, Reset, Result, Snapshot, Space};
+/// use gym_conform::{Matching, environments_match};
+/// use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, Space};
 /// # #[derive(Clone)]
 /// # struct Still;
 /// # impl Env for Still {

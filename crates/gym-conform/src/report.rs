@@ -11,6 +11,7 @@ use gym_core::{Error, Result};
 
 /// What the checks found out about one environment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Report {
     /// The environment.
     pub id: String,
@@ -24,6 +25,7 @@ pub struct Report {
 
 /// A rule that may be broken.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Excused {
     /// The name of the check.
     pub check: &'static str,
@@ -33,6 +35,7 @@ pub struct Excused {
 
 /// A rule that was not checked.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Skipped {
     /// The name of the check.
     pub check: &'static str,
@@ -57,6 +60,7 @@ impl Report {
 
 /// How [`Report`]s are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// For people.
     #[default]

@@ -7,10 +7,9 @@ use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
 
 use crate::checks::{CHECKS, Check};
 use crate::finding::{Finding, Severity};
-use crate::panics;
 use crate::report::{Excused, Report, Skipped};
 use crate::subject::Subject;
-use crate::verdict::Trouble;
+use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
@@ -71,7 +70,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
                     continue;
                 }
             },
-            Err(payload) => panics::message(&*payload),
+            Err(payload) => message(&*payload),
         };
         panics.push((check, panicked));
     }

@@ -2,10 +2,11 @@
 
 use std::cell::OnceCell;
 
+use crate::damaged::Damaged;
 use crate::long::LongRuns;
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{
-    BoxEnv, Element, Env, EnvSpec, Info, Registration, Reset, Result, Space, Step, Value, registry,
+    BoxEnv, Element, Env, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step, Value, registry,
 };
 
 /// Episodes are compared over this many steps, through several resets where they are short.
@@ -21,6 +22,8 @@ pub(crate) struct Subject<'a> {
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// What longer runs show, played once as well.
     long_runs: OnceCell<LongRuns>,
+    /// What becomes of damaged snapshots.
+    damaged: OnceCell<Damaged>,
     /// How it was made, and how it is registered, if it is.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
@@ -46,8 +49,9 @@ impl<'a> Subject<'a> {
         spec: Option<EnvSpec>,
         registration: Option<Registration>,
     ) -> Self {
-        let (first_run, events, long_runs) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        Self { make, first_run, events, long_runs, spec, registration }
+        let (first_run, events) = (OnceCell::new(), OnceCell::new());
+        let (long_runs, damaged) = (OnceCell::new(), OnceCell::new());
+        Self { make, first_run, events, long_runs, damaged, spec, registration }
     }
 
     /// A fresh environment.
@@ -126,6 +130,25 @@ impl<'a> Subject<'a> {
         Ok(self.long_runs.get_or_init(|| runs))
     }
 
+    /// The arguments that are set when none is given, if it is registered.
+    pub(crate) fn arguments(&self) -> Option<(EnvSpec, Kwargs)> {
+        let (spec, registration) = (self.spec.as_ref()?, self.registration.as_ref()?);
+        let mut kwargs = registration.default_kwargs();
+        kwargs.extend(spec.kwargs.clone());
+        Some((spec.clone(), kwargs))
+    }
+
+    /// What becomes of damaged snapshots, taken some steps into an episode.
+    pub(crate) fn damaged(&self) -> Result<&Damaged> {
+        if let Some(damaged) = self.damaged.get() {
+            return Ok(damaged);
+        }
+        let mut env = self.unlimited()?;
+        roll_out(&mut env, SEEDS[0], 5)?;
+        let damaged = Damaged::try_all(&env)?;
+        Ok(self.damaged.get_or_init(|| damaged))
+    }
+
     /// Whether the same seed may give different episodes.
     pub(crate) fn is_nondeterministic(&self) -> bool {
         self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
@@ -193,7 +216,7 @@ pub(crate) fn tour(
 }
 
 /// The entries of `info` without wall-clock time.
-fn info(env: &BoxEnv) -> Info {
+pub(crate) fn info(env: &BoxEnv) -> Info {
     let mut info = env.info_map();
     if let Some(Value::Dict(episode)) = info.get_mut("episode") {
         episode.retain(|(key, _)| key != "t");

@@ -1,5 +1,7 @@
 //! How a check ends.
 
+use std::any::Any;
+
 use gym_core::Error;
 
 /// What a check found.
@@ -27,4 +29,11 @@ pub(crate) fn broken<T>(message: impl Into<String>) -> Verdict<T> {
 
 pub(crate) fn skipped<T>(reason: impl Into<String>) -> Verdict<T> {
     Err(Trouble::Skipped(reason.into()))
+}
+
+/// What a panic says.
+pub(crate) fn message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    format!("it panics with {:?}", text.unwrap_or("no message"))
 }

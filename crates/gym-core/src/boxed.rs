@@ -14,18 +14,27 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 /// It accepts an action only if it has the kind, type and shape of the action space; a number
 /// beyond the bounds of a `Box` reaches the environment, which clips it or not as Gymnasium's
 /// does.
-pub struct BoxEnv(Box<dyn Erased>);
+pub struct BoxEnv {
+    env: Box<dyn Erased>,
+    /// How often it was reset, stepped or restored.
+    moves: u64,
+}
 
 impl BoxEnv {
     /// Erases the type of an environment.
     pub fn new<E: Env>(env: E) -> Self {
-        Self(Box::new(Layer(env)))
+        Self { env: Box::new(Layer(env)), moves: 0 }
+    }
+
+    /// Changes with every reset, step and restore, so that a vector knows of those that it did not ask for.
+    pub(crate) fn moves(&self) -> u64 {
+        self.moves
     }
 }
 
 impl Clone for BoxEnv {
     fn clone(&self) -> Self {
-        self.0.clone_box()
+        Self { env: self.env.clone_box(), moves: self.moves }
     }
 }
 
@@ -44,7 +53,7 @@ impl fmt::Debug for BoxEnv {
 
 /// [`Env`] without its types and generic methods, so that it can be a trait object.
 trait Erased: Send {
-    fn clone_box(&self) -> BoxEnv;
+    fn clone_box(&self) -> Box<dyn Erased>;
     fn observation_space(&self) -> Space;
     fn action_space(&self) -> Space;
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()>;
@@ -72,8 +81,8 @@ trait Erased: Send {
 struct Layer<E>(E);
 
 impl<E: Env> Erased for Layer<E> {
-    fn clone_box(&self) -> BoxEnv {
-        BoxEnv(Box::new(self.clone()))
+    fn clone_box(&self) -> Box<dyn Erased> {
+        Box::new(self.clone())
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
@@ -88,6 +97,10 @@ impl<E: Env> Erased for Layer<E> {
         outcome.unwrap_or_else(|| Err(self.0.action_space().refuse_action(action)))
     }
 
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.0.restore(snapshot)
+    }
+
     forward!(0);
 }
 
@@ -96,12 +109,19 @@ impl Env for BoxEnv {
     type Action = Value;
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        self.0.reset_into(reset, observation)
+        self.moves += 1;
+        self.env.reset_into(reset, observation)
     }
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
-        self.0.step_into(action, observation)
+        self.moves += 1;
+        self.env.step_into(action, observation)
     }
 
-    forward!(0);
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.moves += 1;
+        self.env.restore(snapshot)
+    }
+
+    forward!(env);
 }

@@ -132,7 +132,7 @@ pub trait Env: Clone + Send + 'static {
     /// The whole state, generator included, in a form that can be stored.
     ///
     /// To branch within a program, `clone` is faster. Without an implementation the environment steps and
-    /// renders as any other, but a run cannot be saved and resumed; [`conform`](crate::conform) reports it.
+    /// renders as any other, but a run cannot be saved and resumed; the crate gym-conform reports it.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if the state has no stored form.

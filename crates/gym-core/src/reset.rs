@@ -20,7 +20,8 @@ pub struct Reset {
     /// Seeds the generator afresh; `None` carries it on (or, the first time, seeds it from the
     /// operating system).
     pub seed: Option<Seed>,
-    /// Options of the environment. As in Gymnasium, names that it does not know are ignored.
+    /// Options of the environment. Names that it does not know are refused where its registration
+    /// [names those it knows](crate::Registration::reset_options()), and ignored elsewhere, as in Gymnasium.
     pub options: Kwargs,
 }
 

@@ -22,6 +22,7 @@
 //! [[6, 365, 65, 380]]`, each its first column and row and its last ones. A masked checksum counts instead of
 //! the other.
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
@@ -31,31 +32,81 @@ use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorRese
 use crate::{BoxEnv, DType, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
+///
+/// A key that is not known is an error, so that a misspelt one is not passed over. What recorders tell of
+/// themselves, such as `gymnasium` and `numpy`, is known and left out.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(from = "Recorded")]
 pub struct Trace {
     /// The environment's id.
     pub id: String,
     /// Its constructor's arguments.
-    #[serde(default)]
     pub kwargs: Kwargs,
     /// Wrappers around what `make` gives, innermost first. The wall-clock time of episode statistics
     /// is left out of such traces.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
     /// The vector that it is a sub-environment of, if it is one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
     /// The render mode, if pictures are compared: `rgb_array`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub render_mode: Option<RenderMode>,
     /// Rectangles of the frame that are blackened for `frame_masked`: left, top, right, bottom, all included.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frame_mask: Vec<[usize; 4]>,
     /// The same for `observation_masked`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
     /// What happened, in order.
     pub events: Vec<Event>,
+}
+
+/// Declares what a trace is read from: its own parts, and what a recorder may tell beside them.
+macro_rules! recorded {
+    ($($about:ident)*) => {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        #[expect(dead_code, reason = "what a recorder tells is read and left at that")]
+        struct Recorded {
+            id: String,
+            #[serde(default)]
+            kwargs: Kwargs,
+            #[serde(default)]
+            wrappers: Vec<WrapperSpec>,
+            vector: Option<VectorRequest>,
+            render_mode: Option<RenderMode>,
+            #[serde(default)]
+            frame_mask: Vec<[usize; 4]>,
+            #[serde(default)]
+            observation_mask: Vec<[usize; 4]>,
+            events: Vec<Event>,
+            $(
+                #[serde(default)]
+                $about: IgnoredAny,
+            )*
+        }
+    };
+}
+
+recorded! {
+    // the programs that answered
+    ale_py backend backend_version gymnasium module mujoco numpy pygame_ce
+    // how they were asked
+    action_seed deep info_left_out max_episode_steps md5 note policy rom seed smoothscale
+    // the environment
+    action_space dt frame_skip observation_space render_fps render_modes reward_threshold shape start types
+    // what was seen of the episode as a whole
+    emulated first_contact frame horizon horizons info_same_twice length r#return same_twice tolerance
+}
+
+impl From<Recorded> for Trace {
+    fn from(recorded: Recorded) -> Self {
+        let Recorded {
+            id, kwargs, wrappers, vector, render_mode, frame_mask, observation_mask, events, ..
+        } = recorded;
+        Self { id, kwargs, wrappers, vector, render_mode, frame_mask, observation_mask, events }
+    }
 }
 
 /// The vector of a trace.
@@ -483,6 +534,15 @@ mod tests {
             json!({ "reset": { "sed": 1 }, "observation": [0.5] }),
         ] {
             assert!(serde_json::from_value::<Event>(event).is_err());
+        }
+        let read = |trace: &str| serde_json::from_str::<Trace>(trace);
+        let trace = read(
+            r#"{"id": "None-v0", "gymnasium": "1.4.0", "return": 2.5, "kwargs": {"a": 1}, "events": []}"#,
+        );
+        assert_eq!(trace.unwrap().kwargs["a"], 1);
+        for misspelt in ["wrapers", "kwarg", "vectors", "frame_masks", "extra"] {
+            let error = read(&format!(r#"{{"id": "None-v0", "{misspelt}": [], "events": []}}"#)).unwrap_err();
+            assert!(error.to_string().contains(&format!("unknown field `{misspelt}`")), "{error}");
         }
     }
 }

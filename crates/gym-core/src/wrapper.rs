@@ -198,8 +198,7 @@ pub trait Wrapper: Clone + Send + 'static {
     }
 }
 
-/// Every method of [`Env`] that an implementation can change, but for those that convert observations
-/// and actions, by calling the same method of `self` or of a field of it.
+/// Every method of [`Env`] that an implementation can change, but for those that move it to another state, by calling the same method of `self` or of a field of it.
 ///
 /// This is the one list of them: a method that is new in `Env` is added here, and the compiler asks for it
 /// wherever the list is used. A test compares it with the trait.
@@ -215,10 +214,6 @@ macro_rules! forward {
 
         fn snapshot(&self) -> Result<Snapshot> {
             self$(.$field)?.snapshot()
-        }
-
-        fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-            self$(.$field)?.restore(snapshot)
         }
 
         fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
@@ -293,6 +288,10 @@ impl<W: Wrapper> Env for W {
     #[inline(always)]
     fn step_into(&mut self, action: &W::Action, observation: &mut W::Observation) -> Result<Outcome> {
         Wrapper::step_into(self, action, observation)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        Wrapper::restore(self, snapshot)
     }
 
     forward!();

@@ -74,6 +74,8 @@ fn models_have_mujocos_figures() {
             files += 1;
         }
     }
-    assert!(files >= 31, "{files} files");
+    if std::env::var_os("GYM_REFERENCE").is_none() {
+        assert_eq!(files, 31);
+    }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -25,7 +25,7 @@ use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
-use crate::tabular::{Cell, Distribution, Outcome, Table};
+use crate::tabular::{Cell, Distribution, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type CliffWalking = Stateful<CliffWalkingDynamics>;
@@ -293,17 +293,20 @@ gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalking-v0")
         .description("Walk along a cliff without falling off.")
         .without_arguments()
+        .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalking-v1")
         .description("Walk along a cliff without falling off.")
+        .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 gym_core::register!(
     Registration::new::<CliffWalking>("CliffWalkingSlippery-v1")
         .description("Walk along a slippery cliff without falling off.")
         .kwargs(r#"{"is_slippery": true}"#)
+        .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 

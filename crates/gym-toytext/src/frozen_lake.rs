@@ -26,7 +26,7 @@ use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, S
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
-use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table};
+use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type FrozenLake = Stateful<FrozenLakeDynamics>;
@@ -479,6 +479,7 @@ gym_core::register!(
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
+        .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 gym_core::register!(
@@ -487,6 +488,7 @@ gym_core::register!(
         .kwargs(r#"{"map_name": "8x8"}"#)
         .max_episode_steps(200)
         .reward_threshold(0.85)
+        .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 

@@ -28,6 +28,10 @@ use gym_core::rng::Stream;
 use gym_core::vector::native::{LANES, Packed};
 use gym_core::{Error, Generator};
 
+/// Why a table's `info` may change its type.
+pub(crate) const WHOLE_AT_RESET: (&str, &str) =
+    ("info-constant", "`prob` is the whole number 1 after a reset and a float after a step, as in Gymnasium");
+
 /// One way in which an action can turn out: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {

@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "random")]
     policy: Policy,
     /// Seeds the environment and its action space.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = crate::parse_seed)]
     seed: u64,
     /// Arguments of the environment, as a JSON object.
     #[arg(long, value_parser = crate::parse_kwargs, default_value = "{}")]

@@ -137,6 +137,16 @@ impl log::Log for Stderr {
     fn flush(&self) {}
 }
 
+/// A seed on the command line.
+fn parse_seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
+}
+
+/// Fails where a file cannot be written, before there is anything to write.
+fn check_writable(path: &Path) -> Result<()> {
+    gym::file::AtomicFile::create(path).map(drop)
+}
+
 /// Arguments of an environment, as JSON on the command line.
 fn parse_kwargs(json: &str) -> Result<gym::Kwargs, String> {
     serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))

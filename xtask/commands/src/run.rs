@@ -39,6 +39,9 @@ fn parse_range(text: &str) -> Result<Range<u64>, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
+    for path in arguments.json.iter().chain(&arguments.plot) {
+        crate::check_writable(path)?;
+    }
     let mut runs = Vec::new();
     for policy in &arguments.policy {
         if arguments.policy.len() > 1 {

@@ -9,10 +9,10 @@ pub(crate) struct Arguments {
     /// The environments; all that are linked if none is named.
     ids: Vec<String>,
     /// Steps over these environments together.
-    #[arg(long, default_value_t = 1_000_000)]
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     steps: u64,
     /// Seeds environments and actions.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = crate::parse_seed)]
     seed: u64,
 }
 

@@ -175,3 +175,51 @@ fn old_versions_are_pointed_out() {
     let output = xtask(&["run", "CartPole-v0", "--seeds", "0..1"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("warn: `CartPole-v0` is out of date"));
 }
+
+#[test]
+fn what_cannot_be_done_is_said_before_anything_is_played() {
+    assert!(fails(&["soak", "CartPole-v1", "--steps", "0"]).contains("--steps"));
+    for command in ["gif", "soak"] {
+        let error = fails(&[command, "CartPole-v1", "--seed", "-1"]);
+        assert!(error.contains("invalid value '-1' for '--seed") && error.contains("from 0 to"), "{error}");
+    }
+    for option in ["--json", "--plot"] {
+        let output = xtask(&["run", "CartPole-v1", option, "/nonexistent/folder/x.svg"]);
+        assert!(!output.status.success() && output.stdout.is_empty(), "{option}: it plays first");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("/nonexistent/folder"));
+    }
+}
+
+/// The table says how each episode ended, and the means are those of its rows.
+#[test]
+fn run_prints_how_episodes_end() {
+    let rows = |id: &str, seeds: &str| -> Vec<Vec<String>> {
+        let text = prints(&["run", id, "--policy", "random", "--seeds", seeds]);
+        text.lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
+    };
+    let poles = rows("CartPole-v1", "0..2");
+    assert_eq!(poles[0], ["seed", "return", "length", "ended"]);
+    assert!(poles[1..3].iter().all(|row| row[3..] == ["terminated"]), "{poles:?}");
+    let pendulums = rows("Pendulum-v1", "0..2");
+    assert!(pendulums[1..3].iter().all(|row| row[2..] == ["200", "truncated"]), "{pendulums:?}");
+    let number = |row: usize| pendulums[row][1].parse::<f64>().unwrap();
+    let mean: f64 = pendulums[3][1].parse().unwrap();
+    assert!((mean - (number(1) + number(2)) / 2.0).abs() < 0.01, "{pendulums:?}");
+}
+
+/// One trace that differs is enough, beside others that do not.
+#[test]
+fn replay_fails_if_one_trace_does() {
+    let out = folder("replay-some");
+    let recorded =
+        r#"{"id": "FrozenLake-v1", "events": [{"reset": {"seed": 1, "options": null}, "observation": 0}]}"#;
+    let [good, bad] = ["good", "bad"].map(|name| out.join(name).with_extension("json"));
+    std::fs::write(&good, recorded).unwrap();
+    std::fs::write(&bad, recorded.replace(r#""observation": 0"#, r#""observation": 3"#)).unwrap();
+    let [good, bad] = [good.to_str().unwrap(), bad.to_str().unwrap()];
+    for order in [[good, bad], [bad, good]] {
+        let error = fails(&["replay", order[0], order[1]]);
+        assert!(error.contains("1 of 2 traces failed"), "{error}");
+    }
+    prints(&["replay", good]);
+}

@@ -74,6 +74,8 @@ pub(super) struct SkidMark {
 
 /// Marks that stay.
 const MARKS: usize = 30;
+/// Far more marks than an episode leaves.
+const MAX_MARKS_MADE: u64 = 1 << 48;
 /// Points of a mark.
 pub(super) const MARK_POINTS: usize = 30;
 
@@ -248,12 +250,17 @@ impl Car {
         Some([corner(-WHEEL_W, c1), corner(WHEEL_W, c1), corner(WHEEL_W, c2), corner(-WHEEL_W, c2)])
     }
 
-    pub(super) fn is_valid(&self, world: &World) -> bool {
+    pub(super) fn is_valid(&self, world: &World, tiles: usize) -> bool {
+        // a count that no episode reaches would end in an overflow
         self.marks.len() == MARKS
+            && self.marks_made <= MAX_MARKS_MADE
             && world.has_body(self.hull)
             && self.hull_fixtures.iter().all(|fixture| world.has_fixture(*fixture))
             && self.wheels.iter().all(|wheel| {
-                world.has_body(wheel.body) && world.has_joint(wheel.joint) && world.has_fixture(wheel.fixture)
+                wheel.tiles as usize <= tiles
+                    && world.has_body(wheel.body)
+                    && world.has_joint(wheel.joint)
+                    && world.has_fixture(wheel.fixture)
             })
     }
 }

@@ -421,7 +421,8 @@ impl Episode {
         self.world.is_valid()
             && n > 0
             && [self.tiles.len(), self.tile_bodies.len(), self.visited.len(), self.touched.len()] == [n; 4]
-            && self.car.is_valid(&self.world)
+            && self.tile_visited_count == self.visited.iter().filter(|visited| **visited).count()
+            && self.car.is_valid(&self.world, n)
     }
 }
 
@@ -499,6 +500,7 @@ impl Configure for CarRacing {
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v2")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .kwargs(r#"{"version": 2}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
@@ -506,6 +508,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v3")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .max_episode_steps(1000)
         .reward_threshold(900.0)
 );
@@ -514,6 +517,7 @@ gym_core::register!(
 gym_core::register!(
     Registration::new::<CarRacing>("rapier/CarRacing-v3")
         .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
         .exceptions(&[crate::common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)

@@ -81,6 +81,18 @@ impl fmt::Display for EnvId {
     }
 }
 
+/// The most similar of some names, if it is similar at all. Case counts for nothing, so that
+/// `cartpole` finds `CartPole`.
+pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
+    let name = name.to_lowercase();
+    known
+        .map(|other| (strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()), other))
+        .filter(|(similarity, _)| *similarity >= CUTOFF)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, other)| other)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@
 
 mod builder;
 mod id;
+mod options;
 mod registration;
 mod spec;
 mod stack;
@@ -23,6 +24,9 @@ pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
 pub use wrappers::WrapperRegistration;
+
+use id::nearest;
+pub(crate) use options::ResetOptions;
 
 use crate::{Error, Result};
 
@@ -143,13 +147,19 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
     let Some(newest) = versions.last() else {
         let known: Vec<_> = table.keys().filter(|other| other.namespace == id.namespace).collect();
         let near = nearest(&id.name, known.iter().map(|other| other.name.as_str()));
+        // the very name in a namespace that was left out, or has another name
+        let elsewhere = || {
+            let mut ids = table.keys().rev().filter(|other| other.name.eq_ignore_ascii_case(&id.name));
+            let newest = ids.clone().next();
+            ids.find(|other| other.version == id.version).or(newest)
+        };
         // among the versions of the near name, the one asked for, else the newest
         let near = near.and_then(|name| {
-            let mut ids = known.iter().rev().filter(|other| other.name == name);
+            let mut ids = known.iter().copied().rev().filter(|other| other.name == name);
             let newest = ids.clone().next();
             ids.find(|other| other.version == id.version).or(newest)
         });
-        let near = near.map(|near| format!(": did you mean `{near}`?"));
+        let near = elsewhere().or(near).map(|near| format!(": did you mean `{near}`?"));
         let hint = format!("{} ({})", near.unwrap_or_default(), crates());
         return Error::NameNotFound { id: id.to_string(), hint };
     };
@@ -157,24 +167,14 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
         Some(version) if newest.version.is_some_and(|newest| version < newest) => {
             Error::DeprecatedVersion { name: id.unversioned(), version, latest: newest.to_string() }
         }
-        version => Error::VersionNotFound {
-            name: id.unversioned(),
-            version,
-            available: versions.iter().map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", "),
-        },
+        version => {
+            // `Pong-v5` is there as `ALE/Pong-v5`
+            let elsewhere = table.keys().filter(|other| other.name == id.name && other.version == id.version);
+            let available = versions.into_iter().chain(elsewhere).map(|id| format!("`{id}`"));
+            let available = available.collect::<Vec<_>>().join(", ");
+            Error::VersionNotFound { name: id.unversioned(), version, available }
+        }
     }
-}
-
-/// The most similar of some names, if it is similar at all. Case counts for nothing, so that
-/// `cartpole` finds `CartPole`.
-fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
-    let name = name.to_lowercase();
-    known
-        .map(|other| (strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()), other))
-        .filter(|(similarity, _)| *similarity >= CUTOFF)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, other)| other)
 }
 
 /// The registry as a table of text: ids in columns, grouped by crate.

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
+use super::options::ResetOptions;
 use super::stack::{Renders, stack};
 use crate::render::RenderMode;
 use crate::vector::{Autoreset, VectorEnv};
@@ -84,10 +85,11 @@ pub struct Registration {
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
     without_arguments: bool,
+    pub(crate) reset_options: ResetOptions,
     exceptions: &'static [(&'static str, &'static str)],
     needs: Option<Need>,
     defaults: fn() -> Json,
-    construct: fn(&EnvSpec) -> Result<BoxEnv>,
+    construct: fn(&EnvSpec, ResetOptions) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
 }
 
@@ -112,6 +114,7 @@ impl Registration {
             max_episode_steps: None,
             nondeterministic: false,
             without_arguments: false,
+            reset_options: ResetOptions(&[]),
             exceptions: &[],
             needs: None,
             defaults: defaults::<E>,
@@ -163,6 +166,15 @@ impl Registration {
         self
     }
 
+    /// The [reset options](field@crate::Reset::options) that the environment knows, each with an example as JSON, such as
+    /// `&[("low", "-0.1"), ("high", "0.1")]`. Any other option is then an error that names these; an environment
+    /// that names none is handed every option.
+    #[must_use]
+    pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
+        self.reset_options = ResetOptions(options);
+        self
+    }
+
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
@@ -202,6 +214,12 @@ impl Registration {
         self.description
     }
 
+    /// The reset options that the environment knows, each with an example as JSON; empty where
+    /// [`reset_options`](Self::reset_options) did not say.
+    pub fn known_reset_options(&self) -> &'static [(&'static str, &'static str)] {
+        self.reset_options.0
+    }
+
     /// The checks of the crate gym-conform that this id may fail, each with the reason.
     pub fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
         self.exceptions
@@ -217,7 +235,7 @@ impl Registration {
         self.needs.filter(|need| !(need.is_there)()).map(|need| need.what)
     }
 
-    /// Why this id may fail a check of [`conform`](crate::conform), if it may.
+    /// Why this id may fail a check of the crate gym-conform, if it may.
     pub fn exception(&self, check: &str) -> Option<&'static str> {
         self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
     }
@@ -268,7 +286,7 @@ impl Registration {
         if self.without_arguments && !spec.kwargs.is_empty() {
             return Err(Error::argument(format!("`{}`", spec.id), "this version takes no arguments"));
         }
-        (self.construct)(spec)
+        (self.construct)(spec, self.reset_options)
     }
 }
 
@@ -284,7 +302,7 @@ fn defaults<E: Configure>() -> Json {
     serde_json::to_value(E::Config::default()).unwrap_or_default()
 }
 
-fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
+fn construct<E: Configure>(spec: &EnvSpec, options: ResetOptions) -> Result<BoxEnv> {
     let invalid = |error: serde_json::Error| {
         let mut reason = error.to_string();
         if reason.contains("invalid type: null") {
@@ -298,7 +316,7 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
     if let Some(mode) = spec.render_mode
         && let Some(env) = E::configure_to_render(config()?, mode.single())?
     {
-        return stack(env, Renders::Itself, spec);
+        return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
     let asked = serde_json::to_value(&config).map_err(invalid)?;
@@ -310,7 +328,7 @@ fn construct<E: Configure>(spec: &EnvSpec) -> Result<BoxEnv> {
         let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
         spec.kwargs.extend(by_chance);
     }
-    stack(env, Renders::Drawings, &spec)
+    stack(env, Renders::Drawings, &spec, options)
 }
 
 /// Registers an environment when its crate is linked.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::EnvSpec;
+use super::options::ResetOptions;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
@@ -16,7 +17,12 @@ pub(super) enum Renders {
 
 /// The environment of a spec in its stack, from the inside: `Render` if there is a render mode,
 /// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
-pub(super) fn stack<E: Env>(env: E, renders: Renders, spec: &EnvSpec) -> Result<BoxEnv> {
+pub(super) fn stack<E: Env>(
+    env: E,
+    renders: Renders,
+    spec: &EnvSpec,
+    options: ResetOptions,
+) -> Result<BoxEnv> {
     // the wrappers add themselves to the spec again
     let bare = EnvSpec {
         max_episode_steps: None,
@@ -27,7 +33,7 @@ pub(super) fn stack<E: Env>(env: E, renders: Renders, spec: &EnvSpec) -> Result<
         additional_wrappers: Vec::new(),
         ..spec.clone()
     };
-    let env = Registered { env, spec: Arc::new(bare) };
+    let env = Registered { env, spec: Arc::new(bare), options };
     let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else { return guarded(env, spec) };
     let mut render = Render::new(env, mode.single())?;
     if let Some((width, height)) = spec.render_size {
@@ -66,6 +72,7 @@ fn limited<E: Env>(env: E, max_episode_steps: Option<u32>) -> Result<BoxEnv> {
 struct Registered<E> {
     env: E,
     spec: Arc<EnvSpec>,
+    options: ResetOptions,
 }
 
 impl<E: Env> crate::Wrapper for Registered<E> {
@@ -82,6 +89,9 @@ impl<E: Env> crate::Wrapper for Registered<E> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        if !reset.options.is_empty() {
+            self.options.check(&self.spec.id, &reset.options)?;
+        }
         self.env.reset_into(reset, observation)
     }
 

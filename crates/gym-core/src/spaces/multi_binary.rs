@@ -9,7 +9,7 @@ use crate::{Array, DType, Error, Generator, Result, Value};
 use super::fault::{self, Fault};
 use super::number::{Number, Numeric, with_numbers};
 use super::selection::Selection;
-use super::weight::Weight;
+use super::weight::{Weight, toss};
 use super::{array_of, element_count, invalid, numpy_fmt};
 
 /// Arrays of one shape whose elements are 0 or 1: Gymnasium's `MultiBinary`.
@@ -79,20 +79,6 @@ impl MultiBinary {
         match selection {
             Selection::Values(weights) => T::toss(weights, rng, values),
             _ => toss(rng, values),
-        }
-    }
-}
-
-/// numpy's `integers(0, 2, dtype=np.int8)`: a byte of the stream each.
-pub(super) fn toss(rng: &mut Generator, values: &mut [i8]) {
-    // Bytes come in words of four, whose rest is dropped at the end of a call alone: pieces of a
-    // multiple of four give the same bytes as the whole.
-    let mut bytes = [0; 64];
-    for piece in values.chunks_mut(bytes.len()) {
-        let bytes = &mut bytes[..piece.len()];
-        rng.integers_u8(0, 1, bytes);
-        for (value, byte) in piece.iter_mut().zip(bytes) {
-            *value = *byte as i8;
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::fmt;
 
-use crate::array::{DType, Data, Scalar};
+use crate::data::{DType, Data, Scalar};
 
 /// Evaluates `$body` with `$values` bound to the numbers of a [`Data`], whatever their type.
 macro_rules! with_numbers {

@@ -5,7 +5,6 @@ use std::fmt;
 use crate::Generator;
 
 use super::fault::Fault;
-use super::multi_binary;
 
 /// An entry of a [`Selection`](super::Selection). What the methods may assume, the checks have checked.
 pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
@@ -30,6 +29,20 @@ pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
     fn probabilities(weights: &[Self]) -> Vec<f64>;
 }
 
+/// numpy's `integers(0, 2, dtype=np.int8)`: a byte of the stream each.
+pub(super) fn toss(rng: &mut Generator, values: &mut [i8]) {
+    // Bytes come in words of four, whose rest is dropped at the end of a call alone: pieces of a
+    // multiple of four give the same bytes as the whole.
+    let mut bytes = [0; 64];
+    for piece in values.chunks_mut(bytes.len()) {
+        let bytes = &mut bytes[..piece.len()];
+        rng.integers_u8(0, 1, bytes);
+        for (value, byte) in piece.iter_mut().zip(bytes) {
+            *value = *byte as i8;
+        }
+    }
+}
+
 /// Of a [`Mask`](super::Mask).
 impl Weight for i8 {
     fn check_choice(weights: &[Self], _: f64) -> Result<(), Fault> {
@@ -49,7 +62,7 @@ impl Weight for i8 {
     }
 
     fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]) {
-        multi_binary::toss(rng, out);
+        toss(rng, out);
         for (out, entry) in out.iter_mut().zip(weights).filter(|(_, entry)| **entry != 2) {
             *out = *entry;
         }

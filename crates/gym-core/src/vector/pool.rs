@@ -187,15 +187,20 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// Calls a function with each sub-environment and its index, on this thread; the results are in the
     /// order of the indices.
     ///
-    /// A sub-environment that the function resets or steps is not at the state that its row shows: reset
-    /// the vector before the next step.
+    /// A sub-environment that the function resets, steps or restores is not at the state that its row shows, and the
+    /// vector cannot know whether its episode has ended: the next step is an error, unless it was reset with a mask. (Of
+    /// sub-environments whose type is not [`BoxEnv`](crate::BoxEnv) the vector does not hear of it.)
     ///
     /// # Errors
     /// [`Error::Custom`] while some are pending.
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
         self.all_home()?;
         let travellers = self.home.iter_mut().flatten();
-        Ok(travellers.map(|traveller| f(traveller.index, &mut traveller.slot.env)).collect())
+        let call = |traveller: &mut Box<Traveller<E>>| {
+            let Traveller { index, slot, .. } = &mut **traveller;
+            slot.lend(|env| f(*index, env))
+        };
+        Ok(travellers.map(call).collect())
     }
 
     fn all_home(&self) -> Result<()> {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stored::Kept;
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
-use crate::{Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// A sub-environment with what it answered last. Sync and async vectors are made of these.
 pub(super) struct Slot<E> {
@@ -32,6 +32,8 @@ enum Stage {
     Running,
     Done,
     Panicked,
+    /// Somebody else has reset, stepped or restored it.
+    Moved,
     Closed,
 }
 
@@ -76,8 +78,23 @@ impl<E: Env> Slot<E> {
             Stage::Panicked => {
                 Err(Error::custom("it panicked in an earlier call: call `reset_into` with a mask"))
             }
+            Stage::Moved => Err(Error::custom(
+                "it was reset, stepped or restored through `call`, so the vector cannot know whether a reset is due: \
+                 call `reset_into` with a mask, or store and restore the vector as a whole",
+            )),
             Stage::Closed => Err(Error::Closed("step")),
         }
+    }
+
+    /// Lends the environment to a caller, who may move it.
+    pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
+        let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
+        let before = moves(&self.env);
+        let result = f(&mut self.env);
+        if before != moves(&self.env) && self.stage != Stage::Closed {
+            self.stage = Stage::Moved;
+        }
+        result
     }
 
     /// Takes the action of the next step from a row.

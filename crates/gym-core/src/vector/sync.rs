@@ -54,10 +54,11 @@ impl<E: Env> SyncVectorEnv<E> {
     /// Calls a function with each sub-environment and its index; the results are in the order of the
     /// indices.
     ///
-    /// A sub-environment that the function resets or steps is not at the state that its row shows:
-    /// reset the vector before the next step.
+    /// A sub-environment that the function resets, steps or restores is not at the state that its row shows, and the
+    /// vector cannot know whether its episode has ended: the next step is an error, unless it was reset with a mask. (Of
+    /// sub-environments whose type is not [`BoxEnv`](crate::BoxEnv) the vector does not hear of it.)
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Vec<R> {
-        self.slots.iter_mut().enumerate().map(|(index, slot)| f(index, &mut slot.env)).collect()
+        self.slots.iter_mut().enumerate().map(|(index, slot)| slot.lend(|env| f(index, env))).collect()
     }
 
     /// Lets each sub-environment answer and writes its row. The first error is returned, after all have

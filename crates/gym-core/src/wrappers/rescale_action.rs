@@ -23,8 +23,10 @@ impl<E: Env> RescaleAction<E> {
     /// [`Error::InvalidArgument`] unless the actions are real numbers in a `Box`, the lower bounds are
     /// below the upper ones, and exactly the bounds that were infinite are so again.
     pub fn new(env: E, min_action: impl Into<Bound>, max_action: impl Into<Bound>) -> Result<Self> {
-        let (min_action, max_action) = (min_action.into(), max_action.into());
-        let (map, space) = affine_map(&env.action_space(), &min_action, &max_action)?;
+        let inner = env.action_space();
+        let [min_action, max_action] =
+            [min_action.into(), max_action.into()].map(|bound| bound.in_type_of(&inner));
+        let (map, space) = affine_map(&inner, &min_action, &max_action)?;
         Ok(Self { env, space: space.into(), min_action, max_action, map, inner: Value::Null })
     }
 }

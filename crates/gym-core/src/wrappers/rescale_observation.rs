@@ -23,7 +23,8 @@ impl<E: Env> RescaleObservation<E> {
     /// [`Error::InvalidArgument`] unless the observations are real numbers in a `Box`, the lower bounds
     /// are not above the upper ones, and exactly the bounds that were infinite are so again.
     pub fn new(env: E, min_obs: impl Into<Bound>, max_obs: impl Into<Bound>) -> Result<Self> {
-        let (inner, min_obs, max_obs) = (env.observation_space(), min_obs.into(), max_obs.into());
+        let inner = env.observation_space();
+        let [min_obs, max_obs] = [min_obs.into(), max_obs.into()].map(|bound| bound.in_type_of(&inner));
         let inner = super::expect_box("RescaleObservation", "observation", &inner)?;
         let (map, space) = Affine::new(inner, &min_obs, &max_obs)
             .map_err(|error| Error::argument("RescaleObservation", error.to_string()))?;

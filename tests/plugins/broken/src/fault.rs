@@ -19,14 +19,20 @@ pub enum Fault {
     #[serde(rename = "action-validated.one-number")]
     ActionValidatedOneNumber,
     AnyThread,
+    #[serde(rename = "any-thread.moved")]
+    AnyThreadMoved,
     CloneApart,
     #[serde(rename = "clone-apart.late")]
     CloneApartLate,
+    #[serde(rename = "clone-apart.closed")]
+    CloneApartClosed,
     CloneContinues,
     Constructs,
     Described,
     DrawingFollows,
     DrawingPure,
+    #[serde(rename = "drawing-pure.text")]
+    DrawingPureText,
     DrawingSound,
     #[serde(rename = "drawing-sound.at-the-end")]
     DrawingSoundAtTheEnd,
@@ -35,6 +41,8 @@ pub enum Fault {
     DrawingVisibleOffTheCanvas,
     ExceptionsKnown,
     GeneratorLent,
+    #[serde(rename = "generator-lent.fixed")]
+    GeneratorLentFixed,
     InfoConstant,
     #[serde(rename = "info-constant.type")]
     InfoConstantType,
@@ -55,7 +63,11 @@ pub enum Fault {
     #[serde(rename = "observation-in-space.huge-action")]
     ObservationInSpaceHugeAction,
     ObservationWhole,
+    OptionsAccepted,
+    #[serde(rename = "options-accepted.no-json")]
+    OptionsAcceptedNoJson,
     OptionsIgnored,
+    OptionsMatter,
     OtherSeedOtherEpisode,
     #[serde(rename = "other-seed-other-episode.cut")]
     OtherSeedOtherEpisodeCut,
@@ -84,6 +96,8 @@ pub enum Fault {
     SnapshotContinuesUnused,
     SnapshotLegal,
     SnapshotRefused,
+    #[serde(rename = "snapshot-refused.changes")]
+    SnapshotRefusedChanges,
     SpaceBounded,
     SpaceConstant,
     SpaceNotEmpty,

@@ -28,7 +28,7 @@ macro_rules! register {
 }
 
 register! {
-    "none";
+    "none", reset_options(&[("start", "0.25")]);
     "constructs";
     "described", description(" ");
     "exceptions-known", exceptions(&[("reward-finit", "a slip of the pen")]);
@@ -60,30 +60,38 @@ register! {
     "same-seed-same-episode";
     "same-seed-same-episode.interrupted";
     "same-seed-same-episode.late";
+    "options-accepted", reset_options(&[("start", "0.25")]);
+    "options-accepted.no-json", reset_options(&[("start", "a quarter")]);
     "options-ignored";
+    "options-matter", reset_options(&[("start", "0.25")]);
     "reset-forgets";
     "other-seed-other-episode";
     "other-seed-other-episode.cut";
     "reset-carries-on";
     "reset-carries-on.to-the-next-seed";
     "generator-lent";
+    "generator-lent.fixed";
     "observation-whole";
     "refusal-changes-nothing";
     "clone-apart";
     "clone-apart.late";
+    "clone-apart.closed";
     "clone-continues";
     "snapshot-continues";
     "snapshot-continues.late";
     "snapshot-continues.unused";
     "snapshot-continues.used";
     "snapshot-refused";
+    "snapshot-refused.changes";
     "snapshot-legal";
     "any-thread";
+    "any-thread.moved";
     "metadata-complete";
     "frame-rate";
     "drawing-sound";
     "drawing-sound.at-the-end";
     "drawing-pure";
+    "drawing-pure.text";
     "drawing-visible";
     "drawing-visible.off-the-canvas";
     "drawing-follows";

@@ -30,6 +30,10 @@ pub struct Walk<C = Config> {
     age: u32,
     /// How often it was drawn.
     drawn: Cell<u32>,
+    /// Where the episode began.
+    home: Option<ThreadId>,
+    /// A generator that is not its own.
+    other: Generator,
     /// The number of this environment among all that were made.
     number: u64,
     arguments: PhantomData<fn() -> C>,
@@ -97,6 +101,8 @@ impl<C> Walk<C> {
             shared: Arc::default(),
             age: 0,
             drawn: Cell::new(0),
+            home: None,
+            other: Generator::from(0),
             number: COUNT.fetch_add(1, Ordering::Relaxed),
             arguments: PhantomData,
         })
@@ -187,6 +193,10 @@ impl<C> Walk<C> {
             Fault::SameSeedSameEpisodeLate => late(STEPS.fetch_add(1, Ordering::Relaxed)),
             Fault::SnapshotContinuesLate => late(self.age.into()),
             Fault::DrawingPure => unit(self.drawn.get().into()),
+            Fault::AnyThreadMoved => {
+                unit(u64::from(self.home.is_some_and(|home| home != thread::current().id())))
+            }
+            Fault::CloneApartClosed => unit(self.shared.load(Ordering::Relaxed)),
             Fault::AnyThread => {
                 let here = thread::current().id();
                 unit(u64::from(*FIRST.get_or_init(|| here) != here))
@@ -203,7 +213,7 @@ impl<C> Clone for Walk<C> {
             state.position = 0.0;
         }
         let shared = match self.fault {
-            Fault::CloneApart | Fault::CloneApartLate => Arc::clone(&self.shared),
+            Fault::CloneApart | Fault::CloneApartLate | Fault::CloneApartClosed => Arc::clone(&self.shared),
             _ => Arc::new(self.shared.load(Ordering::Relaxed).into()),
         };
         Self {
@@ -214,6 +224,8 @@ impl<C> Clone for Walk<C> {
             shared,
             age: self.age,
             drawn: self.drawn.clone(),
+            home: self.home,
+            other: self.other.clone(),
             number: self.number,
             arguments: PhantomData,
         }
@@ -243,10 +255,21 @@ impl<C: 'static> Env for Walk<C> {
         if self.fault == Fault::OptionsIgnored && reset.options.contains_key("no_such_option") {
             return Err(Error::argument("reset", "there are no options"));
         }
+        let start = match (self.fault, reset.options.get("start")) {
+            (Fault::OptionsAccepted, Some(_)) => {
+                return Err(Error::argument("reset", "there are no options"));
+            }
+            (Fault::OptionsMatter, _) | (_, None) => None,
+            (_, Some(start)) => match start.as_f64() {
+                Some(start) if (-1.0..=1.0).contains(&start) => Some(start),
+                _ => return Err(Error::argument("reset", "`start` must be a number from -1 to 1")),
+            },
+        };
         let last = self.state.take();
         if reset.seed.is_some() {
             self.age = 0;
         }
+        self.home = Some(thread::current().id());
         if reset.seed.is_some() || self.fault != Fault::CloneApartLate {
             self.shared.store(0, Ordering::Relaxed);
         }
@@ -278,6 +301,7 @@ impl<C: 'static> Env for Walk<C> {
         };
         let seed = seed.map(|seed| seed.to_string()).or(last.as_ref().map(|last| last.seed.clone()));
         let mut position = rng.uniform(-0.3, 0.3) + self.disturbance();
+        position = start.unwrap_or(position);
         if self.fault == Fault::ResetForgets {
             position += last.map_or(0.0, |last| f64::from(last.steps.min(20)) / 100.0);
         }
@@ -343,6 +367,9 @@ impl<C: 'static> Env for Walk<C> {
         if state.is_err() && self.fault == Fault::SnapshotRefused {
             return Ok(());
         }
+        if let (Err(_), Fault::SnapshotRefusedChanges, Some(old)) = (&state, self.fault, &mut self.state) {
+            old.wind = 0.0;
+        }
         let state = state?;
         let on_the_line = |x: f64| (-1.0..=1.0).contains(&x);
         let is_off = |state: &State| !(on_the_line(state.position) && on_the_line(state.wind));
@@ -386,6 +413,10 @@ impl<C: 'static> Env for Walk<C> {
         match self.fault {
             Fault::FrameRate => Metadata::drawn(1000, (200, 40)),
             Fault::MetadataComplete => Metadata::drawn(0, (200, 40)),
+            Fault::DrawingPureText => Metadata {
+                render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
+                ..Metadata::drawn(10, (200, 40))
+            },
             Fault::RenderModes => Metadata {
                 render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
                 ..Metadata::drawn(10, (200, 40))
@@ -415,11 +446,25 @@ impl<C: 'static> Env for Walk<C> {
         }
     }
 
+    fn ansi(&self) -> Option<String> {
+        let is_written = self.state.is_some() && self.fault == Fault::DrawingPureText;
+        is_written.then(|| {
+            self.drawn.set(self.drawn.get() + 1);
+            self.drawn.get().to_string()
+        })
+    }
+
     fn generator(&mut self) -> Option<&mut Generator> {
+        if self.fault == Fault::GeneratorLentFixed {
+            return self.state.as_ref().map(|_| &mut self.other);
+        }
         self.state.as_mut().filter(|_| self.fault != Fault::GeneratorLent).map(|state| &mut state.rng)
     }
 
     fn close(&mut self) {
+        if self.fault == Fault::CloneApartClosed {
+            self.shared.fetch_add(1, Ordering::Relaxed);
+        }
         self.state = None;
     }
 }

@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use super::step::{Block, NO_LIMIT, Step};
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::{Kernel, Real, widest};
+use crate::registry::ResetOptions;
 use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
@@ -23,6 +24,7 @@ use crate::{Error, Generator, Info, Result, Snapshot, Space, Value};
 pub struct NativeVectorEnv<D: Native> {
     pub(super) dynamics: D,
     spec: Option<VectorSpec>,
+    reset_options: ResetOptions,
     pub(super) num_envs: usize,
     pub(super) limit: u16,
     pub(super) autoreset: Autoreset,
@@ -71,6 +73,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(Self {
             dynamics,
             spec: None,
+            reset_options: ResetOptions::default(),
             num_envs,
             limit,
             autoreset,
@@ -86,8 +89,9 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    pub(super) fn with_spec(self, spec: VectorSpec) -> Self {
-        Self { spec: Some(spec), ..self }
+    /// As its id is registered.
+    pub(super) fn registered(self, spec: VectorSpec, reset_options: ResetOptions) -> Self {
+        Self { spec: Some(spec), reset_options, ..self }
     }
 
     /// The same with only the instructions that each CPU of this kind has: slower, and the same bits,
@@ -214,6 +218,9 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         self.check_open("reset")?;
         reset.check(self.num_envs)?;
+        if let Some(spec) = self.spec.as_ref().filter(|_| !reset.options.is_empty()) {
+            self.reset_options.check(&spec.env.id, &reset.options)?;
+        }
         columns.prepare(&self.observation_space, self.num_envs)?;
         let Columns { observations, rewards, terminated, truncated, has_final, progress, .. } = columns;
         let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?;

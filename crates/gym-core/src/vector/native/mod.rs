@@ -93,7 +93,8 @@ pub fn entry_point<D: Native>(
     autoreset: Autoreset,
 ) -> Result<Box<dyn VectorEnv>> {
     let refuse = |reason: String| Error::argument(format!("`{}`", spec.id), reason);
-    if !spec.kwargs.is_empty() && find(&spec.id)?.default_kwargs().is_empty() {
+    let registration = find(&spec.id)?;
+    if !spec.kwargs.is_empty() && registration.default_kwargs().is_empty() {
         return Err(refuse("it takes no arguments".into()));
     }
     let config: D::Config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
@@ -102,5 +103,5 @@ pub fn entry_point<D: Native>(
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
     let spec = VectorSpec::new(spec.clone(), num_envs, VectorKind::Native).autoreset(autoreset);
-    Ok(Box::new(envs.with_spec(spec)))
+    Ok(Box::new(envs.registered(spec, registration.reset_options)))
 }

@@ -1,0 +1,124 @@
+//! What an environment does with damaged snapshots, each tried once for all checks.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde_json::Value as Json;
+
+use crate::damage::damages;
+use crate::look::look;
+use crate::verdict::{Verdict, broken, message};
+use gym_core::{BoxEnv, Env, Result, Snapshot, Space, Step, Value};
+
+/// The first of each kind of fault.
+#[derive(Default)]
+pub(crate) struct Damaged {
+    changed: Option<String>,
+    illegal: Option<String>,
+    panicked: Option<String>,
+}
+
+impl Damaged {
+    /// Damages the snapshot of an environment in the middle of an episode in every way.
+    pub(crate) fn try_all(env: &BoxEnv) -> Result<Self> {
+        let space = env.observation_space();
+        let good = env.snapshot()?.get::<Json>()?;
+        let mut stored = good.clone();
+        let mut faults = Self::default();
+        // what goes wrong without damage is for other checks to tell
+        let steps = sound_steps(env.clone(), &space)?;
+        // what a refusal leaves behind depends on how far it was read
+        let mut looked_at = String::new();
+        for damage in damages(&good) {
+            let snapshot = damage.done_to(&mut stored, Snapshot::of)?;
+            let is_first = looked_at != damage.place();
+            let attempt = catch_unwind(AssertUnwindSafe(|| -> Result<bool> {
+                let mut tried = env.clone();
+                if tried.restore(&snapshot).is_err() {
+                    let is_changed = is_first && tried.snapshot()?.get::<Json>()? != good;
+                    if is_changed {
+                        faults.changed.get_or_insert_with(|| damage.difference(&good));
+                    }
+                    return Ok(true);
+                }
+                faults.go_on(&mut tried, &space, steps, &|| damage.difference(&good))?;
+                Ok(false)
+            }));
+            match attempt {
+                Ok(is_refused) => {
+                    if is_refused? && is_first {
+                        damage.place().clone_into(&mut looked_at);
+                    }
+                }
+                Err(payload) => {
+                    let message =
+                        || format!("on a snapshot with {} {}", damage.difference(&good), message(&*payload));
+                    faults.panicked.get_or_insert_with(message);
+                }
+            }
+        }
+        Ok(faults)
+    }
+
+    /// Plays on after a damaged snapshot was accepted.
+    fn go_on(
+        &mut self,
+        env: &mut BoxEnv,
+        space: &Space,
+        steps: usize,
+        damage: &dyn Fn() -> String,
+    ) -> Result<()> {
+        look(env);
+        let mut actions = env.action_sampler(0)?;
+        for _ in 0..steps {
+            // a state in which no step can be taken does no harm
+            let Ok(step) = env.step(&actions.sample()) else { break };
+            if let Some(fault) = fault(&step, space) {
+                self.illegal.get_or_insert_with(|| {
+                    format!("after `restore` accepts a snapshot with {}: {fault}", damage())
+                });
+                break;
+            }
+            if step.done() {
+                break;
+            }
+        }
+        look(env);
+        Ok(())
+    }
+
+    pub(crate) fn changed(&self) -> Verdict {
+        self.changed.as_ref().map_or(Ok(()), |what| {
+            broken(format!("`restore` refuses {what}, and changes the environment all the same"))
+        })
+    }
+
+    pub(crate) fn illegal(&self) -> Verdict {
+        self.illegal.as_ref().map_or(Ok(()), broken)
+    }
+
+    pub(crate) fn panicked(&self) -> Verdict {
+        self.panicked.as_ref().map_or(Ok(()), broken)
+    }
+}
+
+/// For how many steps, up to some, nothing is wrong.
+fn sound_steps(mut env: BoxEnv, space: &Space) -> Result<usize> {
+    const STEPS: usize = 20;
+    let mut actions = env.action_sampler(0)?;
+    for steps in 0..STEPS {
+        let is_sound = env.step(&actions.sample()).is_ok_and(|step| fault(&step, space).is_none());
+        if !is_sound {
+            return Ok(steps);
+        }
+    }
+    Ok(STEPS)
+}
+
+/// What no state of an episode shows.
+fn fault(step: &Step<Value>, space: &Space) -> Option<String> {
+    match space.check(&step.observation) {
+        Err(error) => Some(error.to_string()),
+        Ok(()) if !step.reward.is_finite() => Some(format!("the reward is {}", step.reward)),
+        Ok(()) => None,
+    }
+}

@@ -1,0 +1,183 @@
+//! Whether a change to how an environment is made or reset shows in anything.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use serde_json::Value as Json;
+
+use crate::damage::moves;
+use crate::drawing::Calls;
+use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, info};
+use gym_core::spaces::Sampler;
+use gym_core::{BoxEnv, Env, EnvSpec, Kwargs, Reset, Result, Snapshot};
+
+/// A way to make an environment, and to reset it.
+#[derive(Clone)]
+pub(crate) struct Variant {
+    pub(crate) spec: EnvSpec,
+    pub(crate) options: Kwargs,
+}
+
+impl Variant {
+    /// The same with other arguments.
+    pub(crate) fn with_arguments(mut self, arguments: impl IntoIterator<Item = (String, Json)>) -> Self {
+        self.spec.kwargs.extend(arguments);
+        self
+    }
+
+    /// The same with a reset option.
+    pub(crate) fn with_option(mut self, name: &str, value: Json) -> Self {
+        self.options.insert(name.to_owned(), value);
+        self
+    }
+}
+
+/// What a [`Search`] found.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Effect {
+    /// No such change is accepted.
+    Refused,
+    /// One is accepted, and none shows.
+    None,
+    Seen,
+}
+
+/// Looks for what a change does, first where that is cheap.
+pub(crate) struct Search {
+    /// The default, and the default with each switch the other way: a switch that is off hides what others do.
+    surroundings: Vec<Variant>,
+    /// Episodes of the surroundings by their seeds, each played once for all changes.
+    plays: BTreeMap<(usize, u64), Result<Play>>,
+    long: usize,
+}
+
+impl Search {
+    pub(crate) fn new(subject: &Subject<'_>, surroundings: Vec<Variant>) -> Result<Self> {
+        Ok(Self { surroundings, plays: BTreeMap::new(), long: subject.long()? })
+    }
+
+    /// The effect of some changes, each of which makes a variant of a surrounding, or none where it is none there.
+    pub(crate) fn effect(&mut self, changes: &[impl Fn(&Variant) -> Option<Variant>]) -> Effect {
+        let mut effect = Effect::Refused;
+        let [seed, others @ ..] = SEEDS;
+        let short = (STEPS, &[seed][..]);
+        let long = (self.long, &[&[seed], &others[..]].concat()[..]);
+        for (steps, seeds) in [short, long] {
+            for (i, surrounding) in self.surroundings.iter().enumerate() {
+                for variant in changes.iter().filter_map(|change| change(surrounding)) {
+                    for &seed in seeds {
+                        let play = match self.plays.entry((i, seed)) {
+                            Entry::Occupied(entry) => entry.into_mut(),
+                            Entry::Vacant(entry) => entry.insert(Play::start(surrounding, seed)),
+                        };
+                        let (Ok(play), Ok(mut other)) = (play, Play::start(&variant, seed)) else { break };
+                        effect = Effect::None;
+                        if play.differs(&mut other, steps) {
+                            return Effect::Seen;
+                        }
+                    }
+                }
+            }
+        }
+        let is_seen = self.surroundings.iter().any(|surrounding| {
+            let mut variants = changes.iter().filter_map(|change| change(surrounding));
+            variants.any(|variant| {
+                SEEDS.into_iter().any(|seed| differ_elsewhere(surrounding, &variant, seed).unwrap_or(false))
+            })
+        });
+        if is_seen { Effect::Seen } else { effect }
+    }
+}
+
+/// Episodes of random actions, played no further than somebody looks.
+struct Play {
+    env: BoxEnv,
+    actions: Sampler,
+    options: Kwargs,
+    /// What does not change with the steps: spaces, metadata and the first drawing.
+    look: String,
+    shown: Vec<Shown>,
+}
+
+impl Play {
+    fn start(Variant { spec, options }: &Variant, seed: u64) -> Result<Self> {
+        let mut env = spec.make()?;
+        let observation = env.reset(Reset { options: options.clone(), ..Reset::seed(seed) })?;
+        let spaces = [env.observation_space(), env.action_space()];
+        let look = format!("{} {} {:?} {}", spaces[0], spaces[1], env.metadata(), drawing(&env));
+        let shown = vec![Shown::Reset(observation, info(&env))];
+        Ok(Self { actions: env.action_sampler(seed)?, options: options.clone(), env, look, shown })
+    }
+
+    /// What a reset or step shows.
+    fn event(&mut self, i: usize) -> Result<&Shown> {
+        while self.shown.len() <= i {
+            let shown = match self.shown.last() {
+                Some(Shown::Step(step, _)) if step.done() => {
+                    let options = self.options.clone();
+                    Shown::Reset(self.env.reset(Reset { options, ..Reset::default() })?, info(&self.env))
+                }
+                _ => Shown::Step(self.env.step(&self.actions.sample())?, info(&self.env)),
+            };
+            self.shown.push(shown);
+        }
+        Ok(&self.shown[i])
+    }
+
+    /// Whether two plays part within some events, the last drawing included.
+    fn differs(&mut self, other: &mut Self, events: usize) -> bool {
+        if self.look != other.look {
+            return true;
+        }
+        for i in 0..=events {
+            match (self.event(i), other.event(i)) {
+                (Ok(a), Ok(b)) if alike(a, b) => (),
+                (Err(_), Err(_)) => return false,
+                _ => return true,
+            }
+        }
+        // the play that is kept may have gone further
+        self.shown.len() == other.shown.len() && drawing(&self.env) != drawing(&other.env)
+    }
+}
+
+fn drawing(env: &BoxEnv) -> String {
+    format!("{} {:?}", Calls::of(env).text, env.ansi())
+}
+
+/// Whether two variants, alike so far, part in states where random actions do not lead: from snapshots with a
+/// number or a switch changed.
+fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
+    const FEW: usize = 5;
+    const STEPS: usize = 20;
+    /// Snapshots of large models have hundreds of numbers.
+    const MAX: usize = 100;
+    let [mut a, mut b] = [Play::start(a, seed)?, Play::start(b, seed)?];
+    for play in [&mut a, &mut b] {
+        play.event(FEW)?;
+    }
+    let [mut at_a, mut at_b] = [a.env.snapshot()?.get::<Json>()?, b.env.snapshot()?.get::<Json>()?];
+    // what differs is the change itself
+    let moves = moves(&at_a).into_iter().filter(|to| to.is_same(&at_a, &at_b));
+    for to in moves.take(MAX).collect::<Vec<_>>() {
+        let restored = |env: &BoxEnv, json: &mut Json| {
+            let mut env = env.clone();
+            to.done_to(json, |json| env.restore(&Snapshot::of(json)?)).map(|()| env)
+        };
+        let (Ok(mut a), Ok(mut b)) = (restored(&a.env, &mut at_a), restored(&b.env, &mut at_b)) else {
+            continue;
+        };
+        let mut actions = a.action_sampler(seed)?;
+        for _ in 0..STEPS {
+            let action = actions.sample();
+            let (Ok(step), Ok(other)) = (a.step(&action), b.step(&action)) else { break };
+            if !alike(&step, &other) || !alike(&info(&a), &info(&b)) {
+                return Ok(true);
+            }
+            if step.done() {
+                break;
+            }
+        }
+    }
+    Ok(false)
+}

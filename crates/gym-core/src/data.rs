@@ -1,0 +1,166 @@
+//! Numbers of one type, whichever it is.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq};
+
+use crate::Result;
+
+/// A number type that an [`Array`](crate::Array) can hold.
+pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + Serialize + 'static {
+    /// Its tag.
+    const DTYPE: DType;
+    /// Wraps numbers of this type.
+    fn into_data(values: Vec<Self>) -> Data;
+    /// The numbers, if they are of this type.
+    fn slice(data: &Data) -> Option<&[Self]>;
+    /// The numbers, if they are of this type.
+    fn slice_mut(data: &mut Data) -> Option<&mut [Self]>;
+}
+
+macro_rules! dtypes {
+    ($($variant:ident $type:ty, $name:literal, $kind:ident);* $(;)?) => {
+        /// The type of an array's numbers, under numpy's names.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum DType {
+            $(
+                #[doc = concat!("`", $name, "`")]
+                #[serde(rename = $name)]
+                $variant
+            ),*
+        }
+
+        impl DType {
+            /// numpy's name, as in `float32`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+
+            /// The smallest and the largest finite number of the type, as `f64`.
+            pub const fn finite_range(self) -> (f64, f64) {
+                match self { $(Self::$variant => (<$type>::MIN as f64, <$type>::MAX as f64)),* }
+            }
+        }
+
+        /// The numbers of an [`Array`](crate::Array), in row-major order.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Data {
+            $(
+                #[doc = concat!("`", $name, "`")]
+                $variant(Vec<$type>)
+            ),*
+        }
+
+        impl Data {
+            /// How many numbers there are.
+            pub fn len(&self) -> usize {
+                match self { $(Self::$variant(values) => values.len()),* }
+            }
+
+            /// Whether there are none.
+            pub fn is_empty(&self) -> bool {
+                self.len() == 0
+            }
+
+            /// Their type.
+            pub fn dtype(&self) -> DType {
+                match self { $(Self::$variant(_) => DType::$variant),* }
+            }
+
+            /// One number, widened (numbers beyond 2^53 are rounded).
+            ///
+            /// # Panics
+            /// If `index` is not below [`len`](Self::len).
+            pub fn get_f64(&self, index: usize) -> f64 {
+                match self { $(Self::$variant(values) => values[index] as f64),* }
+            }
+
+            /// Numbers of `dtype` made from `f64` as numpy's `astype` makes them: integers truncate
+            /// towards zero.
+            pub fn from_f64(dtype: DType, values: impl IntoIterator<Item = f64>) -> Self {
+                let values = values.into_iter();
+                match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
+            }
+
+            /// Numbers of `dtype` made from `i64`, wrapping where the type is smaller.
+            pub fn from_i64(dtype: DType, values: impl IntoIterator<Item = i64>) -> Self {
+                let values = values.into_iter();
+                match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
+            }
+
+            pub(crate) fn write_item(&self, index: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self { $(Self::$variant(values) => dtypes!(@write $kind, f, values[index])),* }
+            }
+
+            pub(crate) fn serialize_item<S: SerializeSeq>(&self, index: usize, seq: &mut S) -> Result<(), S::Error> {
+                match self { $(Self::$variant(values) => dtypes!(@item $kind, seq, values[index])),* }
+            }
+
+            pub(crate) fn serialize_scalar<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                match self { $(Self::$variant(values) => dtypes!(@scalar $kind, serializer, values[0])),* }
+            }
+
+            /// Overwrites `self` with `source`, keeping the allocation where the types agree.
+            pub(crate) fn assign(&mut self, source: &Self) {
+                match (self, source) {
+                    $((Self::$variant(to), Self::$variant(from)) => to.clone_from(from),)*
+                    (to, from) => *to = from.clone(),
+                }
+            }
+        }
+
+        $(impl Scalar for $type {
+            const DTYPE: DType = DType::$variant;
+
+            fn into_data(values: Vec<Self>) -> Data {
+                Data::$variant(values)
+            }
+
+            fn slice(data: &Data) -> Option<&[Self]> {
+                if let Data::$variant(values) = data { Some(values) } else { None }
+            }
+
+            fn slice_mut(data: &mut Data) -> Option<&mut [Self]> {
+                if let Data::$variant(values) = data { Some(values) } else { None }
+            }
+        })*
+    };
+    (@write float, $f:ident, $x:expr) => { write!($f, "{:?}", $x) };
+    (@write integer, $f:ident, $x:expr) => { write!($f, "{}", $x) };
+    // JSON knows one kind of number: float32 is written as the float64 of the same value.
+    (@item float, $seq:ident, $x:expr) => { $seq.serialize_element(&f64::from($x)) };
+    (@scalar float, $serializer:ident, $x:expr) => { f64::from($x).serialize($serializer) };
+    (@scalar integer, $serializer:ident, $x:expr) => { $x.serialize($serializer) };
+    (@item integer, $seq:ident, $x:expr) => { $seq.serialize_element(&$x) };
+}
+
+dtypes! {
+    I8 i8, "int8", integer;
+    U8 u8, "uint8", integer;
+    I16 i16, "int16", integer;
+    U16 u16, "uint16", integer;
+    I32 i32, "int32", integer;
+    U32 u32, "uint32", integer;
+    I64 i64, "int64", integer;
+    U64 u64, "uint64", integer;
+    F32 f32, "float32", float;
+    F64 f64, "float64", float;
+}
+
+impl DType {
+    /// Whether the numbers are real.
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Whether the numbers are whole and not negative.
+    pub const fn is_unsigned(self) -> bool {
+        matches!(self, Self::U8 | Self::U16 | Self::U32 | Self::U64)
+    }
+}
+
+impl fmt::Display for DType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

@@ -1,0 +1,158 @@
+//! What seldom happens: options that are not the default, calls that fail half-way, draws that are thrown away.
+
+use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
+use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
+use gym_core::wrappers::{NormalizeObservation, StickyAction};
+use gym_core::{BoxEnv, DType, Env, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv};
+
+/// Counts its steps; an episode has two, and as many resets as are asked for succeed.
+#[derive(Clone, Debug)]
+struct Counter {
+    rng: Generator,
+    steps: i64,
+    resets_left: u32,
+    /// Whether info is a text, where that of others is a number.
+    is_odd: bool,
+}
+
+impl Counter {
+    fn new(resets_left: u32) -> Self {
+        Self { rng: Generator::from(0), steps: 0, resets_left, is_odd: false }
+    }
+
+    fn observe(&self) -> Value {
+        Value::from([self.steps as f32, 3.0 - self.steps as f32])
+    }
+}
+
+impl Env for Counter {
+    type Observation = Value;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::boxed([-10.0; 2], [10.0; 2])
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(5)
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        let Some(left) = self.resets_left.checked_sub(1) else {
+            return Err(Error::custom("no more episodes"));
+        };
+        self.rng = reset.generator(Some(&self.rng))?;
+        (self.resets_left, self.steps) = (left, 0);
+        *observation = self.observe();
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &i64, observation: &mut Value) -> Result<Outcome> {
+        self.steps += 1;
+        *observation = self.observe();
+        Ok(Outcome { reward: 5.0, terminated: self.steps == 2, truncated: false })
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        visit("steps", if self.is_odd { Value::Text("many".into()) } else { Value::Int(self.steps) });
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        Some(&mut self.rng)
+    }
+}
+
+/// numpy's draw of 16 bits takes each number equally often, and a remainder that equals the threshold counts.
+#[test]
+fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
+    use rand::Rng;
+
+    for n in [3_u32, 40_000, 65_535] {
+        let space: Space = Discrete::new(n.into()).unwrap().with_dtype(DType::U16).unwrap().into();
+        let (mut sampler, mut rng) = (space.sampler(7), Generator::from(7));
+        let threshold = (0x1_0000 - n) % n;
+        let mut met = 0;
+        for _ in 0..30_000 {
+            // what is left of a word after a draw is dropped
+            let mut halves =
+                std::iter::repeat_with(|| rng.next_u32()).flat_map(|word| [word & 0xffff, word >> 16]);
+            let product = halves.find(|half| half * n % 0x1_0000 >= threshold).expect("endless") * n;
+            met += u32::from(product % 0x1_0000 == threshold);
+            assert_eq!(sampler.sample(), Value::Int(i64::from(product >> 16)), "{n}");
+        }
+        assert!(met > 0 || n != 40_000, "the threshold is never met");
+    }
+}
+
+#[test]
+fn the_shorter_choice_is_padded_with_its_first_number() {
+    let line = |n: usize| Space::from(BoxSpace::uniform(-1.0, 1.0, [n], DType::F64).unwrap());
+    let space: Space = OneOfSpace::new([line(2), line(4)]).unwrap().into();
+    let flat = space.flatten(&Value::OneOf(0, Box::new(Value::from([0.5, -0.25])))).unwrap();
+    assert_eq!(flat.as_array().unwrap().iter_f64().collect::<Vec<_>>(), [0.0, 0.5, -0.25, 0.5, 0.5]);
+}
+
+#[test]
+fn epsilon_keeps_small_variances_from_growing() {
+    for epsilon in [1e-8, 0.5, 4.0] {
+        let mut env =
+            NormalizeObservation::new(BoxEnv::new(Counter::new(9))).unwrap().with_epsilon(epsilon).unwrap();
+        env.reset(0).unwrap();
+        let seen = env.step(&Value::Int(0)).unwrap().observation;
+        let statistics = env.statistics();
+        let means: Vec<_> = statistics.mean().iter_f64().collect();
+        let variances: Vec<_> = statistics.variance().iter_f64().collect();
+        let seen: Vec<_> = seen.as_array().unwrap().iter_f64().collect();
+        for (i, x) in [1.0, 2.0].into_iter().enumerate() {
+            let expected = (x - means[i]) / (variances[i] + epsilon).sqrt();
+            assert!((seen[i] - expected).abs() < 1e-6, "epsilon {epsilon}: {} for {expected}", seen[i]);
+        }
+    }
+}
+
+/// One draw decides whether to stick; the steps for which it sticks draw nothing more.
+#[test]
+fn a_stuck_action_draws_nothing() {
+    let env = StickyAction::new(BoxEnv::new(Counter::new(9)), 0.999_999).unwrap().with_duration(3..=3);
+    let mut env = env.unwrap();
+    env.reset(0).unwrap();
+    let mut drawn = Vec::new();
+    for _ in 0..7 {
+        let before = env.generator().unwrap().clone();
+        env.step(&Value::Int(1)).unwrap();
+        drawn.push(*env.generator().unwrap() != before);
+    }
+    assert_eq!(drawn, [false, true, false, false, true, false, false]);
+}
+
+/// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a flag behind.
+#[test]
+fn a_step_that_fails_half_way_answers_nothing() {
+    for autoreset in [Autoreset::SameStep, Autoreset::NextStep] {
+        let mut envs =
+            SyncVectorEnv::new([Counter::new(1), Counter::new(9)]).unwrap().with_autoreset(autoreset);
+        let mut columns = envs.columns().unwrap();
+        let actions = envs.action_space().unwrap().sampler(0).sample();
+        envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
+        let steps = if autoreset == Autoreset::SameStep { 1 } else { 2 };
+        for _ in 0..steps {
+            envs.step_into(&actions, &mut columns).unwrap();
+        }
+        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+        assert_eq!(error, "sub-environment 0: no more episodes");
+        assert_eq!((columns.rewards[0], columns.terminated[0], columns.has_final[0]), (0.0, false, false));
+        assert!(envs.info_map(0).is_empty(), "{autoreset:?}");
+        assert!(!envs.info_map(1).is_empty(), "{autoreset:?}");
+    }
+}
+
+#[test]
+fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
+    let odd = Counter { is_odd: true, ..Counter::new(9) };
+    let mut envs = SyncVectorEnv::new([Counter::new(9), odd, Counter::new(9)]).unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
+    let infos = envs.infos(&columns);
+    let flags = [true, false, true].map(Value::Bool).to_vec();
+    assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
+}

@@ -1,3 +1,5 @@
+//! The target `traces` for `cargo fuzz`.
+
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|input: &[u8]| gym_fuzz::targets::traces(input));

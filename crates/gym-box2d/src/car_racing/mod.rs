@@ -497,10 +497,14 @@ impl Configure for CarRacing {
     }
 }
 
+/// An argument that is there for Gymnasium's sake.
+const VERBOSE: (&str, &str) =
+    ("arguments-matter", "`verbose` is accepted as Gymnasium does, and nothing is printed");
 gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v2")
         .description("Drive around a track, from pictures.")
         .reset_options(&[("randomize", "false")])
+        .exceptions(&[VERBOSE])
         .kwargs(r#"{"version": 2}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)
@@ -509,6 +513,7 @@ gym_core::register!(
     Registration::new::<CarRacing>("CarRacing-v3")
         .description("Drive around a track, from pictures.")
         .reset_options(&[("randomize", "false")])
+        .exceptions(&[VERBOSE])
         .max_episode_steps(1000)
         .reward_threshold(900.0)
 );
@@ -518,7 +523,7 @@ gym_core::register!(
     Registration::new::<CarRacing>("rapier/CarRacing-v3")
         .description("Drive around a track, from pictures.")
         .reset_options(&[("randomize", "false")])
-        .exceptions(&[crate::common::RAPIER_ALLOCATES])
+        .exceptions(&[VERBOSE, crate::common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
         .max_episode_steps(1000)
         .reward_threshold(900.0)

@@ -83,6 +83,7 @@ fn color([r, g, b]: [f64; 3]) -> Color {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scene {
     /// What the driver sees.
+    #[cfg_attr(not(feature = "picture"), expect(dead_code))]
     Observation,
     /// The same at the end of the step, with skid marks.
     Frame,

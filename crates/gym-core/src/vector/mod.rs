@@ -348,7 +348,7 @@ impl dyn VectorEnv {
         }
     }
 
-    /// As [`wrapper`](Self::wrapper), to be changed. What is reset or stepped past the wrappers around
+    /// As `wrapper`, to be changed. What is reset or stepped past the wrappers around
     /// it, these do not see.
     pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
         let mut layer = self;

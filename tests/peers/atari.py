@@ -72,7 +72,7 @@ def main():
     ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
     gymnasium.register_envs(ale_py)
     cv2.setNumThreads(1)
-    for what, example, theirs, n, their_n in [("frames", "speed", frames, 5000, 5000), ("steps", "preprocessed", steps, 5000, 1500)]:
+    for what, example, theirs, n, their_n in [("frames", "raw_frames", frames, 5000, 5000), ("steps", "preprocessed", steps, 5000, 1500)]:
         ratios = []
         for game in sys.argv[1:] or GAMES:
             pairs = [(ours(example, game, n), theirs(game, their_n)) for _ in range(PAIRS)]

@@ -1,4 +1,4 @@
-//! How many frames a second each game plays: `speed [FRAMES] [GAME...]`.
+//! How many frames a second each game plays: `raw_frames [FRAMES] [GAME...]`.
 
 use std::time::Instant;
 

@@ -246,7 +246,7 @@ impl Native for CartPoleDynamics {
     /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
     #[inline(always)]
     fn unpack([x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
-        State { x, x_dot, theta, theta_dot, fallen: !is_within(x, theta), fresh }
+        State { x, x_dot, theta, theta_dot, fallen: !fresh && !is_within(x, theta), fresh }
     }
 
     #[inline(always)]

@@ -26,6 +26,12 @@ impl BoxEnv {
         Self { env: Box::new(Layer(env)), moves: 0 }
     }
 
+    /// Puts another environment in the place of this one. A vector that holds this one keeps what it knows of the episode,
+    /// such as whether a reset is due.
+    pub fn replace_with(&mut self, other: Self) {
+        self.env = other.env;
+    }
+
     /// Changes with every reset, step and restore, so that a vector knows of those that it did not ask for.
     pub(crate) fn moves(&self) -> u64 {
         self.moves

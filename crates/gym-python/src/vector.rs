@@ -347,7 +347,7 @@ impl Vector {
             .as_dyn()
             .call(|_, env: &mut BoxEnv| {
                 if let Some(copy) = copies.next() {
-                    *env = copy;
+                    env.replace_with(copy);
                 }
             })
             .map(|_| ())

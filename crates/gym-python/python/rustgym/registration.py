@@ -16,13 +16,13 @@ __all__ = ["ids", "make", "make_vec", "namespaced", "register", "registry", "spe
 
 NAMESPACE = "rustgym/"
 
-# what `import shimmy` registers anew: a name that stays theirs
+# Python's environments through Rust are of no use in Python: Gymnasium has its own, which `import shimmy` registers anew
 _NOT_OURS = ("GymV21Environment", "GymV26Environment")
 
 
 def ids() -> list[str]:
     """The ids of the Rust registry, in order: those that ``rustgym.make`` knows."""
-    return list(_SPECS)
+    return [env_id for env_id in _SPECS if not env_id.startswith(_NOT_OURS)]
 
 
 def namespaced(env_id: str) -> str:
@@ -58,8 +58,6 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
     if args or kwargs:
         raise TypeError("register() takes an id and the arguments of gymnasium.register, or `replace` alone")
     for env_id in ids():
-        if env_id.rpartition("/")[2].startswith(_NOT_OURS):
-            continue
         name = namespaced(env_id)
         if name not in gymnasium_registry:
             gymnasium_registry[name] = _spec(name, env_id, has_vector=True)
@@ -74,7 +72,7 @@ def _ours(env_id: Any) -> Any:
     """The name of an id in Gymnasium's registry if it is one of ours, with or without version; else what was given."""
     if not isinstance(env_id, str) or env_id.startswith(NAMESPACE):
         return env_id
-    known = env_id in _SPECS or any(key.rpartition("-v")[0] == env_id for key in _SPECS)
+    known = any(env_id in (key, key.rpartition("-v")[0]) for key in ids())
     return namespaced(env_id) if known else env_id
 
 

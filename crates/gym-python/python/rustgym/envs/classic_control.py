@@ -52,7 +52,7 @@ class CartPoleEnv(ClassicControlEnv):
 
     _id = "CartPole-v1"
     state_names = ("x", "x_dot", "theta", "theta_dot")
-    _when_set = {"fallen": False}
+    _when_set = {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
     gravity = 9.8  # m/s^2
     masscart = 1.0  # kg

@@ -39,18 +39,8 @@ pub fn roms(input: &[u8]) {
     use gym::atari::cartridge::{Cartridge, Scheme};
     use gym::atari::console::{Console, Input};
 
-    const SCHEMES: [Scheme; 8] = [
-        Scheme::Rom2K,
-        Scheme::Rom4K,
-        Scheme::F8,
-        Scheme::F8SC,
-        Scheme::F6,
-        Scheme::F6SC,
-        Scheme::E0,
-        Scheme::FE,
-    ];
     let Some((&choice, rom)) = input.split_first() else { return };
-    let scheme = SCHEMES[usize::from(choice) % SCHEMES.len()];
+    let scheme = Scheme::ALL[usize::from(choice) % Scheme::ALL.len()];
     let mut seen = Console::new(Cartridge::new(rom, scheme), Display::NTSC, [choice; 128], choice);
     let mut unseen = seen.clone();
     for frame in 0..4 {

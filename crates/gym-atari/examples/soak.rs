@@ -10,16 +10,6 @@ fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|n| n.parse::<u64>().ok());
     let (seconds, restores) = (numbers.next().unwrap_or(10), numbers.next().unwrap_or(1_000_000));
 
-    let schemes = [
-        Scheme::Rom2K,
-        Scheme::Rom4K,
-        Scheme::F8,
-        Scheme::F8SC,
-        Scheme::F6,
-        Scheme::F6SC,
-        Scheme::E0,
-        Scheme::FE,
-    ];
     let mut state = 1u64;
     let mut random = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -29,7 +19,7 @@ fn main() {
     let mut console = None;
     while start.elapsed() < Duration::from_secs(seconds) {
         let rom: Vec<u8> = (0..16384).map(|_| random()).collect();
-        let scheme = schemes[programs as usize % schemes.len()];
+        let scheme = Scheme::ALL[programs as usize % Scheme::ALL.len()];
         let mut seen = Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [random(); 128], random());
         let mut unseen = seen.clone();
         for _ in 0..8 {

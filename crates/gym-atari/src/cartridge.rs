@@ -29,6 +29,10 @@ pub enum Scheme {
 }
 
 impl Scheme {
+    /// Every scheme.
+    pub const ALL: [Self; 8] =
+        [Self::Rom2K, Self::Rom4K, Self::F8, Self::F8SC, Self::F6, Self::F6SC, Self::E0, Self::FE];
+
     /// The scheme of an unknown ROM, by its size: `None` where no scheme has that size.
     pub fn of_size(bytes: usize) -> Option<Self> {
         match bytes {

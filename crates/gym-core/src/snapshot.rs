@@ -1,7 +1,7 @@
 //! The stored state of an environment.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use crate::{Error, Result, snapshot_json};
 
@@ -17,7 +17,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if the state holds a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
-        to_json(state).map(Self)
+        snapshot_json::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }
 
     /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
@@ -25,7 +25,15 @@ impl Snapshot {
     /// # Errors
     /// As [`of`](Self::of).
     pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
-        Ok(Self(json!({ "env": env, "config": to_json(config)?, "episode": to_json(episode)? })))
+        /// What [`Snapshot::for_config`] reads.
+        #[derive(Serialize)]
+        struct Stored<'a, C, T> {
+            env: &'a str,
+            config: &'a C,
+            episode: &'a T,
+        }
+
+        Self::of(&Stored { env, config, episode })
     }
 
     /// The name of the environment under all wrappers, where it was taken by
@@ -94,10 +102,6 @@ impl Snapshot {
             })
         })
     }
-}
-
-fn to_json<T: Serialize>(state: &T) -> Result<Json> {
-    snapshot_json::write(state).map_err(|error| Error::Snapshot(error.to_string()))
 }
 
 #[cfg(test)]

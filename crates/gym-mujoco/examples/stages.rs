@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use gym_core::{Element, Env, Error, Value};
 use gym_mujoco::physics as p;
-use gym_mujoco::{Data, Model, model_and_data};
+use gym_mujoco::{Data, Model, simulated};
 
 type Stage = fn(&Model, &mut Data);
 
@@ -51,7 +51,8 @@ fn main() -> Result<(), Error> {
             let start = Instant::now();
             let outcome = env.step_into(&action, &mut observation)?;
             total += start.elapsed();
-            let Some((m, d)) = model_and_data(&env) else { continue };
+            let Some(simulated) = simulated(&env) else { continue };
+            let (m, Some(d)) = (&*simulated.simulation().model, simulated.data()) else { continue };
             rows += d.efc.nefc();
             if i % 20 == 0 {
                 let mut d = d.clone();

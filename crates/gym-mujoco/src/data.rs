@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::MAXVAL;
 use crate::physics::spatial::IDENTITY;
 use crate::physics::{Constraints, Work};
 use crate::{Error, Model, Result};
@@ -203,11 +204,10 @@ impl Data {
                 [$((stringify!($field), self.$field.as_flattened(), self.$field.first() == fresh.$field.first())),+]
             };
         }
-        // beyond the first a state is reset, and nothing that follows from a state goes beyond the second
-        const STATE: f64 = 1e10;
+        // nothing that follows from a state goes beyond
         const FOLLOWING: f64 = 1e18;
         let within = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() <= bound);
-        let state = flat!(qpos qvel qacc_warmstart).into_iter().all(|numbers| within(numbers, STATE));
+        let state = flat!(qpos qvel qacc_warmstart).into_iter().all(|numbers| within(numbers, MAXVAL));
         let following = flat!(
             ctrl qacc ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint
             qm qld qld_diag_inv actuator_force

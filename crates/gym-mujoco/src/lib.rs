@@ -20,5 +20,5 @@ pub use model::{CompiledModel, Model};
 pub use physics::{forward, step};
 pub use tasks::{
     Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher,
-    Reacher, Swimmer, Walker2d, model_and_data,
+    Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,
 };

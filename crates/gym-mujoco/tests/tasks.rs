@@ -132,3 +132,42 @@ fn a_snapshot_in_mid_contact_continues_bit_for_bit() {
         assert_eq!(play(&mut env, 2, 8), play(&mut other, 2, 8), "{id}");
     }
 }
+
+#[test]
+fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<()> {
+    use gym_mujoco::{simulated, simulated_mut};
+
+    let mut env = make("Hopper-v5")?;
+    let early = simulated_mut(&mut env).expect("a Hopper").set_state(&[0.0; 6], &[0.0; 6]);
+    let message = "cannot call `set_state` before `reset`: call `env.reset(seed)` first";
+    assert_eq!(early.unwrap_err().to_string(), message);
+    env.reset(1)?;
+    let mut twin = env.clone();
+    let action = env.action_sampler(0)?.sample();
+    twin.step(&action)?;
+    let (qpos, qvel) = {
+        let data = simulated(&twin).and_then(|env| env.data()).expect("an episode");
+        (data.qpos.clone(), data.qvel.clone())
+    };
+    let simulated = simulated_mut(&mut env).expect("a Hopper");
+    for (qpos, qvel, message) in [
+        (&qpos[1..], &qvel[..], "qpos: the model has 6 numbers, not 5"),
+        (&qpos, &[f64::NAN; 6], "qvel: NaN is not within ±1e10"),
+    ] {
+        let error = simulated.set_state(qpos, qvel).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+    simulated.set_state(&qpos, &qvel)?;
+    let data = simulated.data().expect("an episode");
+    assert_eq!((&data.qpos, &data.qvel), (&qpos, &qvel));
+    let torso = simulated.simulation().model.body_id("torso").expect("a torso");
+    assert_eq!(data.xpos[torso][0], qpos[0], "positions of bodies follow");
+    // the solver starts elsewhere, and ends at the same forces to rounding
+    let (Value::Array(a), Value::Array(b)) =
+        (env.step(&action)?.observation, twin.step(&action)?.observation)
+    else {
+        panic!("observations are arrays")
+    };
+    assert!(a.iter_f64().zip(b.iter_f64()).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} for {b:?}");
+    Ok(())
+}

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use gym_core::trace::Trace;
-use gym_mujoco::model_and_data;
+use gym_mujoco::simulated;
 use serde_json::{Value, json};
 
 /// The largest difference, relative above 1; infinite where keys, lengths, flags or texts differ.
@@ -35,7 +35,7 @@ fn compare(path: &Path) -> Result<(usize, f64), String> {
     let limit = file["tolerance"].as_f64().unwrap_or(1e-9);
     trace.events.truncate(horizon);
     let state = |env: &gym_core::BoxEnv| {
-        model_and_data(env).map(|(_, data)| json!({"qpos": data.qpos, "qvel": data.qvel}))
+        simulated(env)?.data().map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
     };
     let answers = trace.replay(state).map_err(|error| error.to_string())?;
     let mut worst = 0.0_f64;

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
+use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::{BoxEnv, Env as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
@@ -13,7 +14,7 @@ use serde_json::Value as Json;
 use crate::convert::{from_python, rendered, to_python};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
-use crate::{peek, registry};
+use crate::{mujoco, peek, registry};
 
 /// An environment without wrappers. Several threads may use it: their calls come one after the other.
 ///
@@ -267,6 +268,25 @@ impl Env {
     fn map(&self, py: Python<'_>) -> PyResult<Option<Vec<String>>> {
         let core = self.lock(py)?;
         Ok(peek::map(&core.env))
+    }
+
+    /// The state of a MuJoCo task, array by array.
+    fn mujoco_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        mujoco::data(py, &self.lock(py)?.env)
+    }
+
+    /// What the model of a MuJoCo task is made of.
+    fn mujoco_model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        mujoco::model(py, &self.lock(py)?.env)
+    }
+
+    /// Sets positions and velocities of a MuJoCo task.
+    fn set_mujoco_state(&self, py: Python<'_>, qpos: Vec<f64>, qvel: Vec<f64>) -> PyResult<()> {
+        let mut core = self.lock(py)?;
+        match simulated_mut(&mut core.env) {
+            Some(env) => guard(|| env.set_state(&qpos, &qvel).or_raise()),
+            None => Err(Error::custom("this is no environment of MuJoCo")).or_raise(),
+        }
     }
 
     /// Ends the use of the environment.

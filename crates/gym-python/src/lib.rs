@@ -9,6 +9,7 @@ mod error;
 #[cfg(feature = "faults")]
 mod faults;
 mod fork;
+mod mujoco;
 mod peek;
 mod registry;
 mod vector;

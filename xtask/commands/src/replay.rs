@@ -44,7 +44,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 fn state(env: &BoxEnv) -> Option<Json> {
     use gym::Env;
 
-    if let Some((_, data)) = gym::mujoco::model_and_data(env) {
+    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
         return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));
     }
     env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())

@@ -64,7 +64,7 @@ pub(crate) use work::Work;
 
 use crate::model::Integrator;
 use crate::{Data, Model};
-use actuation::MAXVAL;
+pub(crate) use actuation::MAXVAL;
 
 /// Advances the state by a timestep: MuJoCo's `mj_step`.
 ///

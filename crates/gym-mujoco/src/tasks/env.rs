@@ -10,9 +10,11 @@ use gym_core::{
 };
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
+use super::Simulated;
 use super::arguments::{Arguments, TaskArguments};
 use super::simulation::Simulation;
 use crate::Data;
+use crate::physics::MAXVAL;
 
 /// A task: what the environments of this crate have not in common.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
@@ -86,15 +88,35 @@ impl<T: Task, const VERSION: u8> MujocoEnv<T, VERSION> {
         let inner = Inner::new(&config, VERSION)?;
         Ok(Self { arguments: Arguments(config), inner })
     }
+}
 
-    /// The model, and how it is stepped.
-    pub fn simulation(&self) -> &Simulation {
+impl<T: Task, const VERSION: u8> Simulated for MujocoEnv<T, VERSION> {
+    fn simulation(&self) -> &Simulation {
         &self.inner.simulation
     }
 
-    /// The state of the model, once there was a reset.
-    pub fn data(&self) -> Option<&Data> {
+    fn data(&self) -> Option<&Data> {
         self.inner.episode.as_ref().map(|episode| &episode.data)
+    }
+
+    fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()> {
+        let Inner { simulation, episode, .. } = &mut self.inner;
+        let Some(episode) = episode else { return Err(Error::ResetNeeded("set_state")) };
+        for (name, numbers, needed) in
+            [("qpos", qpos, simulation.model.nq()), ("qvel", qvel, simulation.model.nv())]
+        {
+            if numbers.len() != needed {
+                let reason = format!("the model has {needed} numbers, not {}", numbers.len());
+                return Err(Error::argument(name, reason));
+            }
+            if let Some(x) = numbers.iter().find(|x| !(x.abs() <= MAXVAL)) {
+                return Err(Error::argument(name, format!("{x} is not within ±{MAXVAL:e}")));
+            }
+        }
+        episode.data.qpos.copy_from_slice(qpos);
+        episode.data.qvel.copy_from_slice(qvel);
+        simulation.start(&mut episode.data);
+        Ok(())
     }
 }
 

@@ -27,14 +27,32 @@ pub mod reacher;
 pub mod swimmer;
 pub mod walker2d;
 
-use gym_core::Env;
+use gym_core::{Env, Result};
 
 pub use arguments::{Arguments, Common, TaskArguments};
 pub use env::{MujocoEnv, Task};
 pub use range::Range;
 pub use simulation::{Simulation, load, models};
 
-use crate::{Data, Model};
+use crate::Data;
+
+/// What can be asked of an environment of any task and version: see [`simulated`].
+pub trait Simulated {
+    /// The model, and how it is stepped.
+    fn simulation(&self) -> &Simulation;
+
+    /// The state of the model, once there was a reset.
+    fn data(&self) -> Option<&Data>;
+
+    /// Goes on from other positions and velocities (nq and nv numbers), in the same episode: Gymnasium's
+    /// `MujocoEnv.set_state`.
+    ///
+    /// # Errors
+    /// [`Error::ResetNeeded`](gym_core::Error::ResetNeeded) before the first reset;
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for another number of positions or velocities than the
+    /// model has, and for one that is not within ±1e10, where MuJoCo resets a simulation. Nothing is changed then.
+    fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()>;
+}
 
 /// Registers the versions of a task: `register!(Ant, "Walk.", steps 1000, threshold 6000.0, versions [2 3 4 5])`. After `idle` may
 /// come a version some of whose arguments have no effect, as in Gymnasium, and why.
@@ -84,12 +102,23 @@ macro_rules! tasks {
             pub type $name<const VERSION: u8 = 5> = MujocoEnv<$module::Task, VERSION>;
         )+
 
-        /// Model and state of an environment of this crate, of any task and version, under any wrappers.
+        /// An environment of this crate, of any task and version, under any wrappers.
         #[must_use]
-        pub fn model_and_data<E: Env>(env: &E) -> Option<(&Model, &Data)> {
+        pub fn simulated<E: Env>(env: &E) -> Option<&dyn Simulated> {
             $($(
                 if let Some(env) = env.unwrapped::<$name<$version>>() {
-                    return env.data().map(|data| (&*env.simulation().model, data));
+                    return Some(env);
+                }
+            )+)+
+            None
+        }
+
+        /// As [`simulated`], to change it.
+        #[must_use]
+        pub fn simulated_mut<E: Env>(env: &mut E) -> Option<&mut dyn Simulated> {
+            $($(
+                if env.unwrapped::<$name<$version>>().is_some() {
+                    return env.unwrapped_mut::<$name<$version>>().map(|env| env as &mut dyn Simulated);
                 }
             )+)+
             None

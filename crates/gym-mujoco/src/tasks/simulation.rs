@@ -14,6 +14,8 @@ use crate::{Data, Model, forward, physics, step};
 pub struct Simulation {
     /// The model, which all environments of a task share.
     pub model: Arc<Model>,
+    /// Where the model came from: the name of a built-in one, or the path of a file; see [`load`].
+    pub xml_file: String,
     /// How many timesteps of the model a step takes.
     pub frame_skip: usize,
     /// Length of a step in seconds.
@@ -30,7 +32,8 @@ impl Simulation {
         let model = load(&arguments.xml_file)?;
         let dt = model.opt.timestep * arguments.frame_skip as f64;
         let view = View::new(&model, arguments)?;
-        Ok(Self { model, frame_skip: arguments.frame_skip, dt, view, contact_forces: version >= 4 })
+        let xml_file = arguments.xml_file.clone();
+        Ok(Self { model, xml_file, frame_skip: arguments.frame_skip, dt, view, contact_forces: version >= 4 })
     }
 
     /// The state at the start of an episode, from positions and velocities.

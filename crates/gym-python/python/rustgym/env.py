@@ -219,9 +219,15 @@ class Env(gymnasium.Env[Any, Any]):
                 f'initialization, e.g. gym.make("{hint}", render_mode="rgb_array")'
             )
             return None
-        if self.render_mode not in self.metadata["render_modes"]:
+        if self.render_mode.removesuffix("_list") not in self.metadata["render_modes"]:
             modes = ", ".join(self.metadata["render_modes"])
             raise gymnasium.error.UnsupportedMode(f"{self.env_id} cannot render as {self.render_mode}: its modes are {modes}")
+        if self.render_mode.endswith("_list"):
+            # Gymnasium's environments give nothing here, too
+            logger.warn(
+                f"{self.env_id} itself collects no frames for {self.render_mode}: gymnasium.make adds the wrapper that does"
+            )
+            return None
         return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
@@ -137,5 +138,7 @@ def _classes() -> dict[str, Any]:
             classes[f"gymnasium.envs.{family}:{name}"] = getattr(envs, name)
             classes[f"gymnasium.envs.{family}.{files[name]}:{name}"] = getattr(envs, name)
     classes["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = envs.__getattr__("CartPole_v1_Vector")
+    if find_spec("mujoco"):  # without it Gymnasium's module cannot be imported
+        classes["gymnasium.envs.mujoco.mujoco_env:MujocoEnv"] = envs.MujocoEnv
     classes["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = envs.generate_random_map
     return classes

@@ -22,6 +22,7 @@ from rustgym.envs.classic_control import (
     MountainCarEnv,
     PendulumEnv,
 )
+from rustgym.envs.mujoco import MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.vector_env import VectorEnv
 
@@ -36,6 +37,7 @@ __all__ = [
     "FrozenLakeEnv",
     "LunarLander",
     "MountainCarEnv",
+    "MujocoEnv",
     "PendulumEnv",
     "TaxiEnv",
     "class_name",
@@ -59,6 +61,22 @@ _BASES: dict[str, type[Env]] = {
     "MountainCarContinuous": Continuous_MountainCarEnv,
     "Pendulum": PendulumEnv,
     "Taxi": TaxiEnv,
+    **dict.fromkeys(
+        [
+            "Ant",
+            "HalfCheetah",
+            "Hopper",
+            "Humanoid",
+            "HumanoidStandup",
+            "InvertedDoublePendulum",
+            "InvertedPendulum",
+            "Pusher",
+            "Reacher",
+            "Swimmer",
+            "Walker2d",
+        ],
+        MujocoEnv,
+    ),
 }
 
 # modes that Gymnasium has beside those of the Rust side

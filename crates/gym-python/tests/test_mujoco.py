@@ -1,0 +1,99 @@
+"""What Gymnasium's users read of the MuJoCo tasks beyond the interface: ``data``, ``model``, ``set_state``."""
+
+import copy
+import pickle
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+
+import rustgym
+
+TASKS = sorted(env_id for env_id in rustgym.ids() if env_id.endswith("-v5") and not env_id.startswith("ALE/"))
+
+
+def made(env_id, **kwargs):
+    return rustgym.make(env_id, disable_env_checker=True, **kwargs).unwrapped
+
+
+@pytest.fixture
+def without_mujoco(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_every_task_can_be_read_without_mujoco(env_id, without_mujoco):
+    env = made(env_id)
+    env.reset(seed=1)
+    env.step(env.action_space.sample())
+    assert env.data.qpos.shape == env.init_qpos.shape and env.data.qvel.shape == env.init_qvel.shape
+    assert np.array_equal(env.state_vector(), [*env.data.qpos, *env.data.qvel])
+    assert env.dt == pytest.approx(1 / env.metadata["render_fps"], rel=0.01)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install mujoco"):
+        _ = env.model
+
+
+def test_structure_of_the_observation(without_mujoco):
+    for env_id in TASKS:
+        env = made(env_id)
+        if hasattr(env, "observation_structure"):
+            structure = env.observation_structure
+            assert sum(structure.values()) - structure.get("skipped_qpos", 0) == env.observation_space.shape[0], env_id
+    assert made("Hopper-v5").observation_structure == {"skipped_qpos": 1, "qpos": 5, "qvel": 6}
+    assert not hasattr(made("Hopper-v4"), "observation_structure")
+
+
+def test_a_state_is_set_before_and_after_a_reset(without_mujoco):
+    env = made("InvertedPendulum-v5")
+    env.set_state(np.array([0.1, 0.2]), np.array([0.3, 0.4]))
+    assert env.state_vector().tolist() == [0.1, 0.2, 0.3, 0.4]
+    assert env.get_body_com("cart")[0] == 0.1
+    assert env.step([0.0])[0].shape == (4,)
+    env.reset(seed=1)
+    whole = env.get_state()
+    seen = env.step([1.0])[0]
+    env.set_state(whole)
+    assert np.array_equal(env.step([1.0])[0], seen)
+
+
+def test_what_is_no_state_changes_nothing(without_mujoco):
+    env = made("Hopper-v5")
+    env.reset(seed=1)
+    before = env.state_vector()
+    with pytest.raises(ValueError, match="qpos"):
+        env.set_state(np.zeros(5), np.zeros(6))
+    with pytest.raises(ValueError, match="qvel"):
+        env.set_state(np.zeros(6), np.full(6, np.nan))
+    with pytest.raises(KeyError, match="no body 'wheel'"):
+        env.get_body_com("wheel")
+    assert np.array_equal(env.state_vector(), before)
+
+
+@pytest.mark.parametrize("action", [[0.0, 0.0], 0.1, [[0.0, 0.0, 0.0]], np.zeros((3, 1))])
+def test_an_action_of_another_shape(action):
+    env = made("Hopper-v5")
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match=r"Action dimension mismatch. Expected \(3,\), found"):
+        env.step(action)
+
+
+@pytest.mark.parametrize("env_id", [i for i in rustgym.ids() if i.partition("-v")[0] in {t.partition("-v")[0] for t in TASKS}])
+def test_mujocos_own_objects_follow(env_id):
+    mujoco = pytest.importorskip("mujoco")
+    env = made(env_id)
+    env.reset(seed=3)
+    for _ in range(5):
+        env.step(env.action_space.sample())
+    data = env.data
+    assert isinstance(data, mujoco.MjData)
+    own = env._arrays()
+    for name, array in own.items():
+        assert np.array_equal(getattr(data, name), array), name
+    # MuJoCo computes the same from positions and velocities
+    mujoco.mj_forward(env.model, data)
+    env.set_state(np.array(data.qpos), np.array(data.qvel))
+    for name in ("xpos", "xmat", "cvel", "qfrc_bias", "site_xpos", "subtree_com"):
+        assert np.allclose(env._arrays()[name], getattr(data, name), rtol=1e-9, atol=1e-9), name
+    for twin in (copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert np.array_equal(twin.data.qpos, env.data.qpos) and twin.data is not env.data

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::tia::WIDTH;
+/// The visible pixels of a line.
+pub(crate) const WIDTH: usize = 160;
 
 /// The rows of a picture at most.
 pub(crate) const HEIGHT: usize = 250;

@@ -241,7 +241,7 @@ pub trait Canvas {
 
     /// Draws one of pygame's calls; see [`crate::pygame`] for the coordinates.
     fn pygame(&mut self, primitive: Primitive<'_>, color: Color) {
-        crate::pygame::smooth(self, primitive, color);
+        smooth(self, primitive, color);
     }
 
     /// Draws what follows on a surface of the size `from`, until the matching [`pop`](Canvas::pop); pygame's
@@ -274,6 +274,39 @@ pub trait Canvas {
     /// Fills a rectangle with round corners.
     fn round_rect(&mut self, min: Point, size: Point, corner: f64, color: Color) {
         self.fill(Shape::Rect { min, size, corner }, color);
+    }
+}
+
+/// Draws the shapes that one of pygame's calls stands for.
+pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, color: Color) {
+    const THIN: f64 = 1.0;
+    match primitive {
+        Primitive::HLine { x1, x2, y } => {
+            canvas.stroke(Shape::Polyline(&[[x1 - 0.5, y], [x2 + 0.5, y]]), THIN, color);
+        }
+        Primitive::VLine { x, y1, y2 } => {
+            let [y1, y2] = [y1.min(y2) - 0.5, y1.max(y2) + 0.5];
+            canvas.stroke(Shape::Polyline(&[[x, y1], [x, y2]]), THIN, color);
+        }
+        Primitive::FilledPolygon(points) | Primitive::Polygon(points) => {
+            canvas.fill(Shape::Polygon(points), color);
+        }
+        Primitive::AaPolygon(points) | Primitive::AaLines { points, closed: true } => {
+            canvas.stroke(Shape::Polygon(points), THIN, color);
+        }
+        Primitive::AaLines { points, closed: false } => canvas.stroke(Shape::Polyline(points), THIN, color),
+        Primitive::Lines { points, closed, width } => {
+            let shape = if closed { Shape::Polygon(points) } else { Shape::Polyline(points) };
+            canvas.stroke(shape, f64::from(width), color);
+        }
+        // the outline that always comes with a filled circle; it is drawn with that one
+        Primitive::AaCircle { .. } => {}
+        Primitive::FilledCircle { center, radius } => {
+            canvas.fill(Shape::Circle { center, radius: radius + 0.5 }, color);
+        }
+        Primitive::Circle { center: [x, y], radius } => {
+            canvas.fill(Shape::Circle { center: [x - 0.5, y - 0.5], radius }, color);
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Gymnasium draws with pygame, y up, and flips the surface. An environment here passes the same numbers
 //! to [`Canvas::pygame`], in the coordinates of [`flipped`]. A canvas at Gymnasium's own size repeats
-//! pygame's pixels; for any other, [`smooth`] tells what shapes the calls stand for.
+//! pygame's pixels; for any other, [`smooth`](crate::canvas::smooth) tells what
+//! shapes the calls stand for.
 //!
 //! pygame's coordinates name the centres of pixels, so here the origin lies in the middle of the bottom
 //! left pixel. A surface that is wider than its picture is drawn in coordinates moved to the left by a
@@ -10,7 +11,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::canvas::{Canvas, Color, Point, Primitive, Shape, Transform};
+use crate::canvas::{Canvas, Color, Point, Primitive, Transform};
 
 /// The coordinates of a surface of that height, in pixels, that is turned upside down at the end.
 pub const fn flipped(height: f64) -> Transform {
@@ -54,39 +55,6 @@ pub fn gfx_circle(canvas: &mut dyn Canvas, center: Point, radius: f64, color: Co
 /// bottom.
 pub const fn corners([l, b]: Point, [r, t]: Point) -> [Point; 4] {
     [[l, b], [l, t], [r, t], [r, b]]
-}
-
-/// Draws the shapes that a call stands for.
-pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, color: Color) {
-    const THIN: f64 = 1.0;
-    match primitive {
-        Primitive::HLine { x1, x2, y } => {
-            canvas.stroke(Shape::Polyline(&[[x1 - 0.5, y], [x2 + 0.5, y]]), THIN, color);
-        }
-        Primitive::VLine { x, y1, y2 } => {
-            let [y1, y2] = [y1.min(y2) - 0.5, y1.max(y2) + 0.5];
-            canvas.stroke(Shape::Polyline(&[[x, y1], [x, y2]]), THIN, color);
-        }
-        Primitive::FilledPolygon(points) | Primitive::Polygon(points) => {
-            canvas.fill(Shape::Polygon(points), color);
-        }
-        Primitive::AaPolygon(points) | Primitive::AaLines { points, closed: true } => {
-            canvas.stroke(Shape::Polygon(points), THIN, color);
-        }
-        Primitive::AaLines { points, closed: false } => canvas.stroke(Shape::Polyline(points), THIN, color),
-        Primitive::Lines { points, closed, width } => {
-            let shape = if closed { Shape::Polygon(points) } else { Shape::Polyline(points) };
-            canvas.stroke(shape, f64::from(width), color);
-        }
-        // the outline that always comes with a filled circle; it is drawn with that one
-        Primitive::AaCircle { .. } => {}
-        Primitive::FilledCircle { center, radius } => {
-            canvas.fill(Shape::Circle { center, radius: radius + 0.5 }, color);
-        }
-        Primitive::Circle { center: [x, y], radius } => {
-            canvas.fill(Shape::Circle { center: [x - 0.5, y - 0.5], radius }, color);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::{Error, Result};
 /// How an environment shows itself, under Gymnasium's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum RenderMode {
     /// A live window; `render` returns nothing.
     Human,

@@ -3,7 +3,7 @@
 use candle_core::{Tensor, Var, backprop::GradStore};
 use serde::{Deserialize, Serialize};
 
-use crate::store::{self, Numbers};
+use crate::numbers::{self, Numbers};
 
 type Result<T> = candle_core::Result<T>;
 
@@ -53,7 +53,7 @@ impl Adam {
     }
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
-        let numbers = |tensors: &[Tensor]| tensors.iter().map(store::numbers).collect::<Result<Vec<_>>>();
+        let numbers = |tensors: &[Tensor]| tensors.iter().map(numbers::numbers).collect::<Result<Vec<_>>>();
         let variables: Vec<Tensor> =
             self.variables.iter().map(|variable| variable.as_tensor().clone()).collect();
         Ok(StoredAdam {
@@ -76,7 +76,7 @@ impl Adam {
             );
             all.iter()
                 .zip(&self.variables)
-                .map(|(numbers, variable)| store::tensor(numbers, variable))
+                .map(|(numbers, variable)| numbers::tensor(numbers, variable))
                 .collect()
         };
         let (variables, first, second) =

@@ -13,6 +13,7 @@
 mod adam;
 mod agent;
 mod evaluate;
+mod numbers;
 mod rollout;
 mod settings;
 mod store;

@@ -7,8 +7,8 @@ use gym::vector::{Columns, VectorEnv};
 use gym::{Array, Generator, Value};
 
 use crate::agent::{Agent, tensor};
+use crate::numbers::Numbers;
 use crate::settings::Settings;
-use crate::store::Numbers;
 
 /// The columns of consecutive steps. The environments write straight into them: row 0 holds the
 /// observations that the first actions answer, row `t + 1` what came of the actions `t`.

@@ -2,17 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
-use candle_core::{Device, Tensor};
+use anyhow::{Context, Result};
 use gym::vector::VectorSpec;
 use gym::{Generator, Snapshot};
 use serde::{Deserialize, Serialize};
 
 use crate::adam::StoredAdam;
+use crate::numbers::Numbers;
 use crate::settings::Settings;
-
-/// The numbers of a tensor, row by row.
-pub(crate) type Numbers = Vec<f32>;
 
 /// A training between two rounds of learning.
 #[derive(Serialize, Deserialize)]
@@ -53,16 +50,4 @@ impl Checkpoint {
         gym::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
         Ok(())
     }
-}
-
-/// The numbers of a tensor.
-pub(crate) fn numbers(tensor: &Tensor) -> candle_core::Result<Numbers> {
-    tensor.flatten_all()?.to_vec1()
-}
-
-/// A tensor of these numbers in the form of another one.
-pub(crate) fn tensor(numbers: &[f32], form: &Tensor) -> Result<Tensor> {
-    let (given, needed) = (numbers.len(), form.elem_count());
-    ensure!(given == needed, "the checkpoint has {given} numbers where the agent has {needed}");
-    Ok(Tensor::from_slice(numbers, form.shape(), &Device::Cpu)?)
 }

@@ -6,6 +6,7 @@ use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::{BoxEnv, Env as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyTuple};
@@ -281,10 +282,16 @@ impl Env {
     }
 
     /// Sets positions and velocities of a MuJoCo task.
-    fn set_mujoco_state(&self, py: Python<'_>, qpos: Vec<f64>, qvel: Vec<f64>) -> PyResult<()> {
+    fn set_mujoco_state(
+        &self,
+        py: Python<'_>,
+        qpos: &Bound<'_, PyArray1<f64>>,
+        qvel: &Bound<'_, PyArray1<f64>>,
+    ) -> PyResult<()> {
+        let (qpos, qvel) = (qpos.readonly(), qvel.readonly());
         let mut core = self.lock(py)?;
         match simulated_mut(&mut core.env) {
-            Some(env) => guard(|| env.set_state(&qpos, &qvel).or_raise()),
+            Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise()),
             None => Err(Error::custom("this is no environment of MuJoCo")).or_raise(),
         }
     }

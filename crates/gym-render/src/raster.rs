@@ -1,6 +1,6 @@
 //! Drawings as pixels.
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Shape, Transform};
+use gym_core::canvas::{self, Align, Canvas, Color, Point, Primitive, Shape, Transform};
 use gym_core::inventory;
 use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
@@ -181,7 +181,7 @@ impl Canvas for Surface<'_> {
                     paint(&mut RgbPixels::new(self.frame, left, flipped), &primitive, color);
                 }
             }
-            _ => pygame::smooth(self, primitive, color),
+            _ => canvas::smooth(self, primitive, color),
         }
     }
 

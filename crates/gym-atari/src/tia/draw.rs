@@ -5,9 +5,9 @@
 //! collisions need what lies before them painted earlier.
 
 use super::paint::Colors;
-use super::pixels::{Pixels, WIDTH, window};
+use super::pixels::{Pixels, window};
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
-use crate::screen::Screen;
+use crate::screen::{Screen, WIDTH};
 
 impl Tia {
     /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie beyond its end.

@@ -18,10 +18,9 @@ mod pixels;
 use serde::{Deserialize, Serialize};
 
 use paint::Objects;
-pub(crate) use pixels::WIDTH;
 
 use crate::cpu::Ready;
-use crate::screen::Screen;
+use crate::screen::{Screen, WIDTH};
 
 /// The rows of most games' pictures.
 const NTSC_ROWS: usize = 210;

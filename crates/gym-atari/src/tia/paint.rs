@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pixels::{Pixels, WIDTH, window};
+use super::pixels::{Pixels, window};
 use super::{BL, M0, M1, OBJECTS, P0, P1, PF};
+use crate::screen::WIDTH;
 
 /// The pixels of each object on a line: `P0`, `P1`, `M0`, `M1`, `BL`, `PF`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

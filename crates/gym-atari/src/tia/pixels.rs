@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The visible pixels of a line.
-pub(crate) const WIDTH: usize = 160;
+use crate::screen::WIDTH;
 
 /// Which of a line's 160 pixels are set: bit `x % 64` of word `x / 64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

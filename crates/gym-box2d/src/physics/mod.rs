@@ -22,6 +22,8 @@
 
 mod box2d;
 mod def;
+#[cfg(feature = "rapier")]
+mod rapier;
 mod world;
 
 pub use def::{

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::box2d::Box2d;
 #[cfg(feature = "rapier")]
-use super::box2d::rapier::Rapier;
+use super::rapier::Rapier;
 use super::{
     BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef, Vec2,
 };

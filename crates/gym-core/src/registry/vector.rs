@@ -33,6 +33,7 @@ pub fn make_vec(
 /// How a vector steps its sub-environments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum VectorKind {
     /// One after the other: [`SyncVectorEnv`].
     Sync,
@@ -190,8 +191,11 @@ fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
 impl EnvBuilder {
     /// Goes on to a vector of `num_envs` environments, each made with these options.
     ///
-    /// ```text
-    /// let envs = gym::builder("FrozenLake-v1").arg("map_name", "8x8").vector(64).build()?;
+    /// ```no_run
+    /// # fn main() -> gym_core::Result<()> {
+    /// let envs = gym_core::builder("FrozenLake-v1").arg("map_name", "8x8").vector(64).build()?;
+    /// # Ok(())
+    /// # }
     /// ```
     pub fn vector(self, num_envs: usize) -> VectorBuilder {
         VectorBuilder { env: self, num_envs, kind: None, autoreset: Autoreset::default(), threads: None }

@@ -14,7 +14,24 @@ pub type WrapVector = fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEn
 /// A wrapper of vectors that specs can name. A crate with a wrapper of its own submits one at link time, and
 /// then stacks with it can be rebuilt from JSON as well:
 ///
-/// ```text
+/// ```
+/// use gym_core::registry::VectorWrapperRegistration;
+/// use gym_core::vector::VectorEnv;
+///
+/// struct Effort {
+///     envs: Box<dyn VectorEnv>,
+/// }
+///
+/// impl gym_core::vector::VectorWrapper for Effort {
+///     fn inner(&self) -> &dyn VectorEnv {
+///         &*self.envs
+///     }
+///
+///     fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+///         &mut *self.envs
+///     }
+/// }
+///
 /// gym_core::inventory::submit! {
 ///     VectorWrapperRegistration { name: "my_envs/Effort", wrap: |envs, _kwargs| Ok(Box::new(Effort { envs })) }
 /// }

@@ -61,15 +61,20 @@ pub enum ObservationMode {
 /// step allocates nothing. Actions come as one element of the batched
 /// [`action_space`](Self::action_space).
 ///
-/// ```text
-/// let mut envs = gym::make_vec("CartPole-v1", 64, None)?;
+/// ```no_run
+/// use gym_core::vector::VectorEnv;
+///
+/// # fn main() -> gym_core::Result<()> {
+/// let mut envs = gym_core::make_vec("CartPole-v1", 64, None)?;
 /// let mut columns = envs.columns()?;
 /// let mut actions = envs.action_sampler(0)?;
 /// envs.reset_into(&42.into(), &mut columns)?; // seeds 42, 43, ...
 /// for _ in 0..1000 {
 ///     envs.step_into(&actions.sample(), &mut columns)?;
-///     let observations: &[f32] = columns.observations.as_slice().unwrap(); // 64 rows of 4
+///     let observations: Option<&[f32]> = columns.observations.as_slice(); // 64 rows of 4
 /// }
+/// # Ok(())
+/// # }
 /// ```
 ///
 /// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`], and so does
@@ -301,8 +306,14 @@ impl dyn VectorEnv {
     /// Calls a function with each sub-environment and its index; the results are in the order of the
     /// indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
     ///
-    /// ```text
+    /// ```no_run
+    /// use gym_core::{BoxEnv, Env};
+    ///
+    /// # fn main() -> gym_core::Result<()> {
+    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, None)?;
     /// let specs = envs.call(|_, env: &mut BoxEnv| env.spec())?;
+    /// # Ok(())
+    /// # }
     /// ```
     ///
     /// # Errors
@@ -331,11 +342,15 @@ impl dyn VectorEnv {
     /// otherwise. So it is for wrappers that a [`VectorSpec`] has made, and for the first wrapper around
     /// [`make_vec`](crate::make_vec):
     ///
-    /// ```text
-    /// use gym::vector::wrappers::{ClipAction, NormalizeObservation};
-    /// let statistics = envs.wrapper::<NormalizeObservation>();
-    /// let statistics = envs.wrapper::<NormalizeObservation<ClipAction>>(); // around a ClipAction
-    /// let workers = envs.wrapper::<AsyncVectorEnv>();
+    /// ```no_run
+    /// use gym_core::vector::wrappers::{ClipAction, NormalizeObservation};
+    /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
+    ///
+    /// fn look(envs: &dyn VectorEnv) {
+    ///     let statistics = envs.wrapper::<NormalizeObservation>();
+    ///     let around_a_wrapper = envs.wrapper::<NormalizeObservation<ClipAction>>();
+    ///     let workers = envs.wrapper::<AsyncVectorEnv>();
+    /// }
     /// ```
     pub fn wrapper<W: VectorEnv>(&self) -> Option<&W> {
         let mut layer = self;

@@ -11,10 +11,19 @@ use crate::{BoxEnv, Env, Error, Result, Snapshot, Space, Value};
 /// The results are those of stepping each by hand. It is the fastest kind for environments whose steps
 /// take well under a microsecond and have no native vector.
 ///
-/// ```text
-/// use gym::vector::{SyncVectorEnv, VectorEnv};
-/// let mut envs = SyncVectorEnv::new(cart_poles)?;                         // typed, such as a Vec<CartPole>
-/// let mut envs = gym::make_vec("CartPole-v1", 8, VectorKind::Sync)?;       // erased
+/// ```no_run
+/// use gym_core::registry::{VectorKind, make_vec};
+/// use gym_core::vector::SyncVectorEnv;
+/// use gym_core::{Env, Result};
+///
+/// fn typed<E: Env + Default>() -> Result<SyncVectorEnv<E>> {
+///     SyncVectorEnv::new((0..8).map(|_| E::default()))
+/// }
+///
+/// # fn main() -> Result<()> {
+/// let erased = make_vec("CartPole-v1", 8, VectorKind::Sync)?;
+/// # Ok(())
+/// # }
 /// ```
 pub struct SyncVectorEnv<E: Env = BoxEnv> {
     slots: Vec<Slot<E>>,

@@ -109,7 +109,7 @@ impl<T: Task, const VERSION: u8> Simulated for MujocoEnv<T, VERSION> {
                 let reason = format!("the model has {needed} numbers, not {}", numbers.len());
                 return Err(Error::argument(name, reason));
             }
-            if let Some(x) = numbers.iter().find(|x| !(x.abs() <= MAXVAL)) {
+            if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > MAXVAL) {
                 return Err(Error::argument(name, format!("{x} is not within ±{MAXVAL:e}")));
             }
         }

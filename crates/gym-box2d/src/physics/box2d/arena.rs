@@ -5,7 +5,7 @@ use std::ops::{Index, IndexMut};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Arena<T> {
+pub(crate) struct Arena<T> {
     slots: Vec<Option<T>>,
     free: Vec<u32>,
 }
@@ -17,7 +17,7 @@ impl<T> Default for Arena<T> {
 }
 
 impl<T> Arena<T> {
-    pub(super) fn insert(&mut self, value: T) -> u32 {
+    pub(crate) fn insert(&mut self, value: T) -> u32 {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(None);
             self.slots.len() as u32 - 1
@@ -26,22 +26,22 @@ impl<T> Arena<T> {
         slot
     }
 
-    pub(super) fn remove(&mut self, slot: u32) {
+    pub(crate) fn remove(&mut self, slot: u32) {
         if self.slots[slot as usize].take().is_some() {
             self.free.push(slot);
         }
     }
 
-    pub(super) fn get(&self, slot: u32) -> Option<&T> {
+    pub(crate) fn get(&self, slot: u32) -> Option<&T> {
         self.slots.get(slot as usize)?.as_ref()
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
         (0..).zip(&self.slots).filter_map(|(slot, value)| Some((slot, value.as_ref()?)))
     }
 
     /// Whether what was read from outside is consistent: exactly the empty slots are free.
-    pub(super) fn is_valid(&self) -> bool {
+    pub(crate) fn is_valid(&self) -> bool {
         let mut empty: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
         self.free.iter().all(|slot| empty.get_mut(*slot as usize).is_some_and(std::mem::take))
             && !empty.contains(&true)

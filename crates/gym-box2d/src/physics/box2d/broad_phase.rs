@@ -20,7 +20,7 @@ struct Proxy {
 }
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct BroadPhase {
+pub(crate) struct BroadPhase {
     proxies: Vec<Proxy>,
     /// Ids to use again, the last one freed first.
     free: Vec<u32>,
@@ -30,7 +30,7 @@ pub(super) struct BroadPhase {
 
 impl BroadPhase {
     /// A new proxy, and its id.
-    pub(super) fn insert(&mut self, aabb: &Aabb, fixture: u32, dynamic: bool) -> u32 {
+    pub(crate) fn insert(&mut self, aabb: &Aabb, fixture: u32, dynamic: bool) -> u32 {
         let r = vec2(AABB_EXTENSION, AABB_EXTENSION);
         let fat = Aabb { lower: aabb.lower - r, upper: aabb.upper + r };
         let proxy = Proxy { fat, fixture, dynamic, used: true };
@@ -45,7 +45,7 @@ impl BroadPhase {
         id
     }
 
-    pub(super) fn remove(&mut self, id: u32) {
+    pub(crate) fn remove(&mut self, id: u32) {
         self.proxies[id as usize].used = false;
         self.moved.retain(|moved| *moved != id);
         self.free.push(id);
@@ -53,7 +53,7 @@ impl BroadPhase {
 
     /// Follows a fixture that moved by `displacement` within `aabb`; a box that still holds it
     /// stays as it is.
-    pub(super) fn update(&mut self, id: u32, aabb: &Aabb, displacement: Vec2) {
+    pub(crate) fn update(&mut self, id: u32, aabb: &Aabb, displacement: Vec2) {
         let fat = &mut self.proxies[id as usize].fat;
         if fat.contains(aabb) {
             return;
@@ -72,17 +72,17 @@ impl BroadPhase {
     }
 
     #[inline]
-    pub(super) fn overlap(&self, a: u32, b: u32) -> bool {
+    pub(crate) fn overlap(&self, a: u32, b: u32) -> bool {
         self.proxies[a as usize].fat.overlaps(&self.proxies[b as usize].fat)
     }
 
     /// Whether any proxy has moved since the last call of [`find_pairs`](Self::find_pairs).
-    pub(super) fn has_moved(&self) -> bool {
+    pub(crate) fn has_moved(&self) -> bool {
         !self.moved.is_empty()
     }
 
     /// Leaves in `pairs` the ids, smaller first, of the proxies that overlap one that has moved.
-    pub(super) fn find_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
+    pub(crate) fn find_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         for &id in &self.moved {
             let query = self.proxies[id as usize];
@@ -102,24 +102,24 @@ impl BroadPhase {
     }
 
     /// The fixture of a proxy.
-    pub(super) fn fixture(&self, id: u32) -> u32 {
+    pub(crate) fn fixture(&self, id: u32) -> u32 {
         self.proxies[id as usize].fixture
     }
 
     /// Whether there is such a proxy and it is that of a fixture.
-    pub(super) fn holds(&self, id: u32, fixture: u32) -> bool {
+    pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
         self.proxies.get(id as usize).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
     }
 
     /// The fixtures whose box meets `aabb`.
-    pub(super) fn query(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
+    pub(crate) fn query(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let hit = move |proxy: &&Proxy| proxy.fat.overlaps(&aabb) && proxy.used;
         self.proxies.iter().filter(hit).map(|proxy| proxy.fixture)
     }
 
     /// Whether what was read from outside can be worked with, for fixtures that `owns` tells to
     /// have the proxy.
-    pub(super) fn is_valid(&self, owns: impl Fn(u32, u32) -> bool) -> bool {
+    pub(crate) fn is_valid(&self, owns: impl Fn(u32, u32) -> bool) -> bool {
         let known = |id: &u32| (*id as usize) < self.proxies.len();
         self.free.iter().chain(&self.moved).all(known)
             && self.free.iter().all(|id| !self.proxies[*id as usize].used)

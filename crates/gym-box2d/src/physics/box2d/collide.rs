@@ -8,7 +8,7 @@ use super::shape::{Geometry, Kind as ShapeKind};
 
 /// Whether two kinds make contacts, and if the second goes first: edges before polygons before
 /// circles. Two edges make none.
-pub(super) fn order(a: ShapeKind, b: ShapeKind) -> Option<bool> {
+pub(crate) fn order(a: ShapeKind, b: ShapeKind) -> Option<bool> {
     use ShapeKind::{Circle, Edge, Polygon};
     match (a, b) {
         (Edge, Edge) => None,
@@ -18,7 +18,7 @@ pub(super) fn order(a: ShapeKind, b: ShapeKind) -> Option<bool> {
 }
 
 /// The manifold of two shapes in the order of [`order`].
-pub(super) fn collide(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
+pub(crate) fn collide(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
     match (a.kind, b.kind) {
         (ShapeKind::Edge, ShapeKind::Polygon) => edge_polygon(a, xf_a, b, xf_b),
         (ShapeKind::Edge, _) => edge_circle(a, xf_a, b, xf_b),

@@ -22,7 +22,7 @@ struct ReferenceFace {
     normal: Vec2,
 }
 
-pub(super) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_b: &Pose) -> Manifold {
+pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_b: &Pose) -> Manifold {
     let xf = relative(xf_a, xf_b);
     let (v1, v2) = (edge.vertices()[0], edge.vertices()[1]);
     let direction = normalize(v2 - v1).0;

@@ -9,7 +9,7 @@ use super::shape::Geometry;
 const RELATIVE_TOLERANCE: f32 = 0.98;
 const ABSOLUTE_TOLERANCE: f32 = 0.001;
 
-pub(super) fn polygons(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
+pub(crate) fn polygons(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
     let radius = a.radius + b.radius;
     let (face_a, separation_a) = max_separation(a, xf_a, b, xf_b);
     if separation_a > radius {

@@ -12,31 +12,31 @@ use crate::physics::{BodyId, ContactEvent, FixtureId};
 
 /// A pair of fixtures that may touch.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Contact {
-    pub(super) fixture_a: u32,
-    pub(super) fixture_b: u32,
-    pub(super) body_a: u32,
-    pub(super) body_b: u32,
+pub(crate) struct Contact {
+    pub(crate) fixture_a: u32,
+    pub(crate) fixture_b: u32,
+    pub(crate) body_a: u32,
+    pub(crate) body_b: u32,
     /// Whether either is a sensor: then it only tells.
-    pub(super) sensor: bool,
-    pub(super) friction: f32,
-    pub(super) restitution: f32,
-    pub(super) manifold: Manifold,
-    pub(super) touching: bool,
-    pub(super) enabled: bool,
+    pub(crate) sensor: bool,
+    pub(crate) friction: f32,
+    pub(crate) restitution: f32,
+    pub(crate) manifold: Manifold,
+    pub(crate) touching: bool,
+    pub(crate) enabled: bool,
     /// Whether it already belongs to an island.
-    pub(super) island: bool,
+    pub(crate) island: bool,
     /// The time of impact in this step, once known.
-    pub(super) toi: Option<f32>,
+    pub(crate) toi: Option<f32>,
     /// Times of impact in this step.
-    pub(super) toi_count: u32,
+    pub(crate) toi_count: u32,
     /// Whether a joint has come since that may forbid it.
-    pub(super) refilter: bool,
+    pub(crate) refilter: bool,
 }
 
 impl Contact {
     /// The contact of two fixtures, if shapes of their kinds make one.
-    pub(super) fn new(fixtures: &Arena<Fixture>, a: u32, b: u32) -> Option<Self> {
+    pub(crate) fn new(fixtures: &Arena<Fixture>, a: u32, b: u32) -> Option<Self> {
         let swap = order(fixtures[a].shape.kind, fixtures[b].shape.kind)?;
         let (fixture_a, fixture_b) = if swap { (b, a) } else { (a, b) };
         let (a, b) = (&fixtures[fixture_a], &fixtures[fixture_b]);
@@ -60,7 +60,7 @@ impl Contact {
 
     /// The body at the other side, if this is a contact of `body`.
     #[inline]
-    pub(super) fn other(&self, body: u32) -> Option<u32> {
+    pub(crate) fn other(&self, body: u32) -> Option<u32> {
         if self.body_a == body {
             Some(self.body_b)
         } else if self.body_b == body {
@@ -70,7 +70,7 @@ impl Contact {
         }
     }
 
-    pub(super) fn event(&self, begin: bool) -> ContactEvent {
+    pub(crate) fn event(&self, begin: bool) -> ContactEvent {
         ContactEvent {
             begin,
             fixtures: [FixtureId(self.fixture_a), FixtureId(self.fixture_b)],
@@ -79,7 +79,7 @@ impl Contact {
     }
 
     /// Finds out where and whether the two touch now.
-    pub(super) fn update(
+    pub(crate) fn update(
         &mut self,
         bodies: &mut Arena<Body>,
         fixtures: &Arena<Fixture>,

@@ -2,25 +2,13 @@
 //! points at once (`b2ContactSolver.cpp`).
 
 use super::contact::Contact;
-use super::island::{Position, Velocity};
 use super::manifold::{Kind, Manifold};
 use super::math::{
     Pose, Vec2, clamp, cross, cross_one, cross_scalar, dot, max, min, normalize, pose_about, reciprocal,
     rotate, transform, vec2,
 };
+use super::motion::{Position, Side, Velocity};
 use super::settings::{BAUMGARTE, LINEAR_SLOP, MAX_LINEAR_CORRECTION, TOI_BAUMGARTE, VELOCITY_THRESHOLD};
-
-/// What the solver needs of one of the two bodies.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Side {
-    /// Place in the island.
-    pub(super) index: usize,
-    pub(super) inv_mass: f32,
-    pub(super) inv_inertia: f32,
-    pub(super) local_center: Vec2,
-    /// Radius of its shape.
-    pub(super) radius: f32,
-}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Point {
@@ -55,9 +43,9 @@ impl Mat22 {
 
 /// One contact while its island is solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Constraint {
+pub(crate) struct Constraint {
     /// Place in the world's list of contacts.
-    pub(super) contact: usize,
+    pub(crate) contact: usize,
     a: Side,
     b: Side,
     friction: f32,
@@ -74,7 +62,7 @@ pub(super) struct Constraint {
 impl Constraint {
     /// A contact between two bodies, whose impulses start at `ratio` times those of the last step,
     /// or at 0.
-    pub(super) fn new(index: usize, contact: &Contact, a: Side, b: Side, ratio: Option<f32>) -> Self {
+    pub(crate) fn new(index: usize, contact: &Contact, a: Side, b: Side, ratio: Option<f32>) -> Self {
         let mut points = [Point::default(); 2];
         if let Some(ratio) = ratio {
             for (point, old) in points.iter_mut().zip(contact.manifold.points()) {
@@ -98,7 +86,7 @@ impl Constraint {
     }
 
     /// Normal, levers and effective masses at the island's positions.
-    pub(super) fn initialize(&mut self, positions: &[Position], velocities: &[Velocity]) {
+    pub(crate) fn initialize(&mut self, positions: &[Position], velocities: &[Velocity]) {
         let (a, b) = (self.a, self.b);
         let (m_a, i_a, m_b, i_b) = (a.inv_mass, a.inv_inertia, b.inv_mass, b.inv_inertia);
         let (at_a, at_b) = (positions[a.index], positions[b.index]);
@@ -149,7 +137,7 @@ impl Constraint {
     }
 
     /// Applies the impulses that it starts with.
-    pub(super) fn warm_start(&self, velocities: &mut [Velocity]) {
+    pub(crate) fn warm_start(&self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
         let tangent = cross_one(self.normal);
         for point in &self.points[..self.count] {
@@ -165,7 +153,7 @@ impl Constraint {
 
     /// One sweep: friction first, because not to penetrate matters more.
     #[inline]
-    pub(super) fn solve_velocity(&mut self, velocities: &mut [Velocity]) {
+    pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
         let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);
         let (m_b, i_b) = (self.b.inv_mass, self.b.inv_inertia);
@@ -221,19 +209,19 @@ impl Constraint {
 
     /// Normal and tangent impulse of either point.
     #[inline]
-    pub(super) fn impulses(&self) -> [f32; 4] {
+    pub(crate) fn impulses(&self) -> [f32; 4] {
         let [p1, p2] = &self.points;
         [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse]
     }
 
     /// Sets what [`impulses`](Self::impulses) gave.
-    pub(super) fn set_impulses(&mut self, impulses: &[f32; 4]) {
+    pub(crate) fn set_impulses(&mut self, impulses: &[f32; 4]) {
         let [p1, p2] = &mut self.points;
         [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse] = *impulses;
     }
 
     /// Keeps the impulses for the next step.
-    pub(super) fn store_impulses(&self, manifold: &mut Manifold) {
+    pub(crate) fn store_impulses(&self, manifold: &mut Manifold) {
         for (to, from) in manifold.points_mut().iter_mut().zip(&self.points[..self.count]) {
             to.normal_impulse = from.normal_impulse;
             to.tangent_impulse = from.tangent_impulse;
@@ -241,12 +229,12 @@ impl Constraint {
     }
 
     /// Pushes overlapping bodies apart; gives the smallest separation that it met.
-    pub(super) fn solve_position(&self, positions: &mut [Position]) -> f32 {
+    pub(crate) fn solve_position(&self, positions: &mut [Position]) -> f32 {
         self.push_apart(positions, BAUMGARTE, [true; 2])
     }
 
     /// The same at a time of impact, where only two bodies of the island may move.
-    pub(super) fn solve_toi_position(&self, positions: &mut [Position], movable: [usize; 2]) -> f32 {
+    pub(crate) fn solve_toi_position(&self, positions: &mut [Position], movable: [usize; 2]) -> f32 {
         let moves = [&self.a, &self.b].map(|side| movable.contains(&side.index));
         self.push_apart(positions, TOI_BAUMGARTE, moves)
     }

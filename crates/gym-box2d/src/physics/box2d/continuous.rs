@@ -8,7 +8,7 @@ use super::{Box2d, TimeStep};
 
 impl Box2d {
     /// Solves the times of impact of the step, the earliest first.
-    pub(super) fn solve_toi(&mut self, island: &mut Island, step: &TimeStep) {
+    pub(crate) fn solve_toi(&mut self, island: &mut Island, step: &TimeStep) {
         for &id in &self.dynamic {
             let body = &mut self.bodies[id];
             body.island = false;

@@ -8,11 +8,11 @@ const MAX_ITERATIONS: usize = 20;
 
 /// The features between which the last distance was found, to start from the next time.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Cache {
+pub(crate) struct Cache {
     metric: f32,
-    pub(super) count: usize,
-    pub(super) index_a: [usize; 3],
-    pub(super) index_b: [usize; 3],
+    pub(crate) count: usize,
+    pub(crate) index_a: [usize; 3],
+    pub(crate) index_b: [usize; 3],
 }
 
 /// A vertex of the simplex: a point of B minus a point of A.
@@ -34,7 +34,7 @@ struct Simplex {
 
 /// The vertex that lies furthest in a direction; the first of several.
 #[inline]
-pub(super) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
+pub(crate) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
     let mut best = 0;
     let mut best_value = dot(vertices[0], direction);
     for (i, vertex) in vertices.iter().enumerate().skip(1) {
@@ -48,7 +48,7 @@ pub(super) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
 }
 
 /// The distance of the hulls of two shapes, without their radii.
-pub(super) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cache: &mut Cache) -> f32 {
+pub(crate) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cache: &mut Cache) -> f32 {
     let vertex = |index_a: usize, index_b: usize| {
         let point_a = transform(xf_a, a.vertices()[index_a]);
         let point_b = transform(xf_b, b.vertices()[index_b]);
@@ -100,7 +100,7 @@ pub(super) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cac
 }
 
 /// Whether two shapes with their radii touch: Box2D's test for sensors.
-pub(super) fn overlap(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> bool {
+pub(crate) fn overlap(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> bool {
     let distance = distance(a, xf_a, b, xf_b, &mut Cache::default());
     let radii = a.radius + b.radius;
     let apart = if distance > radii && distance > f32::EPSILON { distance - radii } else { 0.0 };

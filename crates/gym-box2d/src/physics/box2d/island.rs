@@ -1,8 +1,9 @@
 //! Bodies that touch or are joined, directly or through others: what has to be solved together.
 
-use super::contact_solver::{Constraint as ContactConstraint, Side};
+use super::contact_solver::Constraint as ContactConstraint;
 use super::joint::Constraint as JointConstraint;
-use super::math::{Vec2, dot, length, min};
+use super::math::{dot, length, min};
+use super::motion::{Position, Side, Velocity};
 use super::settings::{
     ANGULAR_SLEEP_TOLERANCE, LINEAR_SLEEP_TOLERANCE, LINEAR_SLOP, MAX_ROTATION, MAX_TRANSLATION,
     TIME_TO_SLEEP,
@@ -10,39 +11,25 @@ use super::settings::{
 use super::sweeps::{Sweeps, sweep};
 use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
 
-/// Centre of mass and angle while an island is solved.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Position {
-    pub(super) c: Vec2,
-    pub(super) a: f32,
-}
-
-/// Velocities while an island is solved.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Velocity {
-    pub(super) v: Vec2,
-    pub(super) w: f32,
-}
-
 /// The members of an island in the order in which they are solved, and working memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Island {
-    pub(super) bodies: Vec<u32>,
+pub(crate) struct Island {
+    pub(crate) bodies: Vec<u32>,
     /// Places in the world's list of contacts.
-    pub(super) contacts: Vec<usize>,
-    pub(super) joints: Vec<u32>,
-    pub(super) stack: Vec<u32>,
+    pub(crate) contacts: Vec<usize>,
+    pub(crate) joints: Vec<u32>,
+    pub(crate) stack: Vec<u32>,
     positions: Vec<Position>,
-    pub(super) velocities: Vec<Velocity>,
+    pub(crate) velocities: Vec<Velocity>,
     contact_constraints: Vec<ContactConstraint>,
-    pub(super) joint_constraints: Vec<JointConstraint>,
+    pub(crate) joint_constraints: Vec<JointConstraint>,
     sweeps: Sweeps,
     /// Makes every sweep in full: what the shortcut is tested against.
-    pub(super) plain: bool,
+    pub(crate) plain: bool,
 }
 
 impl Island {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             bodies: Vec::with_capacity(BODIES),
             contacts: Vec::with_capacity(CONTACTS),
@@ -57,13 +44,13 @@ impl Island {
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.bodies.clear();
         self.contacts.clear();
         self.joints.clear();
     }
 
-    pub(super) fn add_body(&mut self, world: &mut Box2d, body: u32) {
+    pub(crate) fn add_body(&mut self, world: &mut Box2d, body: u32) {
         world.bodies[body].island_index = self.bodies.len();
         self.bodies.push(body);
     }
@@ -80,7 +67,7 @@ impl Island {
         }
     }
 
-    pub(super) fn build_contacts(&mut self, world: &Box2d, ratio: Option<f32>) {
+    pub(crate) fn build_contacts(&mut self, world: &Box2d, ratio: Option<f32>) {
         self.contact_constraints.clear();
         for &index in &self.contacts {
             let contact = &world.contacts[index];
@@ -91,7 +78,7 @@ impl Island {
     }
 
     /// One time step: forces, velocities, positions, sleep.
-    pub(super) fn solve(&mut self, world: &mut Box2d, step: &TimeStep) {
+    pub(crate) fn solve(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.enter(world, step);
         self.build_contacts(world, Some(step.ratio));
         for constraint in &mut self.contact_constraints {
@@ -107,7 +94,7 @@ impl Island {
     }
 
     /// Where the bodies are, and their velocities after what pushes them from outside.
-    pub(super) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
+    pub(crate) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
         let h = step.dt;
         self.positions.clear();
         self.velocities.clear();
@@ -126,7 +113,7 @@ impl Island {
     }
 
     /// Takes the joints in and applies the impulses that they start with.
-    pub(super) fn build_joints(&mut self, world: &Box2d, step: &TimeStep) {
+    pub(crate) fn build_joints(&mut self, world: &Box2d, step: &TimeStep) {
         self.joint_constraints.clear();
         for &id in &self.joints {
             let joint = &world.joints[id];
@@ -144,7 +131,7 @@ impl Island {
     }
 
     /// Moves along the velocities, corrects positions, and falls asleep.
-    pub(super) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
+    pub(crate) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.integrate(step.dt);
         let solved = (0..step.position_iterations).any(|_| self.sweep_positions());
         for (i, &id) in self.bodies.iter().enumerate() {
@@ -239,7 +226,7 @@ impl Island {
 
     /// The rest of a step after a time of impact of the island's first two bodies: contacts only,
     /// without warm start; impulses are not kept.
-    pub(super) fn solve_toi(&mut self, world: &mut Box2d, step: &TimeStep) {
+    pub(crate) fn solve_toi(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.positions.clear();
         self.velocities.clear();
         for &id in &self.bodies {

@@ -3,16 +3,15 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::contact_solver::Side;
-use super::island::{Position, Velocity};
 use super::math::{
     Vec2, clamp, cross, cross_scalar, cross3, dot3, length, reciprocal, rotate, rotation, vec2,
 };
+use super::motion::{Position, Side, Velocity};
 use super::settings::{ANGULAR_SLOP, LINEAR_SLOP, MAX_ANGULAR_CORRECTION};
 
 /// Where the joint angle is between its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum LimitState {
+pub(crate) enum LimitState {
     #[default]
     Inactive,
     AtLower,
@@ -23,28 +22,28 @@ pub(super) enum LimitState {
 
 /// A joint of the world.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Joint {
-    pub(super) body_a: u32,
-    pub(super) body_b: u32,
-    pub(super) local_anchor_a: Vec2,
-    pub(super) local_anchor_b: Vec2,
-    pub(super) reference_angle: f32,
+pub(crate) struct Joint {
+    pub(crate) body_a: u32,
+    pub(crate) body_b: u32,
+    pub(crate) local_anchor_a: Vec2,
+    pub(crate) local_anchor_b: Vec2,
+    pub(crate) reference_angle: f32,
     /// Lower and upper limit of the angle.
-    pub(super) limits: Option<(f32, f32)>,
-    pub(super) motor: bool,
-    pub(super) motor_speed: f32,
-    pub(super) max_motor_torque: f32,
-    pub(super) collide_connected: bool,
+    pub(crate) limits: Option<(f32, f32)>,
+    pub(crate) motor: bool,
+    pub(crate) motor_speed: f32,
+    pub(crate) max_motor_torque: f32,
+    pub(crate) collide_connected: bool,
     /// Impulses of the last step: of the hinge, and of the limit.
-    pub(super) impulse: Vector3<f32>,
-    pub(super) motor_impulse: f32,
-    pub(super) limit_state: LimitState,
-    pub(super) island: bool,
+    pub(crate) impulse: Vector3<f32>,
+    pub(crate) motor_impulse: f32,
+    pub(crate) limit_state: LimitState,
+    pub(crate) island: bool,
 }
 
 impl Joint {
     /// The body at the other end, if this is a joint of `body`.
-    pub(super) fn other(&self, body: u32) -> Option<u32> {
+    pub(crate) fn other(&self, body: u32) -> Option<u32> {
         if self.body_a == body {
             Some(self.body_b)
         } else if self.body_b == body {
@@ -57,7 +56,7 @@ impl Joint {
 
 /// What a sweep added to a joint's impulses.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Increment {
+pub(crate) struct Increment {
     /// Of the motor, before and after it was clamped.
     motor: f32,
     motor_applied: f32,
@@ -82,9 +81,9 @@ impl Default for Increment {
 
 /// One joint while its island is solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Constraint {
+pub(crate) struct Constraint {
     /// Slot in the world's joints.
-    pub(super) joint: u32,
+    pub(crate) joint: u32,
     a: Side,
     b: Side,
     /// Anchors from the centres of mass, in the bodies' coordinates.
@@ -107,15 +106,15 @@ pub(super) struct Constraint {
     max_motor_impulse: f32,
     reference_angle: f32,
     limits: Option<(f32, f32)>,
-    pub(super) impulse: Vector3<f32>,
-    pub(super) motor_impulse: f32,
-    pub(super) limit_state: LimitState,
+    pub(crate) impulse: Vector3<f32>,
+    pub(crate) motor_impulse: f32,
+    pub(crate) limit_state: LimitState,
 }
 
 impl Constraint {
     /// Effective mass and limit state at the island's positions; applies the impulses of the last
     /// step times `ratio`.
-    pub(super) fn new(
+    pub(crate) fn new(
         index: u32,
         joint: &Joint,
         (a, b): (Side, Side),
@@ -207,7 +206,7 @@ impl Constraint {
 
     /// One sweep: motor, then limit and hinge together, or the hinge alone.
     #[inline]
-    pub(super) fn solve_velocity(&mut self, velocities: &mut [Velocity]) -> Increment {
+    pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) -> Increment {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
         let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);
         let (m_b, i_b) = (self.b.inv_mass, self.b.inv_inertia);
@@ -275,7 +274,7 @@ impl Constraint {
 
     /// Whether a sweep from the same velocities as the one that gave `increment` does the same.
     #[inline]
-    pub(super) fn repeats(&self, increment: &Increment) -> bool {
+    pub(crate) fn repeats(&self, increment: &Increment) -> bool {
         let motor = self.clamp_motor(self.motor_impulse + increment.motor) - self.motor_impulse;
         let limit = if increment.limit_pulls {
             self.impulse.z.to_bits() == increment.limit_before.to_bits()
@@ -288,7 +287,7 @@ impl Constraint {
     /// Adds to the impulses what a sweep that [repeats](Self::repeats) adds; tells whether that
     /// changed any.
     #[inline]
-    pub(super) fn repeat(&mut self, increment: &Increment) -> bool {
+    pub(crate) fn repeat(&mut self, increment: &Increment) -> bool {
         let (motor_before, before) = (self.motor_impulse, self.impulse);
         if self.motor {
             self.motor_impulse = self.clamp_motor(self.motor_impulse + increment.motor);
@@ -323,7 +322,7 @@ impl Constraint {
     }
 
     /// Corrects the angle at a limit, then the anchors; tells whether both were good enough.
-    pub(super) fn solve_position(&self, positions: &mut [Position]) -> bool {
+    pub(crate) fn solve_position(&self, positions: &mut [Position]) -> bool {
         let (mut a, mut b) = (positions[self.a.index], positions[self.b.index]);
         let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);
         let (m_b, i_b) = (self.b.inv_mass, self.b.inv_inertia);

@@ -6,7 +6,7 @@ use super::math::{Pose, Vec2, dot, normalize, rotate, transform, vec2};
 
 /// Which shape the normal belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// Neither: from centre to centre.
     Circles,
     /// A face of the first.
@@ -17,46 +17,46 @@ pub(super) enum Kind {
 
 /// A vertex (or a face) of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Feature {
-    pub(super) index: u8,
-    pub(super) is_face: bool,
+pub(crate) struct Feature {
+    pub(crate) index: u8,
+    pub(crate) is_face: bool,
 }
 
 impl Feature {
-    pub(super) fn vertex(index: usize) -> Self {
+    pub(crate) fn vertex(index: usize) -> Self {
         Self { index: index as u8, is_face: false }
     }
 
-    pub(super) fn face(index: usize) -> Self {
+    pub(crate) fn face(index: usize) -> Self {
         Self { index: index as u8, is_face: true }
     }
 }
 
 /// What meets in a point: it tells points of one step from those of the next.
-pub(super) type ContactId = [Feature; 2];
+pub(crate) type ContactId = [Feature; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct ManifoldPoint {
+pub(crate) struct ManifoldPoint {
     /// In the coordinates of the shape that the normal does not belong to.
-    pub(super) local_point: Vec2,
-    pub(super) normal_impulse: f32,
-    pub(super) tangent_impulse: f32,
-    pub(super) id: ContactId,
+    pub(crate) local_point: Vec2,
+    pub(crate) normal_impulse: f32,
+    pub(crate) tangent_impulse: f32,
+    pub(crate) id: ContactId,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Manifold {
-    pub(super) kind: Kind,
-    pub(super) local_normal: Vec2,
+pub(crate) struct Manifold {
+    pub(crate) kind: Kind,
+    pub(crate) local_normal: Vec2,
     /// A point of the face that the normal belongs to, or the centre of circle A.
-    pub(super) local_point: Vec2,
+    pub(crate) local_point: Vec2,
     points: [ManifoldPoint; 2],
     count: u8,
 }
 
 impl Manifold {
     /// No contact.
-    pub(super) const EMPTY: Self = {
+    pub(crate) const EMPTY: Self = {
         let point = ManifoldPoint {
             local_point: Vec2::new(0.0, 0.0),
             normal_impulse: 0.0,
@@ -72,33 +72,33 @@ impl Manifold {
         }
     };
 
-    pub(super) fn new(kind: Kind, local_normal: Vec2, local_point: Vec2) -> Self {
+    pub(crate) fn new(kind: Kind, local_normal: Vec2, local_point: Vec2) -> Self {
         Self { kind, local_normal, local_point, ..Self::EMPTY }
     }
 
-    pub(super) fn push(&mut self, local_point: Vec2, id: ContactId) {
+    pub(crate) fn push(&mut self, local_point: Vec2, id: ContactId) {
         let point = ManifoldPoint { local_point, id, ..Self::EMPTY.points[0] };
         self.points[usize::from(self.count)] = point;
         self.count += 1;
     }
 
-    pub(super) fn with_point(mut self, local_point: Vec2, id: ContactId) -> Self {
+    pub(crate) fn with_point(mut self, local_point: Vec2, id: ContactId) -> Self {
         self.push(local_point, id);
         self
     }
 
     #[inline]
-    pub(super) fn points(&self) -> &[ManifoldPoint] {
+    pub(crate) fn points(&self) -> &[ManifoldPoint] {
         &self.points[..usize::from(self.count).min(2)]
     }
 
     #[inline]
-    pub(super) fn points_mut(&mut self) -> &mut [ManifoldPoint] {
+    pub(crate) fn points_mut(&mut self) -> &mut [ManifoldPoint] {
         &mut self.points[..usize::from(self.count).min(2)]
     }
 
     /// Takes over the impulses of the same points of an earlier manifold.
-    pub(super) fn inherit(&mut self, old: &Self) {
+    pub(crate) fn inherit(&mut self, old: &Self) {
         for point in self.points_mut() {
             if let Some(before) = old.points().iter().find(|before| before.id == point.id) {
                 point.normal_impulse = before.normal_impulse;
@@ -108,7 +108,7 @@ impl Manifold {
     }
 
     /// The normal from A to B and the points in world coordinates, halfway between the surfaces.
-    pub(super) fn world(&self, xf_a: &Pose, radius_a: f32, xf_b: &Pose, radius_b: f32) -> (Vec2, [Vec2; 2]) {
+    pub(crate) fn world(&self, xf_a: &Pose, radius_a: f32, xf_b: &Pose, radius_b: f32) -> (Vec2, [Vec2; 2]) {
         let mut points = [Vec2::zeros(); 2];
         match self.kind {
             Kind::Circles => {
@@ -150,14 +150,14 @@ impl Manifold {
 
 /// A point of an incident edge while it is clipped.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ClipVertex {
-    pub(super) v: Vec2,
-    pub(super) id: ContactId,
+pub(crate) struct ClipVertex {
+    pub(crate) v: Vec2,
+    pub(crate) id: ContactId,
 }
 
 /// The part of a segment on the inner side of a line, by Sutherland and Hodgman, where both ends
 /// of it are left. `vertex` is the vertex of the reference face that the line goes through.
-pub(super) fn clip(
+pub(crate) fn clip(
     segment: [ClipVertex; 2],
     normal: Vec2,
     offset: f32,

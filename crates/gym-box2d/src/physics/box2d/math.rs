@@ -9,57 +9,57 @@ use serde::{Deserialize, Serialize};
 use gym_core::math::sin_cos_f32 as sin_cos;
 
 /// A point or a vector.
-pub(super) type Vec2 = Vector2<f32>;
+pub(crate) type Vec2 = Vector2<f32>;
 /// Position and rotation.
-pub(super) type Pose = Isometry2<f32>;
+pub(crate) type Pose = Isometry2<f32>;
 /// A rotation: cosine and sine.
-pub(super) type Rot = UnitComplex<f32>;
+pub(crate) type Rot = UnitComplex<f32>;
 
 #[inline]
-pub(super) fn vec2(x: f32, y: f32) -> Vec2 {
+pub(crate) fn vec2(x: f32, y: f32) -> Vec2 {
     Vec2::new(x, y)
 }
 
 #[inline]
-pub(super) fn dot(a: Vec2, b: Vec2) -> f32 {
+pub(crate) fn dot(a: Vec2, b: Vec2) -> f32 {
     a.x * b.x + a.y * b.y
 }
 
 #[inline]
-pub(super) fn cross(a: Vec2, b: Vec2) -> f32 {
+pub(crate) fn cross(a: Vec2, b: Vec2) -> f32 {
     a.x * b.y - a.y * b.x
 }
 
 /// `v` × an axis out of the plane of length 1: a quarter turn clockwise.
 #[inline]
-pub(super) fn cross_one(v: Vec2) -> Vec2 {
+pub(crate) fn cross_one(v: Vec2) -> Vec2 {
     vec2(v.y, -v.x)
 }
 
 /// An axis out of the plane of length `s` × `v`: a quarter turn counterclockwise, scaled.
 #[inline]
-pub(super) fn cross_scalar(s: f32, v: Vec2) -> Vec2 {
+pub(crate) fn cross_scalar(s: f32, v: Vec2) -> Vec2 {
     vec2(-s * v.y, s * v.x)
 }
 
 #[inline]
-pub(super) fn dot3(a: Vector3<f32>, b: Vector3<f32>) -> f32 {
+pub(crate) fn dot3(a: Vector3<f32>, b: Vector3<f32>) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
 #[inline]
-pub(super) fn cross3(a: Vector3<f32>, b: Vector3<f32>) -> Vector3<f32> {
+pub(crate) fn cross3(a: Vector3<f32>, b: Vector3<f32>) -> Vector3<f32> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
 #[inline]
-pub(super) fn length(v: Vec2) -> f32 {
+pub(crate) fn length(v: Vec2) -> f32 {
     dot(v, v).sqrt()
 }
 
 /// The vector of length 1, and the length it had; shorter ones than `f32::EPSILON` stay as they are.
 #[inline]
-pub(super) fn normalize(v: Vec2) -> (Vec2, f32) {
+pub(crate) fn normalize(v: Vec2) -> (Vec2, f32) {
     let length = length(v);
     if length < f32::EPSILON {
         return (v, 0.0);
@@ -69,77 +69,77 @@ pub(super) fn normalize(v: Vec2) -> (Vec2, f32) {
 }
 
 #[inline]
-pub(super) fn min(a: f32, b: f32) -> f32 {
+pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 #[inline]
-pub(super) fn max(a: f32, b: f32) -> f32 {
+pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 #[inline]
-pub(super) fn clamp(a: f32, low: f32, high: f32) -> f32 {
+pub(crate) fn clamp(a: f32, low: f32, high: f32) -> f32 {
     max(low, min(a, high))
 }
 
 #[inline]
-pub(super) fn min2(a: Vec2, b: Vec2) -> Vec2 {
+pub(crate) fn min2(a: Vec2, b: Vec2) -> Vec2 {
     vec2(min(a.x, b.x), min(a.y, b.y))
 }
 
 #[inline]
-pub(super) fn max2(a: Vec2, b: Vec2) -> Vec2 {
+pub(crate) fn max2(a: Vec2, b: Vec2) -> Vec2 {
     vec2(max(a.x, b.x), max(a.y, b.y))
 }
 
 /// The reciprocal of a determinant, or 0 for a singular matrix.
 #[inline]
-pub(super) fn reciprocal(determinant: f32) -> f32 {
+pub(crate) fn reciprocal(determinant: f32) -> f32 {
     if determinant == 0.0 { determinant } else { 1.0 / determinant }
 }
 
 #[inline]
-pub(super) fn rotation(angle: f32) -> Rot {
+pub(crate) fn rotation(angle: f32) -> Rot {
     let (sin, cos) = sin_cos(angle);
     Rot::from_cos_sin_unchecked(cos, sin)
 }
 
 #[inline]
-pub(super) fn rotate(q: Rot, v: Vec2) -> Vec2 {
+pub(crate) fn rotate(q: Rot, v: Vec2) -> Vec2 {
     vec2(q.re * v.x - q.im * v.y, q.im * v.x + q.re * v.y)
 }
 
 #[inline]
-pub(super) fn rotate_back(q: Rot, v: Vec2) -> Vec2 {
+pub(crate) fn rotate_back(q: Rot, v: Vec2) -> Vec2 {
     vec2(q.re * v.x + q.im * v.y, -q.im * v.x + q.re * v.y)
 }
 
 #[inline]
-pub(super) fn pose(position: Vec2, rotation: Rot) -> Pose {
+pub(crate) fn pose(position: Vec2, rotation: Rot) -> Pose {
     Pose::from_parts(Translation2::from(position), rotation)
 }
 
 #[inline]
-pub(super) fn transform(xf: &Pose, v: Vec2) -> Vec2 {
+pub(crate) fn transform(xf: &Pose, v: Vec2) -> Vec2 {
     rotate(xf.rotation, v) + xf.translation.vector
 }
 
 #[inline]
-pub(super) fn transform_back(xf: &Pose, v: Vec2) -> Vec2 {
+pub(crate) fn transform_back(xf: &Pose, v: Vec2) -> Vec2 {
     rotate_back(xf.rotation, v - xf.translation.vector)
 }
 
 /// The pose of a body whose centre of mass, at `local_center` of it, lies at `c`.
 #[inline]
-pub(super) fn pose_about(c: Vec2, angle: f32, local_center: Vec2) -> Pose {
+pub(crate) fn pose_about(c: Vec2, angle: f32, local_center: Vec2) -> Pose {
     let q = rotation(angle);
     pose(c - rotate(q, local_center), q)
 }
 
 /// `b` in the coordinates of `a`.
 #[inline]
-pub(super) fn relative(a: &Pose, b: &Pose) -> Pose {
+pub(crate) fn relative(a: &Pose, b: &Pose) -> Pose {
     let (q, r) = (a.rotation, b.rotation);
     let rotation = Rot::from_cos_sin_unchecked(q.re * r.re + q.im * r.im, q.re * r.im - q.im * r.re);
     pose(rotate_back(q, b.translation.vector - a.translation.vector), rotation)
@@ -149,29 +149,29 @@ pub(super) fn relative(a: &Pose, b: &Pose) -> Pose {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::physics) struct Sweep {
     /// Centre of mass in the body's coordinates.
-    pub(super) local_center: Vec2,
+    pub(crate) local_center: Vec2,
     /// Where it was at `alpha0`.
-    pub(super) c0: Vec2,
+    pub(crate) c0: Vec2,
     /// Where it is at the end.
-    pub(super) c: Vec2,
+    pub(crate) c: Vec2,
     /// Angle at `alpha0`.
-    pub(super) a0: f32,
+    pub(crate) a0: f32,
     /// Angle at the end.
     pub(in crate::physics) a: f32,
     /// The part of the step that `c0` and `a0` stand for, from 0 to 1.
-    pub(super) alpha0: f32,
+    pub(crate) alpha0: f32,
 }
 
 impl Sweep {
     /// The pose at `beta` of the way from `alpha0` to the end.
     #[inline]
-    pub(super) fn pose(&self, beta: f32) -> Pose {
+    pub(crate) fn pose(&self, beta: f32) -> Pose {
         let c = (1.0 - beta) * self.c0 + beta * self.c;
         pose_about(c, (1.0 - beta) * self.a0 + beta * self.a, self.local_center)
     }
 
     /// Moves the start forward to `alpha`.
-    pub(super) fn advance(&mut self, alpha: f32) {
+    pub(crate) fn advance(&mut self, alpha: f32) {
         let beta = (alpha - self.alpha0) / (1.0 - self.alpha0);
         self.c0 = (1.0 - beta) * self.c0 + beta * self.c;
         self.a0 = (1.0 - beta) * self.a0 + beta * self.a;
@@ -179,7 +179,7 @@ impl Sweep {
     }
 
     /// The same motion with its first angle within a turn of 0.
-    pub(super) fn normalized(mut self) -> Self {
+    pub(crate) fn normalized(mut self) -> Self {
         const TURN: f32 = 2.0 * std::f32::consts::PI;
         let turns = TURN * (self.a0 / TURN).floor();
         self.a0 -= turns;

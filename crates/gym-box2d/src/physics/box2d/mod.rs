@@ -13,12 +13,11 @@
 //! | `manifold`, `collide*` | points of contact | `b2Collision`, `b2Collide*` |
 //! | `distance`, `time_of_impact` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
 //! | `body`, `contact`, `joint` | what the world consists of | `Dynamics` |
-//! | `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
+//! | `motion`, `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
 //! | `step`, `continuous` | a step of the world | `b2World` |
-//! | `rapier` | the same world with rapier2d as its solver | |
 
 mod arena;
-mod body;
+pub(super) mod body;
 mod broad_phase;
 mod collide;
 mod collide_edge;
@@ -27,14 +26,13 @@ mod contact;
 mod contact_solver;
 mod continuous;
 mod distance;
-mod island;
-mod joint;
+pub(super) mod island;
+pub(super) mod joint;
 mod manifold;
-mod math;
-#[cfg(feature = "rapier")]
-pub(super) mod rapier;
+pub(super) mod math;
+pub(super) mod motion;
 mod settings;
-mod shape;
+pub(super) mod shape;
 mod step;
 mod sweeps;
 #[cfg(test)]
@@ -66,39 +64,39 @@ const JOINTS: usize = 8;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Box2d {
     gravity: Vec2,
-    bodies: Arena<Body>,
+    pub(super) bodies: Arena<Body>,
     /// Dynamic bodies, oldest first.
-    dynamic: Vec<u32>,
-    fixtures: Arena<Fixture>,
-    joints: Arena<Joint>,
+    pub(super) dynamic: Vec<u32>,
+    pub(super) fixtures: Arena<Fixture>,
+    pub(super) joints: Arena<Joint>,
     /// Joints, oldest first.
     joint_order: Vec<u32>,
     /// Oldest first.
-    contacts: Vec<Contact>,
+    pub(super) contacts: Vec<Contact>,
     broad_phase: BroadPhase,
-    new_fixture: bool,
+    pub(super) new_fixture: bool,
     /// 1 / dt of the last step; 0 before the first.
-    inv_dt0: f32,
+    pub(super) inv_dt0: f32,
     #[serde(skip)]
-    events: Vec<ContactEvent>,
+    pub(super) events: Vec<ContactEvent>,
     #[serde(skip)]
-    island: Island,
+    pub(super) island: Island,
     #[serde(skip)]
     pairs: Vec<(u32, u32)>,
 }
 
 /// Length and effort of a step.
 #[derive(Clone, Copy, Debug)]
-struct TimeStep {
-    dt: f32,
+pub(super) struct TimeStep {
+    pub(super) dt: f32,
     /// dt over that of the last step; 0 in the first.
-    ratio: f32,
-    velocity_iterations: u32,
-    position_iterations: u32,
+    pub(super) ratio: f32,
+    pub(super) velocity_iterations: u32,
+    pub(super) position_iterations: u32,
 }
 
 impl Box2d {
-    pub(super) fn new(gravity: Vec2) -> Self {
+    pub(crate) fn new(gravity: Vec2) -> Self {
         Self {
             gravity,
             bodies: Arena::default(),
@@ -116,7 +114,7 @@ impl Box2d {
         }
     }
 
-    pub(super) fn create_body(&mut self, def: &BodyDef) -> u32 {
+    pub(crate) fn create_body(&mut self, def: &BodyDef) -> u32 {
         let id = self.bodies.insert(Body::new(def.dynamic, def.position, def.angle));
         if def.dynamic {
             self.dynamic.push(id);
@@ -124,7 +122,7 @@ impl Box2d {
         id
     }
 
-    pub(super) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
+    pub(crate) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
         let shape = Geometry::from(&def.shape);
         let owner = &self.bodies[body];
         let (aabb, dynamic, next) = (shape.aabb(&owner.xf), owner.dynamic, owner.fixtures);
@@ -151,7 +149,7 @@ impl Box2d {
         id
     }
 
-    pub(super) fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> u32 {
+    pub(crate) fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> u32 {
         let (a, b) = (def.body_a.0, def.body_b.0);
         let id = self.joints.insert(Joint {
             body_a: a,
@@ -193,7 +191,7 @@ impl Box2d {
     }
 
     /// Destroys a body with its joints, contacts and fixtures.
-    pub(super) fn destroy_body(&mut self, id: u32) {
+    pub(crate) fn destroy_body(&mut self, id: u32) {
         for i in (0..self.joint_order.len()).rev() {
             let joint = self.joint_order[i];
             if self.joints[joint].other(id).is_some() {
@@ -226,34 +224,34 @@ impl Box2d {
         }
     }
 
-    pub(super) fn body(&self, id: u32) -> &Body {
+    pub(crate) fn body(&self, id: u32) -> &Body {
         &self.bodies[id]
     }
 
-    pub(super) fn body_mut(&mut self, id: u32) -> &mut Body {
+    pub(crate) fn body_mut(&mut self, id: u32) -> &mut Body {
         &mut self.bodies[id]
     }
 
-    pub(super) fn fixture(&self, id: u32) -> &Fixture {
+    pub(crate) fn fixture(&self, id: u32) -> &Fixture {
         &self.fixtures[id]
     }
 
-    pub(super) fn joint_angle(&self, id: u32) -> f32 {
+    pub(crate) fn joint_angle(&self, id: u32) -> f32 {
         let joint = &self.joints[id];
         self.bodies[joint.body_b].sweep.a - self.bodies[joint.body_a].sweep.a - joint.reference_angle
     }
 
-    pub(super) fn joint_speed(&self, id: u32) -> f32 {
+    pub(crate) fn joint_speed(&self, id: u32) -> f32 {
         let joint = &self.joints[id];
         self.bodies[joint.body_b].angular_velocity - self.bodies[joint.body_a].angular_velocity
     }
 
-    pub(super) fn set_motor_speed(&mut self, id: u32, speed: f32) {
+    pub(crate) fn set_motor_speed(&mut self, id: u32, speed: f32) {
         self.joints[id].motor_speed = speed;
         self.wake_ends(id);
     }
 
-    pub(super) fn set_max_motor_torque(&mut self, id: u32, torque: f32) {
+    pub(crate) fn set_max_motor_torque(&mut self, id: u32, torque: f32) {
         self.joints[id].max_motor_torque = torque;
         self.wake_ends(id);
     }
@@ -264,24 +262,24 @@ impl Box2d {
         self.bodies[body_b].wake();
     }
 
-    pub(super) fn has_body(&self, id: u32) -> bool {
+    pub(crate) fn has_body(&self, id: u32) -> bool {
         self.bodies.get(id).is_some()
     }
 
-    pub(super) fn has_fixture(&self, id: u32) -> bool {
+    pub(crate) fn has_fixture(&self, id: u32) -> bool {
         self.fixtures.get(id).is_some()
     }
 
-    pub(super) fn has_joint(&self, id: u32) -> bool {
+    pub(crate) fn has_joint(&self, id: u32) -> bool {
         self.joints.get(id).is_some()
     }
 
-    pub(super) fn events(&self) -> &[ContactEvent] {
+    pub(crate) fn events(&self) -> &[ContactEvent] {
         &self.events
     }
 
     /// The first fixture of one of the categories that a ray meets.
-    pub(super) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
+    pub(crate) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
         let mut hit: Option<RayHit> = None;
         let ray = Aabb { lower: min2(from, to), upper: max2(from, to) };
         for id in self.broad_phase.query(ray) {

@@ -9,11 +9,11 @@ use super::settings::{LINEAR_SLOP, POLYGON_RADIUS};
 use crate::physics::Shape;
 
 /// The most vertices that a polygon may have here: Box2D's own default. (pybox2d allows 16.)
-pub(super) const MAX_VERTICES: usize = 8;
+pub(crate) const MAX_VERTICES: usize = 8;
 
 /// Which of Box2D's algorithms a shape takes part in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     Circle,
     Edge,
     Polygon,
@@ -22,11 +22,11 @@ pub(super) enum Kind {
 /// Any shape: the hull of its vertices, thickened by a radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::physics) struct Geometry {
-    pub(super) kind: Kind,
+    pub(crate) kind: Kind,
     count: u8,
-    pub(super) radius: f32,
+    pub(crate) radius: f32,
     /// Mean of a polygon's area.
-    pub(super) centroid: Vec2,
+    pub(crate) centroid: Vec2,
     vertices: [Vec2; MAX_VERTICES],
     normals: [Vec2; MAX_VERTICES],
 }
@@ -34,35 +34,35 @@ pub(in crate::physics) struct Geometry {
 /// Mass, centre of mass and moment of inertia about the body's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct MassData {
-    pub(super) mass: f32,
-    pub(super) center: Vec2,
-    pub(super) inertia: f32,
+    pub(crate) mass: f32,
+    pub(crate) center: Vec2,
+    pub(crate) inertia: f32,
 }
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Aabb {
-    pub(super) lower: Vec2,
-    pub(super) upper: Vec2,
+pub(crate) struct Aabb {
+    pub(crate) lower: Vec2,
+    pub(crate) upper: Vec2,
 }
 
 impl Aabb {
     #[inline]
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         other.lower.x - self.upper.x <= 0.0
             && other.lower.y - self.upper.y <= 0.0
             && self.lower.x - other.upper.x <= 0.0
             && self.lower.y - other.upper.y <= 0.0
     }
 
-    pub(super) fn contains(&self, other: &Self) -> bool {
+    pub(crate) fn contains(&self, other: &Self) -> bool {
         self.lower.x <= other.lower.x
             && self.lower.y <= other.lower.y
             && other.upper.x <= self.upper.x
             && other.upper.y <= self.upper.y
     }
 
-    pub(super) fn union(&self, other: &Self) -> Self {
+    pub(crate) fn union(&self, other: &Self) -> Self {
         Self { lower: min2(self.lower, other.lower), upper: max2(self.upper, other.upper) }
     }
 }
@@ -146,17 +146,17 @@ impl Geometry {
 
     /// A polygon's normals; the `i`th is that of the side from vertex `i` to the next.
     #[inline]
-    pub(super) fn normals(&self) -> &[Vec2] {
+    pub(crate) fn normals(&self) -> &[Vec2] {
         &self.normals[..usize::from(self.count).min(MAX_VERTICES)]
     }
 
     /// The number after `i` on the way around.
     #[inline]
-    pub(super) fn next(&self, i: usize) -> usize {
+    pub(crate) fn next(&self, i: usize) -> usize {
         if i + 1 < usize::from(self.count) { i + 1 } else { 0 }
     }
 
-    pub(super) fn aabb(&self, xf: &Pose) -> Aabb {
+    pub(crate) fn aabb(&self, xf: &Pose) -> Aabb {
         let first = transform(xf, self.vertices[0]);
         let (mut lower, mut upper) = (first, first);
         for vertex in &self.vertices()[1..] {
@@ -168,7 +168,7 @@ impl Geometry {
         Aabb { lower: lower - r, upper: upper + r }
     }
 
-    pub(super) fn mass(&self, density: f32) -> MassData {
+    pub(crate) fn mass(&self, density: f32) -> MassData {
         match self.kind {
             Kind::Circle => {
                 let (center, r) = (self.vertices[0], self.radius);
@@ -212,7 +212,7 @@ impl Geometry {
     }
 
     /// The part of the way from `from` to `to` at which a ray meets the shape, up to `limit`.
-    pub(super) fn ray_cast(&self, xf: &Pose, from: Vec2, to: Vec2, limit: f32) -> Option<f32> {
+    pub(crate) fn ray_cast(&self, xf: &Pose, from: Vec2, to: Vec2, limit: f32) -> Option<f32> {
         let origin = xf.translation.vector;
         let p1 = rotate_back(xf.rotation, from - origin);
         let d = rotate_back(xf.rotation, to - origin) - p1;
@@ -269,7 +269,7 @@ impl Geometry {
     }
 
     /// Whether numbers read from outside make a shape.
-    pub(super) fn is_valid(&self) -> bool {
+    pub(crate) fn is_valid(&self) -> bool {
         let count = match self.kind {
             Kind::Circle => 1..=1,
             Kind::Edge => 2..=2,

@@ -29,7 +29,7 @@ impl Box2d {
     }
 
     /// Updates the contacts of bodies that are awake and drops those whose boxes came apart.
-    pub(super) fn update_contacts(&mut self) {
+    pub(crate) fn update_contacts(&mut self) {
         for i in (0..self.contacts.len()).rev() {
             let contact = &self.contacts[i];
             let Contact { fixture_a, fixture_b, body_a, body_b, refilter, .. } = *contact;
@@ -65,7 +65,7 @@ impl Box2d {
     }
 
     /// Makes contacts of pairs of boxes that have come to overlap.
-    pub(super) fn find_new_contacts(&mut self) {
+    pub(crate) fn find_new_contacts(&mut self) {
         if !self.broad_phase.has_moved() {
             return;
         }
@@ -101,7 +101,7 @@ impl Box2d {
         self.synchronize_islands();
     }
 
-    pub(super) fn forget_islands(&mut self) {
+    pub(crate) fn forget_islands(&mut self) {
         for &id in &self.dynamic {
             self.bodies[id].island = false;
         }
@@ -114,7 +114,7 @@ impl Box2d {
     }
 
     /// Tells the broad phase where the bodies of the islands went, and finds what they met there.
-    pub(super) fn synchronize_islands(&mut self) {
+    pub(crate) fn synchronize_islands(&mut self) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
             if self.bodies[id].island {
@@ -126,7 +126,7 @@ impl Box2d {
 
     /// All that `seed` touches or is joined to, depth first; static bodies are not passed through. Tells
     /// whether there is such an island: not if the body sleeps or is part of another.
-    pub(super) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
+    pub(crate) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
         if self.bodies[seed].island || !self.bodies[seed].awake {
             return false;
         }
@@ -173,7 +173,7 @@ impl Box2d {
     }
 
     /// Tells the broad phase where a body's fixtures went.
-    pub(super) fn synchronize_fixtures(&mut self, id: u32) {
+    pub(crate) fn synchronize_fixtures(&mut self, id: u32) {
         let body = &self.bodies[id];
         let before = pose_about(body.sweep.c0, body.sweep.a0, body.sweep.local_center);
         let displacement = body.xf.translation.vector - before.translation.vector;

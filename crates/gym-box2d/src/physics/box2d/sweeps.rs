@@ -7,8 +7,8 @@
 //! made, as long as the bounds act alike. The bits are those of all sweeps.
 
 use super::contact_solver::Constraint as Contact;
-use super::island::Velocity;
 use super::joint::{Constraint as Joint, Increment};
+use super::motion::Velocity;
 use super::{BODIES, CONTACTS, JOINTS};
 
 /// What a sweep starts from.
@@ -20,7 +20,7 @@ struct Start {
 
 /// Working memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sweeps {
+pub(crate) struct Sweeps {
     /// Where the last sweep and the one before started.
     starts: [Start; 2],
     /// What they added to the joints' impulses.
@@ -28,7 +28,7 @@ pub(super) struct Sweeps {
 }
 
 impl Sweeps {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let start =
             || Start { velocities: Vec::with_capacity(BODIES), impulses: Vec::with_capacity(CONTACTS) };
         Self { starts: [start(), start()], increments: [JOINTS; 2].map(Vec::with_capacity) }
@@ -58,7 +58,7 @@ impl Start {
 }
 
 /// All joints, then all contacts.
-pub(super) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
+pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
     for joint in joints {
         joint.solve_velocity(velocities);
     }
@@ -69,7 +69,7 @@ pub(super) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: 
 
 impl Sweeps {
     /// Does what so many sweeps do.
-    pub(super) fn run(
+    pub(crate) fn run(
         &mut self,
         sweeps: u32,
         joints: &mut [Joint],

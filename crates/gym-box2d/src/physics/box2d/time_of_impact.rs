@@ -11,14 +11,14 @@ const MAX_ROOT_ITERATIONS: u32 = 50;
 
 /// A shape and its motion.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Moving<'a> {
-    pub(super) shape: &'a Geometry,
-    pub(super) sweep: Sweep,
+pub(crate) struct Moving<'a> {
+    pub(crate) shape: &'a Geometry,
+    pub(crate) sweep: Sweep,
 }
 
 /// The part of the motion after which the shapes touch, or `None` where they stay apart, overlap
 /// from the start, or no time is found.
-pub(super) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
+pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
     const T_MAX: f32 = 1.0;
     let a = Moving { sweep: a.sweep.normalized(), ..a };
     let b = Moving { sweep: b.sweep.normalized(), ..b };

@@ -7,13 +7,18 @@
 //! vector gives the very numbers of a sync one. A task that looks up tables steps
 //! [one by one](Many::each).
 //!
-//! ```text
-//! impl Native for CartPoleDynamics { .. }
-//! gym_core::register!(
-//!     Registration::new::<CartPole>("CartPole-v1")
-//!         .max_episode_steps(500)
-//!         .vector_entry_point(vector::native::entry_point::<CartPoleDynamics>)
-//! );
+//! ```
+//! use gym_core::vector::native::{self, Native};
+//! use gym_core::{Configure, Env, Registration};
+//!
+//! /// What to register for an environment with a native vector.
+//! fn registration<E, D>() -> Registration
+//! where
+//!     E: Env + Configure,
+//!     D: Native,
+//! {
+//!     Registration::new::<E>("CartPole-v1").max_episode_steps(500).vector_entry_point(native::entry_point::<D>)
+//! }
 //! ```
 //!
 //! The results of an environment depend on its seed and its actions alone: they are the same bits

@@ -3,12 +3,16 @@ use crate::wrappers::Bound;
 
 /// Every wrapper of vectors as a method, for any vector.
 ///
-/// ```text
-/// use gym::{VectorEnv, VectorWrap};
-/// let envs = gym::make_vec("Pendulum-v1", 16, None)?
+/// ```no_run
+/// use gym_core::vector::VectorWrap;
+///
+/// # fn main() -> gym_core::Result<()> {
+/// let envs = gym_core::make_vec("Pendulum-v1", 16, None)?
 ///     .record_episode_statistics()
 ///     .normalize_observation()?
 ///     .clip_reward(-5.0, None)?;
+/// # Ok(())
+/// # }
 /// ```
 pub trait VectorWrap: VectorEnv + Sized {
     /// [`RecordEpisodeStatistics`] of the last 100 episodes.

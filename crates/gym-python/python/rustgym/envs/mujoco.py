@@ -66,10 +66,10 @@ class MujocoEnv(Env):
         if qvel is None:
             super().set_state(state)
         else:
-            qpos, qvel = np.asarray(state, np.float64).ravel(), np.asarray(qvel, np.float64).ravel()
+            qpos, qvel = np.array(state, np.float64).ravel(), np.array(qvel, np.float64).ravel()
             if not self._native.is_running():
                 self._native.reset(str(entropy()), None)
-            self._native.set_mujoco_state(qpos.tolist(), qvel.tolist())
+            self._native.set_mujoco_state(qpos, qvel)
         self._is_current = False
 
     @property

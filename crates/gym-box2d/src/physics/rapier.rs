@@ -40,11 +40,12 @@ use rapier2d::prelude::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::island::{Island, Velocity};
-use super::joint::{Joint, LimitState};
-use super::math::{Vec2, cross, dot, rotate, rotation, vec2};
-use super::shape::{Geometry, Kind};
-use super::{Box2d, TimeStep, body::Body};
+use super::box2d::island::Island;
+use super::box2d::joint::{Joint, LimitState};
+use super::box2d::math::{Vec2, cross, dot, rotate, rotation, vec2};
+use super::box2d::motion::Velocity;
+use super::box2d::shape::{Geometry, Kind};
+use super::box2d::{Box2d, TimeStep, body::Body};
 use crate::physics::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
 
 /// Stiffness of a motor: none but its torque limit is to be felt.
@@ -52,7 +53,7 @@ const MOTOR_DAMPING: f32 = 1e10;
 
 /// A world whose solver is rapier2d.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(in crate::physics) struct Rapier {
+pub(super) struct Rapier {
     scene: Box2d,
     #[serde(with = "text")]
     sets: Box<Sets>,
@@ -120,7 +121,7 @@ fn vector(v: Vec2) -> Vector {
     Vector::new(v.x, v.y)
 }
 
-fn rapier_pose(xf: &super::math::Pose) -> RapierPose {
+fn rapier_pose(xf: &super::box2d::math::Pose) -> RapierPose {
     RapierPose::from_parts(
         vector(xf.translation.vector),
         Rotation::from_cos_sin_unchecked(xf.rotation.re, xf.rotation.im),
@@ -153,7 +154,7 @@ fn rigid() -> SpringCoefficients<f32> {
 }
 
 impl Rapier {
-    pub(in crate::physics) fn new(gravity: Vec2) -> Self {
+    pub(super) fn new(gravity: Vec2) -> Self {
         let sets = Sets {
             bodies: RigidBodySet::new(),
             colliders: ColliderSet::new(),
@@ -171,7 +172,7 @@ impl Rapier {
         }
     }
 
-    pub(in crate::physics) fn create_body(&mut self, def: &BodyDef) -> u32 {
+    pub(super) fn create_body(&mut self, def: &BodyDef) -> u32 {
         let id = self.scene.create_body(def);
         let builder = if def.dynamic { RigidBodyBuilder::dynamic() } else { RigidBodyBuilder::fixed() };
         let pose = rapier_pose(&self.scene.bodies[id].xf);
@@ -180,7 +181,7 @@ impl Rapier {
         id
     }
 
-    pub(in crate::physics) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
+    pub(super) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
         let id = self.scene.create_fixture(body, def);
         let handle = self.bodies[body as usize];
         if !def.sensor
@@ -208,7 +209,7 @@ impl Rapier {
         id
     }
 
-    pub(in crate::physics) fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> u32 {
+    pub(super) fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> u32 {
         let id = self.scene.create_revolute_joint(def);
         let joint = &self.scene.joints[id];
         let frame = |anchor: Vec2, angle: f32| RapierPose::new(vector(anchor), angle);
@@ -232,14 +233,14 @@ impl Rapier {
         id
     }
 
-    pub(in crate::physics) fn destroy_body(&mut self, id: u32) {
+    pub(super) fn destroy_body(&mut self, id: u32) {
         let Work { multibodies, soft_bodies, .. } = &mut *self.work;
         let Sets { bodies, colliders, joints, islands, .. } = &mut *self.sets;
         bodies.remove(self.bodies[id as usize], islands, colliders, joints, multibodies, soft_bodies, true);
         self.scene.destroy_body(id);
     }
 
-    pub(in crate::physics) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+    pub(super) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
         self.scene.events.clear();
         if self.scene.new_fixture {
             self.scene.find_new_contacts();
@@ -368,57 +369,57 @@ impl Rapier {
         }
     }
 
-    pub(in crate::physics) fn body(&self, id: u32) -> &Body {
+    pub(super) fn body(&self, id: u32) -> &Body {
         self.scene.body(id)
     }
 
-    pub(in crate::physics) fn body_mut(&mut self, id: u32) -> &mut Body {
+    pub(super) fn body_mut(&mut self, id: u32) -> &mut Body {
         self.scene.body_mut(id)
     }
 
-    pub(in crate::physics) fn fixture(&self, id: u32) -> &super::body::Fixture {
+    pub(super) fn fixture(&self, id: u32) -> &super::box2d::body::Fixture {
         self.scene.fixture(id)
     }
 
-    pub(in crate::physics) fn joint_angle(&self, id: u32) -> f32 {
+    pub(super) fn joint_angle(&self, id: u32) -> f32 {
         self.scene.joint_angle(id)
     }
 
-    pub(in crate::physics) fn joint_speed(&self, id: u32) -> f32 {
+    pub(super) fn joint_speed(&self, id: u32) -> f32 {
         self.scene.joint_speed(id)
     }
 
-    pub(in crate::physics) fn set_motor_speed(&mut self, id: u32, speed: f32) {
+    pub(super) fn set_motor_speed(&mut self, id: u32, speed: f32) {
         self.scene.set_motor_speed(id, speed);
     }
 
-    pub(in crate::physics) fn set_max_motor_torque(&mut self, id: u32, torque: f32) {
+    pub(super) fn set_max_motor_torque(&mut self, id: u32, torque: f32) {
         self.scene.set_max_motor_torque(id, torque);
     }
 
-    pub(in crate::physics) fn has_body(&self, id: u32) -> bool {
+    pub(super) fn has_body(&self, id: u32) -> bool {
         self.scene.has_body(id)
     }
 
-    pub(in crate::physics) fn has_fixture(&self, id: u32) -> bool {
+    pub(super) fn has_fixture(&self, id: u32) -> bool {
         self.scene.has_fixture(id)
     }
 
-    pub(in crate::physics) fn has_joint(&self, id: u32) -> bool {
+    pub(super) fn has_joint(&self, id: u32) -> bool {
         self.scene.has_joint(id)
     }
 
-    pub(in crate::physics) fn events(&self) -> &[ContactEvent] {
+    pub(super) fn events(&self) -> &[ContactEvent] {
         self.scene.events()
     }
 
-    pub(in crate::physics) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
+    pub(super) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
         self.scene.ray_cast(from, to, categories)
     }
 
     /// Whether the scene is consistent and rapier knows its bodies and joints. What rapier itself
     /// holds is taken as it is.
-    pub(in crate::physics) fn is_valid(&self) -> bool {
+    pub(super) fn is_valid(&self) -> bool {
         let body = |(id, _)| {
             self.bodies.get(id as usize).is_some_and(|handle| self.sets.bodies.get(*handle).is_some())
         };

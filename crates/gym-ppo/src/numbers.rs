@@ -1,0 +1,19 @@
+//! Tensors as plain numbers, to be stored.
+
+use anyhow::{Result, ensure};
+use candle_core::{Device, Tensor};
+
+/// The numbers of a tensor, row by row.
+pub(crate) type Numbers = Vec<f32>;
+
+/// The numbers of a tensor.
+pub(crate) fn numbers(tensor: &Tensor) -> candle_core::Result<Numbers> {
+    tensor.flatten_all()?.to_vec1()
+}
+
+/// A tensor of these numbers in the form of another one.
+pub(crate) fn tensor(numbers: &[f32], form: &Tensor) -> Result<Tensor> {
+    let (given, needed) = (numbers.len(), form.elem_count());
+    ensure!(given == needed, "the checkpoint has {given} numbers where the agent has {needed}");
+    Ok(Tensor::from_slice(numbers, form.shape(), &Device::Cpu)?)
+}

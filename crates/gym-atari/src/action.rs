@@ -43,6 +43,22 @@ pub enum Action {
     DownLeftFire,
 }
 
+/// What is done in a frame: an action, and how fast it turns a paddle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// The action.
+    pub action: Action,
+    /// The share of a paddle's full speed, ale-py's `paddle_strength`; joysticks do not know it.
+    pub paddle_strength: f32,
+}
+
+impl From<Action> for Command {
+    /// The action, with a paddle turned at full speed.
+    fn from(action: Action) -> Self {
+        Self { action, paddle_strength: 1.0 }
+    }
+}
+
 impl Action {
     /// Every action, in the order of its number.
     pub const ALL: [Self; 18] = [

@@ -4,15 +4,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::action::Action;
+use crate::action::{Action, Command};
 use crate::cartridge::Cartridge;
 use crate::console::{Console, Input, Pictures, Row, State as ConsoleState, switch};
 use crate::games::{Controller, Game, Ram};
 use crate::mt19937::Mt19937;
 use crate::paddle::Paddle;
 
-/// RAM at power-on, the same each time.
+/// RAM when the ROM is loaded, the same each time. Later it stays as it is while the power is off.
 const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
+/// What the timer starts with when the ROM is loaded, before the game is started for the first time.
+const LOADING_TIMER: u8 = 0x33;
 /// What the timer starts with, for each time that the power is switched on.
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
@@ -25,6 +27,8 @@ const RESET_FRAMES: u8 = 8;
 pub struct Ale {
     game: &'static Game,
     console: Console,
+    /// What loading the ROM leaves in RAM.
+    loaded: [u8; 128],
     settings: Settings,
     progress: Progress,
 }
@@ -47,8 +51,8 @@ struct Progress {
     power_ons: usize,
     /// Draws whether an action sticks.
     generator: Mt19937,
-    /// The action of the frame before.
-    previous: Action,
+    /// What was done in the frame before.
+    previous: Command,
     paddle: Paddle,
     score: i32,
     lives: i32,
@@ -77,12 +81,13 @@ impl Ale {
         let cartridge = Cartridge::new(rom, game.scheme);
         let mut ale = Self {
             game,
-            console: power_on(game, cartridge, 0),
+            console: Console::new(cartridge, game.display, *POWER_ON_RAM, LOADING_TIMER),
+            loaded: *POWER_ON_RAM,
             settings: Settings::default(),
             progress: Progress {
                 power_ons: 0,
                 generator: Mt19937::new(seed),
-                previous: Action::Noop,
+                previous: Action::Noop.into(),
                 paddle: Paddle::default(),
                 score: 0,
                 lives: 0,
@@ -91,7 +96,9 @@ impl Ale {
                 episode_frame_number: 0,
             },
         };
+        ale.idle();
         ale.reset();
+        ale.loaded = *ale.console.ram();
         ale
     }
 
@@ -100,72 +107,86 @@ impl Ale {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
         self.progress.frame_number = 0;
-        self.reset();
+        self.restart(self.loaded);
     }
 
     /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
     pub fn reset(&mut self) {
+        self.restart(*self.console.ram());
+    }
+
+    /// As [`reset`](Self::reset), with this content of RAM at power-on.
+    fn restart(&mut self, ram: [u8; 128]) {
         let cartridge = self.console.cartridge().clone();
-        self.console = power_on(self.game, cartridge, self.progress.power_ons);
+        let timer = POWER_ON_TIMER[self.progress.power_ons % POWER_ON_TIMER.len()];
+        self.console = Console::new(cartridge, self.game.display, ram, timer);
         self.progress.power_ons += 1;
-        self.progress.previous = Action::Noop;
+        self.progress.previous = Action::Noop.into();
         self.progress.paddle = Paddle::default();
-        for _ in 0..IDLE_FRAMES {
-            self.frame(Action::Noop, switch::IDLE, true);
-        }
+        self.idle();
         for _ in 0..RESET_FRAMES {
-            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+            self.frame(Action::Noop.into(), switch::IDLE & !switch::RESET, true);
         }
         self.progress.episode_frame_number = 0;
-        self.choose_mode();
-        for _ in RESET_FRAMES..self.game.reset_frames {
-            self.frame(Action::Noop, switch::IDLE & !switch::RESET, true);
+        for _ in 0..self.choose_mode() {
+            self.frame(Action::Noop.into(), switch::IDLE & !switch::RESET, true);
         }
         for &action in self.game.start {
-            self.frame(action, switch::IDLE, true);
+            self.frame(action.into(), switch::IDLE, true);
         }
         self.progress.score = (self.game.score)(&self.ram());
         self.observe();
     }
 
-    /// Presses SELECT as often as the mode needs; ale-py counts a frame for each.
-    fn choose_mode(&mut self) {
-        let (Some(mode), Some(held)) = (self.settings.mode, self.game.select_frames) else { return };
-        let presses =
-            self.game.modes.iter().find(|(number, _)| *number == mode).map_or(0, |(_, presses)| *presses);
+    fn idle(&mut self) {
+        for _ in 0..IDLE_FRAMES {
+            self.frame(Action::Noop.into(), switch::IDLE, true);
+        }
+    }
+
+    /// Presses SELECT as often as the mode needs, of which ale-py counts a frame each; gives the frames for which RESET is then
+    /// to be held.
+    fn choose_mode(&mut self) -> u8 {
+        let Game { modes, select, reset_frames, .. } = self.game;
+        let chosen = modes.iter().find(|(number, _)| self.settings.mode == Some(*number));
+        let presses = chosen.map_or(0, |(_, presses)| *presses);
+        if presses == 0 {
+            return reset_frames - RESET_FRAMES;
+        }
         for _ in 0..presses {
-            for _ in 0..held {
-                self.frame(Action::Noop, switch::IDLE & !switch::SELECT, true);
+            for _ in 0..select.held {
+                self.frame(Action::Noop.into(), switch::IDLE & !switch::SELECT, true);
             }
-            self.frame(Action::Noop, switch::IDLE, true);
+            self.frame(Action::Noop.into(), switch::IDLE, true);
         }
         self.progress.frame_number += u32::from(presses);
         self.progress.episode_frame_number += u32::from(presses);
+        select.reset
     }
 
-    /// Plays a frame; gives its reward. The action before it is repeated instead with probability
+    /// Plays a frame; gives its reward. The command before it is repeated instead with probability
     /// `repeat_action_probability`. Does nothing once the game is over.
-    pub fn act(&mut self, action: Action, repeat_action_probability: f64) -> i32 {
-        let action = self.stick(action, repeat_action_probability);
-        self.play(action, true)
+    pub fn act(&mut self, command: impl Into<Command>, repeat_action_probability: f64) -> i32 {
+        let command = self.stick(command.into(), repeat_action_probability);
+        self.play(command, true)
     }
 
-    /// The action that is executed: this one, or with a probability the one before.
-    pub(crate) fn stick(&mut self, action: Action, repeat_action_probability: f64) -> Action {
+    /// What is executed: this command, or with a probability the one before.
+    pub(crate) fn stick(&mut self, command: Command, repeat_action_probability: f64) -> Command {
         if self.progress.generator.random() < repeat_action_probability {
             self.progress.previous
         } else {
-            action
+            command
         }
     }
 
-    /// Plays a frame with exactly this action. An unseen frame leaves the picture as it is.
-    pub(crate) fn play(&mut self, action: Action, seen: bool) -> i32 {
-        self.progress.previous = action;
+    /// Plays a frame with exactly this command. An unseen frame leaves the picture as it is.
+    pub(crate) fn play(&mut self, command: Command, seen: bool) -> i32 {
+        self.progress.previous = command;
         if self.has_ended() {
             return 0;
         }
-        self.frame(action, switch::IDLE, seen);
+        self.frame(command, switch::IDLE, seen);
         self.progress.frame_number += 1;
         self.progress.episode_frame_number += 1;
         let (before, after) = (self.progress.score, (self.game.score)(&self.ram()));
@@ -174,27 +195,27 @@ impl Ale {
         self.game.rewards.of(before, after)
     }
 
-    /// Plays frames with one action, of which the last `seen` are to be seen; gives the sum of their rewards.
+    /// Plays frames with one command, of which the last `seen` are to be seen; gives the sum of their rewards.
     ///
     /// A picture can show what an earlier frame left, where a frame ends early or the game does. Then the frames are played
     /// again, with all of them drawn.
     pub(crate) fn frames(
         &mut self,
-        action: Action,
+        command: Command,
         frames: u32,
         seen: u32,
         repeat_action_probability: f64,
     ) -> i32 {
         let unseen = frames.saturating_sub(seen);
         if unseen == 0 {
-            return (0..frames).map(|_| self.act(action, repeat_action_probability)).sum();
+            return (0..frames).map(|_| self.act(command, repeat_action_probability)).sum();
         }
         let before = self.moment();
         let mut reward = 0;
         let mut complete = true;
         for frame in 0..frames {
             let had_ended = self.has_ended();
-            let executed = self.stick(action, repeat_action_probability);
+            let executed = self.stick(command, repeat_action_probability);
             reward += self.play(executed, frame >= unseen);
             if !had_ended {
                 complete = frame >= unseen && !self.console.is_short();
@@ -203,7 +224,7 @@ impl Ale {
         if !complete {
             self.set_moment(&before);
             for _ in 0..frames {
-                self.act(action, repeat_action_probability);
+                self.act(command, repeat_action_probability);
             }
         }
         reward
@@ -233,7 +254,7 @@ impl Ale {
     }
 
     /// Runs the console for a frame.
-    fn frame(&mut self, action: Action, switches: u8, seen: bool) {
+    fn frame(&mut self, Command { action, paddle_strength }: Command, switches: u8, seen: bool) {
         let difficulty = self.settings.difficulty.unwrap_or(self.game.difficulties[0]);
         // bit 0 is the left switch, bit 1 the right one
         let port_b = switches | difficulty << switch::LEFT_DIFFICULTY.trailing_zeros();
@@ -242,7 +263,7 @@ impl Ale {
                 Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
             }
             Controller::Paddle(paddle) => {
-                self.progress.paddle.turn(action.horizontal());
+                self.progress.paddle.turn(action.horizontal(), paddle_strength);
                 let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
                 let mut charge = [Some(Paddle::default().charge()); 2];
                 charge[paddle & 1] = Some(self.progress.paddle.charge());
@@ -335,9 +356,4 @@ impl Ale {
         }
         fits
     }
-}
-
-/// The console at power-on for the `n`-th time.
-fn power_on(game: &Game, cartridge: Cartridge, n: usize) -> Console {
-    Console::new(cartridge, game.display, *POWER_ON_RAM, POWER_ON_TIMER[n % POWER_ON_TIMER.len()])
 }

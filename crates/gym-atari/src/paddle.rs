@@ -13,7 +13,7 @@ pub(crate) struct Paddle(u32);
 const LEAST: u32 = 27_450;
 const MOST: u32 = 790_196;
 /// What an action changes in a frame.
-const STEP: u32 = 23_000;
+const STEP: f64 = 23_000.0;
 /// The processor's cycles in a second.
 const CYCLES_PER_SECOND: f64 = 1.19e6;
 /// The capacitor, in farads.
@@ -27,18 +27,44 @@ impl Default for Paddle {
 }
 
 impl Paddle {
-    /// Turns it for a frame: `1` to the right, `-1` to the left.
-    pub(crate) fn turn(&mut self, direction: i32) {
-        self.0 = match direction {
-            1 => self.0.saturating_sub(STEP).max(LEAST),
-            -1 => self.0.saturating_add(STEP).min(MOST),
-            _ => self.0,
-        };
+    /// Turns it for a frame, `1` to the right, `-1` to the left, at a share of its full speed.
+    pub(crate) fn turn(&mut self, direction: i32, strength: f32) {
+        let change = i64::from(direction) * i64::from((STEP * f64::from(strength)) as i32);
+        self.0 = (i64::from(self.0) - change).clamp(LEAST.into(), MOST.into()) as u32;
     }
 
     /// The colour clocks until the capacitor is charged.
     pub(crate) fn charge(self) -> u32 {
         let cycles = 1.6 * f64::from(self.0) * CAPACITY * CYCLES_PER_SECOND;
         3 * (cycles as u32 + 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_strength_is_a_share_of_the_speed_and_the_ends_hold() {
+        let middle = Paddle::default();
+        for (direction, strength, change) in [
+            (1, 1.0, -23_000),
+            (-1, 1.0, 23_000),
+            (1, 0.5, -11_500),
+            (-1, 0.333, 7_659),
+            (1, 0.0, 0),
+            (0, 1.0, 0),
+        ] {
+            let mut paddle = middle;
+            paddle.turn(direction, strength);
+            assert_eq!(i64::from(paddle.0) - i64::from(middle.0), change, "{direction} {strength}");
+        }
+        for (direction, end) in [(1, LEAST), (-1, MOST)] {
+            for strength in [1e9, f32::INFINITY] {
+                let mut paddle = middle;
+                paddle.turn(direction, strength);
+                assert_eq!(paddle, Paddle(end));
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@ use gym_core::registry::WrapperRegistration;
 use gym_core::{Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, WrapperSpec};
 use serde::{Deserialize, Serialize};
 
-use crate::action::Action;
+use crate::action::{Action, Command};
 use crate::env::{AtariAction, AtariEnv, Frameskip, buffer, bytes};
 use crate::palette;
 use crate::shrink::Shrink;
@@ -146,12 +146,12 @@ impl<E: Env> AtariPreprocessing<E> {
 
     /// Plays a step's frames, of which those from `first_seen` on are drawn. What they leave is the sum of rewards, how it
     /// ended, and the two last frames; and whether a picture shows what an undrawn frame left.
-    fn play(&mut self, action: Action, first_seen: u32) -> (Outcome, bool) {
+    fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self { env, settings, frames, lives, .. } = self;
         let env = within_mut(env);
         let (mut total, mut incomplete) = (Outcome::default(), false);
         for frame in 0..settings.frame_skip {
-            let outcome = env.play_frame(action, frame >= first_seen);
+            let outcome = env.play_frame(command, frame >= first_seen);
             total = Outcome { reward: total.reward + outcome.reward, ..outcome };
             if settings.terminal_on_life_loss {
                 let left = env.ale().lives();
@@ -229,7 +229,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
             _ => 0,
         };
         for _ in 0..noops {
-            if within_mut(&mut self.env).play_frame(Action::Noop, true).done() {
+            if within_mut(&mut self.env).play_frame(Action::Noop.into(), true).done() {
                 self.env.reset_into(reset, &mut self.unused)?;
             }
         }
@@ -243,14 +243,14 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
 
     fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
         let atari = within_mut(&mut self.env);
-        let action = atari.resolve_for_step(action)?;
+        let command = atari.resolve_for_step(action)?;
         let first_seen = self.settings.frame_skip.saturating_sub(2);
         let (before, lives) = (atari.moment(), self.lives);
-        let (mut outcome, incomplete) = self.play(action, first_seen);
+        let (mut outcome, incomplete) = self.play(command, first_seen);
         if incomplete {
             within_mut(&mut self.env).set_moment(&before);
             self.lives = lives;
-            (outcome, _) = self.play(action, 0);
+            (outcome, _) = self.play(command, 0);
         }
         self.observe(observation);
         Ok(outcome)

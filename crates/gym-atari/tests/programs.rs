@@ -39,6 +39,27 @@ fn a_playfield_and_a_counter() {
     assert_eq!(ale.ram().0[0], 68);
 }
 
+/// What is in RAM outlasts the power being switched off and on; only loading the ROM brings the bytes of its first start.
+#[test]
+fn memory_outlasts_a_reset() {
+    let code = [
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xe6, 0x90, // inc $90: starts
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+        0x4c, 0x07, 0xf0,
+    ];
+    let starts = |ale: &Ale| ale.ram().0[0x10];
+    let mut ale = Ale::new(games::by_name("seaquest").unwrap(), &rom(&code), 0);
+    assert_eq!(starts(&ale), 187);
+    for expected in [188, 189, 190] {
+        ale.reset();
+        assert_eq!(starts(&ale), expected);
+    }
+    // loads, and resets once
+    ale.reload(0);
+    assert_eq!(starts(&ale), 188);
+}
+
 /// Numbers that choose what a program writes.
 struct Lcg(u32);
 

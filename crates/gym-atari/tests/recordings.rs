@@ -1,8 +1,9 @@
 //! Recordings of ale-py 0.12.1, where there are ROMs and recordings: `GYM_REFERENCE` names a folder of them.
 
-use gym_atari::RomDir;
 use gym_atari::games::by_md5;
 use gym_atari::recording::Recording;
+use gym_atari::{AtariAction, AtariEnv, Config, ObsType, RomDir, games};
+use gym_core::{Env, Reset};
 
 #[test]
 fn games_are_ale_pys() {
@@ -21,4 +22,85 @@ fn games_are_ale_pys() {
         compared += 1;
     }
     println!("{compared} recordings of games were compared");
+}
+
+/// The RAM after the resets and steps of three episodes, the first with a seed, summed up.
+fn summary(config: Config, steps: usize, action: impl Fn(usize, &AtariEnv) -> AtariAction) -> u32 {
+    let mut env = AtariEnv::new(Config { obs_type: ObsType::Ram, ..config }).unwrap();
+    let mut sum = crc32fast::Hasher::new();
+    for reset in [Reset::seed(5), Reset::default(), Reset::default()] {
+        sum.update(env.reset(reset).unwrap().as_slice().unwrap());
+        for step in 0..steps {
+            let action = action(step, &env);
+            sum.update(env.step(&action).unwrap().observation.as_slice().unwrap());
+        }
+    }
+    sum.finalize()
+}
+
+/// Modes that are chosen by SELECT and RESET in several ways, and the noise that Ice Hockey keeps over a reset.
+#[test]
+fn modes_are_ale_pys() {
+    if RomDir::find().is_none() {
+        println!("no modes were compared: that needs ROMs");
+        return;
+    }
+    for (game, mode, difficulty, expected) in [
+        ("pong", 1, 2, 0x0ac0_2a50),
+        ("bowling", 4, 0, 0xb300_8bd5),
+        ("crazy_climber", 1, 0, 0xb779_1218),
+        ("kangaroo", 1, 0, 0x4a59_20ef),
+        ("jamesbond", 1, 0, 0xcc64_2185),
+        ("ms_pacman", 3, 0, 0x8a87_e94e),
+        ("private_eye", 4, 3, 0x2769_4c58),
+        ("space_invaders", 7, 0, 0x8e40_8c89),
+        ("bank_heist", 20, 1, 0x6947_7c01),
+        ("ice_hockey", 0, 0, 0xec82_f24f),
+    ] {
+        let config = Config {
+            game: game.to_owned(),
+            mode: Some(mode),
+            difficulty: Some(difficulty),
+            ..Config::default()
+        };
+        let sum = summary(config, 40, |step, env| (step / 4 % env.actions().len()).into());
+        assert_eq!(sum, expected, "{game}, mode {mode}, difficulty {difficulty}");
+    }
+}
+
+/// A stick that is moved halfway turns a paddle at half its speed.
+#[test]
+fn paddles_turn_by_degrees_as_ale_pys() {
+    if RomDir::find().is_none() {
+        println!("no paddles were compared: that needs ROMs");
+        return;
+    }
+    let config = Config {
+        game: "breakout".to_owned(),
+        continuous: true,
+        continuous_action_threshold: 0.1,
+        ..Config::default()
+    };
+    let sum = summary(config, 60, |step, _| {
+        let radius = (step * 7 % 11) as f32 / 10.0;
+        [radius, [0.0, 3.0, 1.0, -2.5][step / 5 % 4], (step % 3) as f32 / 2.0].into()
+    });
+    assert_eq!(sum, 0xe3cb_0beb);
+}
+
+/// A mode that does not come out as in ale-py is refused, and the message says what there is.
+#[test]
+fn modes_that_differ_are_refused() {
+    for (game, mode, difficulty) in [("space_invaders", 8, 0), ("bank_heist", 4, 2), ("demon_attack", 3, 1)] {
+        assert!(!(games::by_name(game).unwrap().is_exact)(mode, difficulty), "{game}");
+        let config = Config {
+            game: game.to_owned(),
+            mode: Some(mode),
+            difficulty: Some(difficulty),
+            ..Config::default()
+        };
+        let error = AtariEnv::new(config).unwrap_err().to_string();
+        let expected = format!("mode {mode} with difficulty {difficulty} is not supported");
+        assert!(error.contains(&expected), "{error}");
+    }
 }

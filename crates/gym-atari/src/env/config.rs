@@ -124,10 +124,13 @@ impl Config {
                 game.difficulties
             ));
         }
-        if let Some(mode) = self.mode.filter(|mode| *mode != modes[0] && game.select_frames.is_none()) {
+        let (mode, difficulty) =
+            (self.mode.unwrap_or(modes[0]), self.difficulty.unwrap_or(game.difficulties[0]));
+        if !(game.is_exact)(mode, difficulty) {
             return invalid(format!(
-                "mode is {mode}: only the default mode, {}, of this game is supported",
-                modes[0]
+                "mode {mode} with difficulty {difficulty} is not supported: it does not come out as in ale-py; the default is \
+                 mode {}, difficulty {}",
+                modes[0], game.difficulties[0]
             ));
         }
         if !self.repeat_action_probability.is_finite() || self.repeat_action_probability < 0.0 {

@@ -14,7 +14,7 @@ use gym_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::action::Action;
+use crate::action::{Action, Command};
 use crate::ale::{Ale, Moment, Settings, State};
 use crate::console::{Pictures, Row};
 use crate::games::Game;
@@ -98,14 +98,16 @@ impl AtariEnv {
         self.ale.game()
     }
 
-    /// The game's action for one of the agent's.
-    fn resolve(&self, action: &AtariAction) -> Result<Action> {
+    /// What is done in the game for one of the agent's actions.
+    fn resolve(&self, action: &AtariAction) -> Result<Command> {
         match *action {
             AtariAction::Index(index) if !self.config.continuous => {
-                self.actions().get(index).copied().ok_or_else(|| self.refuse(&index))
+                let action = self.actions().get(index).copied().ok_or_else(|| self.refuse(&index))?;
+                Ok(action.into())
             }
             AtariAction::Stick(stick) if self.config.continuous && stick.iter().all(|x| x.is_finite()) => {
-                Ok(action::from_stick(stick, self.config.continuous_action_threshold as f32))
+                let action = action::from_stick(stick, self.config.continuous_action_threshold as f32);
+                Ok(Command { action, paddle_strength: stick[0] })
             }
             AtariAction::Index(index) => Err(self.refuse(&index)),
             AtariAction::Stick(stick) => Err(self.refuse(&stick)),
@@ -146,7 +148,7 @@ impl AtariEnv {
 
     /// Takes a step without looking at what came of it. The last `seen` frames are drawn.
     pub(crate) fn advance(&mut self, action: &AtariAction, seen: u32) -> Result<Outcome> {
-        let action = self.resolve_for_step(action)?;
+        let command = self.resolve_for_step(action)?;
         let (frames, seen) = match self.config.frameskip {
             Frameskip::Fixed(frames) => (frames, seen),
             // which frames the next step builds on is not known
@@ -155,21 +157,21 @@ impl AtariEnv {
                 (episode.rng.integers(low, high), seen.max(2))
             }
         };
-        let reward = self.ale.frames(action, frames as u32, seen, self.config.repeat_action_probability);
+        let reward = self.ale.frames(command, frames as u32, seen, self.config.repeat_action_probability);
         Ok(self.outcome(reward))
     }
 
-    /// The game's action for the agent's, at the start of a step that plays its frames itself.
-    pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Action> {
-        let action = self.resolve(action)?;
+    /// What is done in the game for the agent's action, at the start of a step that plays its frames itself.
+    pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Command> {
+        let command = self.resolve(action)?;
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         episode.seeds = None;
-        Ok(action)
+        Ok(command)
     }
 
     /// Plays one frame of a step.
-    pub(crate) fn play_frame(&mut self, action: Action, seen: bool) -> Outcome {
-        let executed = self.ale.stick(action, self.config.repeat_action_probability);
+    pub(crate) fn play_frame(&mut self, command: Command, seen: bool) -> Outcome {
+        let executed = self.ale.stick(command, self.config.repeat_action_probability);
         let reward = self.ale.play(executed, seen);
         self.outcome(reward)
     }

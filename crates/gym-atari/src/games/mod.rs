@@ -35,8 +35,10 @@ pub struct Game {
     pub minimal: &'static [Action],
     /// The modes that there are, under ale-py's numbers, and how often SELECT is pressed for each; the first is the default.
     pub modes: &'static [(u16, u16)],
-    /// For how many frames SELECT is held when it is pressed; `None` where only the default mode was found to be exact.
-    pub select_frames: Option<u8>,
+    /// How another mode than the default is chosen.
+    pub select: Select,
+    /// Whether a mode with a difficulty was found to be exact.
+    pub is_exact: fn(mode: u16, difficulty: u8) -> bool,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
     /// The points, from RAM.
@@ -51,6 +53,15 @@ pub struct Game {
     pub over: fn(&Ram<'_>) -> bool,
 }
 
+/// How a mode is chosen: SELECT is pressed some times, with a frame in between, then RESET.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Select {
+    /// For how many frames SELECT is held.
+    pub held: u8,
+    /// For how many frames RESET is held at the end.
+    pub reset: u8,
+}
+
 /// What most games have in common.
 const DEFAULT: Game = Game {
     name: "",
@@ -63,7 +74,8 @@ const DEFAULT: Game = Game {
     start: &[],
     minimal: &Action::ALL,
     modes: &[(0, 0)],
-    select_frames: None,
+    select: Select { held: 2, reset: 4 },
+    is_exact: |_, _| true,
     difficulties: &[0],
     score: |_| 0,
     rewards: Rewards::Difference,

@@ -151,7 +151,9 @@ fn python_draws() {
     env.reset(0).unwrap();
     env.step(&Value::Int(0)).unwrap();
     assert_eq!(env.render().unwrap().into_frames().map(|frames| frames.len()), Some(2));
-    let error = echo("discrete").build().unwrap().render().unwrap_err().to_string();
+    let mut env = echo("discrete").build().unwrap();
+    env.reset(0).unwrap();
+    let error = env.render().unwrap_err().to_string();
     assert!(error.contains("made without a render mode"), "{error}");
 }
 

@@ -127,14 +127,14 @@ class Env(gymnasium.Env[Any, Any]):
         Args:
             seed: A whole number, zero or greater, of any size, which settles the episode. Without one the generator goes on
                 from the last episode; the first time the operating system seeds it.
-            options: What the environment's documentation names, such as ``low`` and ``high``. Other names are ignored.
+            options: What the environment's documentation names, such as ``low`` and ``high``.
 
         Returns:
             The first observation, an element of ``observation_space``, and the info.
 
         Raises:
             gymnasium.error.Error: for a seed that is negative or no whole number.
-            ValueError: for an option with a bad value.
+            ValueError: for an option with a bad value, or one that the environment does not have.
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)

@@ -18,7 +18,7 @@ const LOADING_TIMER: u8 = 0x33;
 /// What the timer starts with, for each time that the power is switched on.
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
-const IDLE_FRAMES: usize = 60;
+const IDLE_FRAMES: u8 = 60;
 /// The frames that RESET is pressed for, in every game.
 const RESET_FRAMES: u8 = 8;
 
@@ -96,7 +96,7 @@ impl Ale {
                 episode_frame_number: 0,
             },
         };
-        ale.idle();
+        ale.hold(switch::IDLE, IDLE_FRAMES);
         ale.reset();
         ale.loaded = *ale.console.ram();
         ale
@@ -123,14 +123,11 @@ impl Ale {
         self.progress.power_ons += 1;
         self.progress.previous = Action::Noop.into();
         self.progress.paddle = Paddle::default();
-        self.idle();
-        for _ in 0..RESET_FRAMES {
-            self.frame(Action::Noop.into(), switch::IDLE & !switch::RESET, true);
-        }
+        self.hold(switch::IDLE, IDLE_FRAMES);
+        self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         self.progress.episode_frame_number = 0;
-        for _ in 0..self.choose_mode() {
-            self.frame(Action::Noop.into(), switch::IDLE & !switch::RESET, true);
-        }
+        let reset_frames = self.choose_mode();
+        self.hold(switch::IDLE & !switch::RESET, reset_frames);
         for &action in self.game.start {
             self.frame(action.into(), switch::IDLE, true);
         }
@@ -138,9 +135,10 @@ impl Ale {
         self.observe();
     }
 
-    fn idle(&mut self) {
-        for _ in 0..IDLE_FRAMES {
-            self.frame(Action::Noop.into(), switch::IDLE, true);
+    /// Leaves the console's switches so for some frames, while the player does nothing.
+    fn hold(&mut self, switches: u8, frames: u8) {
+        for _ in 0..frames {
+            self.frame(Action::Noop.into(), switches, true);
         }
     }
 
@@ -154,10 +152,8 @@ impl Ale {
             return reset_frames - RESET_FRAMES;
         }
         for _ in 0..presses {
-            for _ in 0..select.held {
-                self.frame(Action::Noop.into(), switch::IDLE & !switch::SELECT, true);
-            }
-            self.frame(Action::Noop.into(), switch::IDLE, true);
+            self.hold(switch::IDLE & !switch::SELECT, select.held);
+            self.hold(switch::IDLE, 1);
         }
         self.progress.frame_number += u32::from(presses);
         self.progress.episode_frame_number += u32::from(presses);

@@ -38,6 +38,10 @@ fn summary(config: Config, steps: usize, action: impl Fn(usize, &AtariEnv) -> At
     sum.finalize()
 }
 
+fn in_mode(game: &str, mode: u16, difficulty: u8) -> Config {
+    Config { game: game.to_owned(), mode: Some(mode), difficulty: Some(difficulty), ..Config::default() }
+}
+
 /// Modes that are chosen by SELECT and RESET in several ways, and the noise that Ice Hockey keeps over a reset.
 #[test]
 fn modes_are_ale_pys() {
@@ -57,13 +61,8 @@ fn modes_are_ale_pys() {
         ("bank_heist", 20, 1, 0x6947_7c01),
         ("ice_hockey", 0, 0, 0xec82_f24f),
     ] {
-        let config = Config {
-            game: game.to_owned(),
-            mode: Some(mode),
-            difficulty: Some(difficulty),
-            ..Config::default()
-        };
-        let sum = summary(config, 40, |step, env| (step / 4 % env.actions().len()).into());
+        let sum =
+            summary(in_mode(game, mode, difficulty), 40, |step, env| (step / 4 % env.actions().len()).into());
         assert_eq!(sum, expected, "{game}, mode {mode}, difficulty {difficulty}");
     }
 }
@@ -93,13 +92,7 @@ fn paddles_turn_by_degrees_as_ale_pys() {
 fn modes_that_differ_are_refused() {
     for (game, mode, difficulty) in [("space_invaders", 8, 0), ("bank_heist", 4, 2), ("demon_attack", 3, 1)] {
         assert!(!(games::by_name(game).unwrap().is_exact)(mode, difficulty), "{game}");
-        let config = Config {
-            game: game.to_owned(),
-            mode: Some(mode),
-            difficulty: Some(difficulty),
-            ..Config::default()
-        };
-        let error = AtariEnv::new(config).unwrap_err().to_string();
+        let error = AtariEnv::new(in_mode(game, mode, difficulty)).unwrap_err().to_string();
         let expected = format!("mode {mode} with difficulty {difficulty} is not supported");
         assert!(error.contains(&expected), "{error}");
     }

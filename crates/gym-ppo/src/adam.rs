@@ -53,7 +53,7 @@ impl Adam {
     }
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
-        let numbers = |tensors: &[Tensor]| tensors.iter().map(numbers::numbers).collect::<Result<Vec<_>>>();
+        let numbers = |tensors: &[Tensor]| tensors.iter().map(numbers::of).collect::<Result<Vec<_>>>();
         let variables: Vec<Tensor> =
             self.variables.iter().map(|variable| variable.as_tensor().clone()).collect();
         Ok(StoredAdam {

@@ -7,7 +7,7 @@ use candle_core::{Device, Tensor};
 pub(crate) type Numbers = Vec<f32>;
 
 /// The numbers of a tensor.
-pub(crate) fn numbers(tensor: &Tensor) -> candle_core::Result<Numbers> {
+pub(crate) fn of(tensor: &Tensor) -> candle_core::Result<Numbers> {
     tensor.flatten_all()?.to_vec1()
 }
 

@@ -79,8 +79,9 @@ def test_an_action_of_another_shape(action):
 
 
 @pytest.mark.parametrize("env_id", [i for i in rustgym.ids() if i.partition("-v")[0] in {t.partition("-v")[0] for t in TASKS}])
-def test_mujocos_own_objects_follow(env_id):
+def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
     mujoco = pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)  # where MuJoCo logs its warnings
     env = made(env_id)
     env.reset(seed=3)
     for _ in range(5):

@@ -11,7 +11,7 @@ from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -28,14 +28,9 @@ _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "Humanoi
 class MujocoEnv(Env):
     """A robot that moves by MuJoCo's equations."""
 
-    _id: ClassVar[str] = "HalfCheetah-v5"
-
     # MuJoCo's own model and data, once somebody asked for them, and whether the data is that of the last step
     _library: tuple[Any, Any] | None = None
     _is_current = False
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(self._id, render_mode=render_mode, **kwargs)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """As ``Env.reset``."""

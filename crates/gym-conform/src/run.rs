@@ -1,6 +1,7 @@
 //! All checks over one environment, or over environments by id.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
@@ -108,18 +109,19 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
 pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
-    let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
-        let (specs, begin) = (&specs, &begin);
-        let report = move |spec: &EnvSpec| {
+    // whoever is free takes the next one: some take a hundred times as long as others
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut reports = Vec::new();
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(spec) = specs.get(i) else { return reports };
             begin(&spec.id);
-            report(spec)
-        };
-        let handles: Vec<_> = (0..workers)
-            .map(|worker| {
-                let mine = specs.iter().enumerate().skip(worker).step_by(workers);
-                scope.spawn(move || mine.map(|(i, spec)| (i, report(spec))).collect::<Vec<_>>())
-            })
-            .collect();
+            reports.push((i, report(spec)));
+        }
+    };
+    let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         handles
             .into_iter()
             .flat_map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic)))

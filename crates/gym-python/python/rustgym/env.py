@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -328,6 +328,15 @@ class Env(gymnasium.Env[Any, Any]):
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )
         super().__setattr__(name, value)
+
+
+class ClassEnv(Env):
+    """The base of the classes that stand for one id each."""
+
+    _id: ClassVar[str]
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(self._id, render_mode=render_mode, **kwargs)
 
 
 def metadata_from(description: dict[str, Any]) -> dict[str, Any]:

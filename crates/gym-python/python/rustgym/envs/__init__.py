@@ -13,7 +13,7 @@ from typing import Any
 import gymnasium.envs
 
 from rustgym import _native
-from rustgym.env import _SPECS, Env, metadata_from
+from rustgym.env import _SPECS, ClassEnv, Env, metadata_from
 from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
 from rustgym.envs.classic_control import (
     AcrobotEnv,
@@ -101,15 +101,11 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     spec = _SPECS[env_id]
     metadata = metadata_from(description)
     metadata["render_modes"] += _MORE_MODES.get(_task(env_id), [])
-    base = _BASES.get(_task(env_id), Env)
+    base = _BASES.get(_task(env_id), ClassEnv)
     arguments = "".join(f"\n        {key}: {value!r} unless given." for key, value in spec["defaults"].items())
     doc = f"{spec['about'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
-    def __init__(self: Any, render_mode: str | None = None, **kwargs: Any) -> None:
-        Env.__init__(self, env_id, render_mode=render_mode, **kwargs)
-
-    body = {"__doc__": doc, "__module__": __name__, "__init__": __init__, "_id": env_id, "metadata": metadata}
-    return type(name, (base,), body)
+    return type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
 
 
 def _vector_class(name: str, env_id: str) -> type[VectorEnv]:

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import Env, entropy
+from rustgym.env import ClassEnv, entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
 
 
-class Box2DEnv(Env):
+class Box2DEnv(ClassEnv):
     """An environment of bodies in a physics engine."""
-
-    _id: ClassVar[str]
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(self._id, render_mode=render_mode, **kwargs)
 
     def _episode(self) -> dict[str, Any]:
         episode: dict[str, Any] | None = self._take_apart()[1]

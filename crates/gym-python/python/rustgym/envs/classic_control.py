@@ -9,22 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import Env, entropy
+from rustgym.env import ClassEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
 
-class ClassicControlEnv(Env):
+class ClassicControlEnv(ClassEnv):
     """An environment whose state is a few numbers."""
 
-    _id: ClassVar[str]
     #: The names of the numbers, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
     #: What else belongs to a state that was set.
     _when_set: ClassVar[dict[str, Any]] = {}
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(self._id, render_mode=render_mode, **kwargs)
 
     @property
     def state(self) -> npt.NDArray[np.float64] | None:

@@ -17,7 +17,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import Env, entropy
+from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
 
@@ -25,7 +25,7 @@ __all__ = ["MujocoEnv"]
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 
-class MujocoEnv(Env):
+class MujocoEnv(ClassEnv):
     """A robot that moves by MuJoCo's equations."""
 
     # MuJoCo's own model and data, once somebody asked for them, and whether the data is that of the last step

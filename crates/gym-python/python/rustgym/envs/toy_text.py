@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustgym import _native
-from rustgym.env import Env, entropy
+from rustgym.env import ClassEnv, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
 
@@ -29,13 +29,8 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
     return _native.generate_random_map(size, p, seed)
 
 
-class ToyTextEnv(Env):
+class ToyTextEnv(ClassEnv):
     """An environment of a few cards or cells."""
-
-    _id: ClassVar[str]
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(self._id, render_mode=render_mode, **kwargs)
 
     def _state(self) -> dict[str, Any]:
         state = self._native.state()

@@ -1,0 +1,185 @@
+//! What wrappers make of observations and rewards that are known beforehand, in steps as in resets.
+
+use gym_core::spaces::{
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, TextSpace, TupleSpace,
+};
+use gym_core::statistics::RunningMeanStd;
+use gym_core::wrappers::{
+    FrameStackObservation, NormalizeObservation, NormalizeReward, Padding, StickyAction, TransformObservation,
+};
+use gym_core::{Array, DType, Env, Generator, Outcome, Reset, Result, Space, Value};
+
+/// Shows prepared observations, one after the other, with prepared rewards; the last one ends the episode.
+#[derive(Clone, Debug)]
+struct Script {
+    space: Space,
+    observations: Vec<Value>,
+    rewards: Vec<f64>,
+    steps: usize,
+    rng: Generator,
+}
+
+impl Script {
+    fn new(space: impl Into<Space>, observations: Vec<Value>) -> Self {
+        let rewards = vec![0.0; observations.len()];
+        Self { space: space.into(), observations, rewards, steps: 0, rng: Generator::from(0) }
+    }
+
+    /// Samples of a space.
+    fn sampled(space: impl Into<Space>, n: usize) -> Self {
+        let space = space.into();
+        let mut sampler = space.sampler(3);
+        let observations = (0..n).map(|_| sampler.sample()).collect();
+        Self::new(space, observations)
+    }
+
+    fn rewarded(rewards: &[f64]) -> Self {
+        let observations = vec![Value::Int(0); rewards.len() + 1];
+        Self { rewards: rewards.to_vec(), ..Self::new(Space::discrete(2), observations) }
+    }
+}
+
+impl Env for Script {
+    type Observation = Value;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(5)
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        (self.steps, self.rng) = (0, reset.generator(Some(&self.rng))?);
+        observation.clone_from(&self.observations[0]);
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &i64, observation: &mut Value) -> Result<Outcome> {
+        let reward = self.rewards[self.steps];
+        self.steps += 1;
+        observation.clone_from(&self.observations[self.steps]);
+        Ok(Outcome { reward, terminated: self.steps + 1 == self.observations.len(), truncated: false })
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        Some(&mut self.rng)
+    }
+}
+
+/// The observations of a reset and of all steps after it.
+fn shown<E: Env<Action = i64>>(mut env: E) -> Vec<E::Observation> {
+    let mut observations = vec![env.reset(0).unwrap()];
+    loop {
+        let step = env.step(&0).unwrap();
+        observations.push(step.observation);
+        if step.terminated {
+            return observations;
+        }
+    }
+}
+
+/// A space of every kind, composite ones of several parts.
+fn spaces() -> Vec<Space> {
+    let line = |n: usize| Space::from(BoxSpace::uniform(-1.0, 1.0, [n], DType::F32).unwrap());
+    let text = || Space::from(TextSpace::new(1, 5).unwrap());
+    vec![
+        line(3),
+        Discrete::new(7).unwrap().into(),
+        MultiDiscrete::new([3, 4]).unwrap().into(),
+        MultiBinary::new([4]).unwrap().into(),
+        text(),
+        TupleSpace::new([line(2), Discrete::new(9).unwrap().into(), text()]).into(),
+        DictSpace::new([("position", line(2)), ("words", text()), ("gear", Discrete::new(4).unwrap().into())])
+            .unwrap()
+            .into(),
+        OneOfSpace::new([line(2), Discrete::new(9).unwrap().into()]).unwrap().into(),
+        GraphSpace::new(line(2), Some(Discrete::new(3).unwrap().into())).unwrap().into(),
+    ]
+}
+
+#[test]
+fn a_stack_is_the_batch_of_the_last_observations() {
+    for space in spaces() {
+        let script = Script::sampled(space.clone(), 6);
+        let mut padded = vec![script.observations[0].clone(); 2];
+        padded.extend(script.observations.clone());
+        let stacks = shown(FrameStackObservation::new(script.clone(), 3).unwrap());
+        for (stack, last) in stacks.iter().zip(padded.windows(3)) {
+            assert_eq!(*stack, space.concatenate(last).unwrap(), "{space}");
+        }
+        let padding = space.sampler(8).sample();
+        padded[..2].fill(padding.clone());
+        let env = FrameStackObservation::new(script, 3).unwrap().with_padding(Padding::Custom(padding)).unwrap();
+        assert_eq!(shown(env)[1], space.concatenate(&padded[1..4]).unwrap(), "{space}");
+    }
+}
+
+#[test]
+fn every_observation_is_transformed() {
+    let script = Script::new(Space::discrete(100), (0..5).map(Value::Int).collect());
+    let env = TransformObservation::new(script, |seen: &Value| 10 * seen.as_int().unwrap(), None);
+    assert_eq!(shown(env), [0, 10, 20, 30, 40]);
+}
+
+#[test]
+fn whole_numbers_are_normalized_too() {
+    let numbers = [4, 9, 1, 6];
+    let script = Script::new(Space::discrete(10), numbers.map(Value::Int).to_vec());
+    let mut env = NormalizeObservation::new(script).unwrap();
+    let mut expected = RunningMeanStd::new(1);
+    for (i, number) in numbers.into_iter().enumerate() {
+        let seen = if i == 0 { env.reset(0).unwrap() } else { env.step(&0).unwrap().observation };
+        expected.update(&Array::from([number as i64])).unwrap();
+        assert_eq!(*env.statistics(), expected);
+        let [mean, variance] = [expected.mean(), expected.variance()].map(|x| x.iter_f64().next().unwrap());
+        let seen = seen.as_array().unwrap().iter_f64().next().unwrap();
+        let right = (number as f64 - mean) / (variance + 1e-8).sqrt();
+        assert!((seen - right).abs() < 1e-6, "{seen} for {right}");
+    }
+}
+
+#[test]
+fn statistics_count_each_row_once() {
+    let rows: [Array; 4] = [[1.0_f32].into(), [2.0_f64].into(), [3.0_f32].into(), [4_i64].into()];
+    let mut statistics = RunningMeanStd::new(1);
+    let before = statistics.count();
+    for (i, row) in rows.iter().enumerate() {
+        statistics.update(row).unwrap();
+        assert!((statistics.count() - before - (i + 1) as f64).abs() < 1e-9, "{}", statistics.count());
+    }
+    let mean = statistics.mean().iter_f64().next().unwrap();
+    assert!((mean - 2.5).abs() < 1e-3, "{mean}");
+}
+
+/// With a variance that is known and held, rewards are divided by its root.
+#[test]
+fn rewards_are_divided_by_a_deviation_that_was_set() {
+    let mut env = NormalizeReward::new(Script::rewarded(&[1.0, -8.0, 3.0]), 0.9).unwrap();
+    let known = RunningMeanStd::from_moments(&[5.0].into(), &[16.0].into(), 100.0).unwrap();
+    env.set_statistics(known.clone()).unwrap();
+    env.update_running_mean(false);
+    env.reset(0).unwrap();
+    for expected in [0.25, -2.0, 0.75] {
+        let reward = env.step(&0).unwrap().reward;
+        assert!((reward - expected).abs() < 1e-9, "{reward}");
+    }
+    assert_eq!(*env.statistics(), known);
+    let error = env.set_statistics(RunningMeanStd::new_f64(2)).unwrap_err().to_string();
+    assert!(error.contains("the statistics are of 2 numbers"), "{error}");
+    assert_eq!(*env.statistics(), known, "what is refused changes nothing");
+}
+
+#[test]
+fn an_action_sticks_for_one_step_unless_told_otherwise() {
+    let mut env = StickyAction::new(Script::sampled(Space::discrete(2), 8), 0.999_999).unwrap();
+    env.reset(0).unwrap();
+    let drawn = [(); 6].map(|()| {
+        let before = env.generator().unwrap().clone();
+        env.step(&1).unwrap();
+        *env.generator().unwrap() != before
+    });
+    assert_eq!(drawn, [false, true, true, true, true, true]);
+}

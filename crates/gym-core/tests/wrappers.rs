@@ -92,9 +92,13 @@ fn spaces() -> Vec<Space> {
         MultiBinary::new([4]).unwrap().into(),
         text(),
         TupleSpace::new([line(2), Discrete::new(9).unwrap().into(), text()]).into(),
-        DictSpace::new([("position", line(2)), ("words", text()), ("gear", Discrete::new(4).unwrap().into())])
-            .unwrap()
-            .into(),
+        DictSpace::new([
+            ("position", line(2)),
+            ("words", text()),
+            ("gear", Discrete::new(4).unwrap().into()),
+        ])
+        .unwrap()
+        .into(),
         OneOfSpace::new([line(2), Discrete::new(9).unwrap().into()]).unwrap().into(),
         GraphSpace::new(line(2), Some(Discrete::new(3).unwrap().into())).unwrap().into(),
     ]
@@ -112,7 +116,8 @@ fn a_stack_is_the_batch_of_the_last_observations() {
         }
         let padding = space.sampler(8).sample();
         padded[..2].fill(padding.clone());
-        let env = FrameStackObservation::new(script, 3).unwrap().with_padding(Padding::Custom(padding)).unwrap();
+        let env =
+            FrameStackObservation::new(script, 3).unwrap().with_padding(Padding::Custom(padding)).unwrap();
         assert_eq!(shown(env)[1], space.concatenate(&padded[1..4]).unwrap(), "{space}");
     }
 }

@@ -190,3 +190,59 @@ fn masses_are_box2ds() {
     let about_origin = body.inertia + body.mass * math::dot(body.sweep.local_center, body.sweep.local_center);
     assert_eq!(about_origin, 0.833_314_9);
 }
+
+/// Twelve bodies of every shape, some hinged, fall upon each other until they sleep. Written by `tests/reference/pile.py`.
+#[test]
+fn a_pile_falls_as_box2ds() {
+    let mut world = Box2d::new(v(0.0, -10.0));
+    let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
+    for edge in [Shape::Edge(v(-4.0, 2.0), v(0.0, 0.0)), Shape::Edge(v(0.0, 0.0), v(4.0, 2.0))] {
+        world.create_fixture(ground, &FixtureDef { friction: 0.4, ..FixtureDef::new(edge) });
+    }
+    let f = |x: f64| x as f32;
+    let bodies: [u32; 12] = std::array::from_fn(|i| {
+        let x = i as f64;
+        let position = v(f((i % 4) as f64 * 0.9 - 1.3 + 0.07 * x), f(1.5 + (i / 4) as f64 * 1.1));
+        let body = world.create_body(&BodyDef::dynamic(position, f(0.2 * x)));
+        let shape = match i % 3 {
+            0 => Shape::Rect { half_width: f(0.3 + 0.02 * x), half_height: 0.25 },
+            1 => Shape::Circle { center: v(0.0, 0.0), radius: 0.3 },
+            _ => Shape::Polygon(vec![v(-0.35, -0.25), v(0.35, -0.3), v(0.05, 0.4)]),
+        };
+        let def = FixtureDef::new(shape);
+        let (density, friction, restitution) = (f(1.0 + 0.5 * x), f(0.1 * x), f(0.05 * x));
+        world.create_fixture(body, &FixtureDef { density, friction, restitution, ..def });
+        world.body_mut(body).velocity = v(f(0.5 * x - 2.0), f(-0.3 * x));
+        body
+    });
+    for (a, b) in [(4, 5), (8, 9)] {
+        world.create_revolute_joint(&RevoluteJointDef {
+            body_a: BodyId(bodies[a]),
+            body_b: BodyId(bodies[b]),
+            local_anchor_a: v(0.45, 0.0),
+            local_anchor_b: v(-0.45, 0.0),
+            limits: Some((-0.5, 0.7)),
+            motor: true,
+            motor_speed: 2.0,
+            max_motor_torque: 1.5,
+            collide_connected: a == 8,
+        });
+    }
+    type Recorded = Vec<(u32, Vec<[u32; 6]>)>;
+    let recorded: Recorded =
+        serde_json::from_str(include_str!("../../../tests/reference/pile.json")).unwrap();
+    let mut done = 0;
+    for (step, expected) in recorded {
+        while done < step {
+            world.step(0.02, 8, 3);
+            done += 1;
+        }
+        for (i, expected) in expected.into_iter().enumerate() {
+            let body = world.body(bodies[i]);
+            let (position, velocity) = (body.xf.translation, body.velocity);
+            let found = [position.x, position.y, body.sweep.a, velocity.x, velocity.y, body.angular_velocity];
+            assert_eq!(found, expected.map(f32::from_bits), "step {step}, body {i}");
+        }
+    }
+    assert_eq!(done, 300);
+}

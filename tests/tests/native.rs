@@ -559,3 +559,18 @@ fn a_million_cartpoles_take_66_bytes_each() {
     }
     assert_eq!(ends, N, "a pole that is always pushed falls once within 12 steps");
 }
+
+#[test]
+fn limits_of_episodes_are_kept_from_the_shortest_on() {
+    for limit in [1, 2, 65_534] {
+        let vector = builder("Pendulum-v1").max_episode_steps(limit).vector(3).kind(VectorKind::Native);
+        let mut envs = vector.build().unwrap();
+        envs.reset(0).unwrap();
+        let actions = envs.action_sampler(0).unwrap().sample();
+        let mut columns = envs.columns().unwrap();
+        for step in 1..=limit.min(2) {
+            envs.step_into(&actions, &mut columns).unwrap();
+            assert_eq!(columns.truncated, [step == limit; 3], "limit {limit}, step {step}");
+        }
+    }
+}

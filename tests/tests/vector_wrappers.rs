@@ -168,6 +168,21 @@ fn the_estimate_can_be_held() {
 }
 
 #[test]
+fn the_estimate_of_rewards_can_be_held() {
+    let mut envs = pendulums(2, Autoreset::Disabled).normalize_reward(0.9).unwrap();
+    let actions = envs.action_sampler(0).unwrap().sample();
+    envs.reset(0).unwrap();
+    envs.step(&actions).unwrap();
+    let known = envs.statistics().clone();
+    envs.update_running_mean(false);
+    envs.step(&actions).unwrap();
+    assert_eq!(*envs.statistics(), known);
+    envs.update_running_mean(true);
+    envs.step(&actions).unwrap();
+    assert_ne!(*envs.statistics(), known);
+}
+
+#[test]
 fn bounds_are_for_one_sub_environment() {
     let bound: Bound = [-1.0f32, -1.0].into();
     let mut envs = make_vec("MountainCar-v0", 3, VectorKind::Sync)

@@ -76,6 +76,38 @@ fn noise_is_gymnasiums() {
     assert_eq!((&pixels[21..], next), (&[205, 52, 140][..], 148));
 }
 
+/// A patch at the edge covers what of it lies on the picture.
+#[test]
+fn a_patch_lies_anywhere_on_the_picture() {
+    let mut corners = 0;
+    for seed in 0..40 {
+        // one patch of 3 by 3 pixels
+        let mut env = ObstructView::new(Picture(None), 0.5, 3, false).unwrap();
+        env.reset(seed).unwrap();
+        let frame = env.render().unwrap().into_frame().unwrap();
+        let covered: Vec<bool> = frame.pixels().chunks(3).map(|pixel| pixel != [9; 3]).collect();
+        let count = covered.iter().filter(|is| **is).count();
+        assert!([4, 6, 9].contains(&count), "seed {seed}: {count}");
+        corners += u32::from(covered[0]);
+    }
+    assert!(corners > 0, "none covers the corner");
+}
+
+/// What is observed is the picture after each reset and step.
+#[test]
+fn pictures_are_observed_as_they_are_rendered() {
+    let made = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap();
+    let mut env = AddRenderObservation::new(made).unwrap();
+    let mut last = env.reset(0).unwrap();
+    for action in [0, 1, 0] {
+        let seen = env.step(&Value::Int(action)).unwrap().observation;
+        assert_ne!(seen, last);
+        let frame = env.render().unwrap().into_frame().unwrap();
+        assert!(seen.as_array().unwrap().as_slice::<u8>().unwrap() == frame.pixels());
+        last = seen;
+    }
+}
+
 #[test]
 fn pictures_turn_grey_and_small() {
     let env = Picture(None).grayscale_observation(false).unwrap();

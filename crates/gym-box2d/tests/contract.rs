@@ -87,3 +87,22 @@ fn snapshots_without_a_box_are_refused() {
         assert!(env.restore(&serde_json::from_value(json).unwrap()).is_err(), "{id}");
     }
 }
+
+/// Straight ahead from the start of this track the car leaves the field, where Gymnasium's does.
+#[test]
+fn a_car_off_the_field_ends_the_episode() {
+    let mut env = builder("CarRacing-v3").max_episode_steps(None).build().unwrap();
+    env.reset(0).unwrap();
+    let gas = Value::from([0.0_f32, 0.3, 0.0]);
+    let (mut total, mut steps) = (0.0, 0);
+    loop {
+        let step = env.step(&gas).unwrap();
+        (total, steps) = (total + step.reward, steps + 1);
+        if step.done() {
+            assert_eq!((step.reward, step.terminated, step.truncated), (-100.0, true, false));
+            break;
+        }
+    }
+    assert_eq!((steps, total), (310, -68.204_075_235_110_1));
+    assert_eq!(env.info_map().get("lap_finished"), Some(&Value::Bool(false)));
+}

@@ -373,6 +373,47 @@ pub const TURN: f64 = 2.0 * PI;
 mod tests {
     use super::*;
 
+    /// How many shapes are filled, and how many stroked.
+    #[derive(Default)]
+    struct Count(usize, usize);
+
+    impl Canvas for Count {
+        fn clear(&mut self, _color: Color) {}
+        fn fill(&mut self, _shape: Shape<'_>, _color: Color) {
+            self.0 += 1;
+        }
+        fn stroke(&mut self, _shape: Shape<'_>, _width: f64, _color: Color) {
+            self.1 += 1;
+        }
+        fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
+        fn push(&mut self, _transform: Transform) {}
+        fn pop(&mut self) {}
+    }
+
+    #[test]
+    fn every_primitive_is_one_smooth_shape() {
+        let points = &[[1.0, 1.0], [9.0, 2.0], [5.0, 8.0]];
+        let (center, radius) = ([5.0, 5.0], 3.0);
+        for (primitive, expected) in [
+            (Primitive::HLine { x1: 1.0, x2: 4.0, y: 2.0 }, (0, 1)),
+            (Primitive::VLine { x: 1.0, y1: 2.0, y2: 5.0 }, (0, 1)),
+            (Primitive::FilledPolygon(points), (1, 0)),
+            (Primitive::Polygon(points), (1, 0)),
+            (Primitive::AaPolygon(points), (0, 1)),
+            (Primitive::AaLines { points, closed: true }, (0, 1)),
+            (Primitive::AaLines { points, closed: false }, (0, 1)),
+            (Primitive::Lines { points, closed: true, width: 2 }, (0, 1)),
+            (Primitive::FilledCircle { center, radius }, (1, 0)),
+            (Primitive::Circle { center, radius }, (1, 0)),
+            // it comes with a filled one
+            (Primitive::AaCircle { center, radius }, (0, 0)),
+        ] {
+            let mut count = Count::default();
+            smooth(&mut count, primitive, Color::rgb(0, 0, 0));
+            assert_eq!((count.0, count.1), expected, "{primitive:?}");
+        }
+    }
+
     #[test]
     fn labels_hold_what_fits() {
         assert_eq!(&*Label::new(format_args!("{:04.0} m", 12.3)), "0012 m");

@@ -527,6 +527,22 @@ mod tests {
         }
     }
 
+    /// Where rectangles are left out, the checksum without them counts instead of the whole picture's.
+    #[test]
+    fn a_masked_checksum_stands_for_the_other() {
+        let event = |frame: u32, masked: Option<u32>| {
+            let mut event = json!({ "step": 0, "reward": 1.0, "frame": frame });
+            if let Some(masked) = masked {
+                event["frame_masked"] = masked.into();
+            }
+            trace(json!([event]))
+        };
+        let masked = event(1, Some(5));
+        assert_eq!(masked.first_difference(&event(2, Some(5))), None);
+        assert!(masked.first_difference(&event(1, Some(6))).unwrap().starts_with("event 0, frame_masked"));
+        assert!(event(1, None).first_difference(&event(2, None)).unwrap().starts_with("event 0, frame:"));
+    }
+
     #[test]
     fn a_misspelt_key_is_an_error() {
         for event in [

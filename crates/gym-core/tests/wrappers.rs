@@ -7,7 +7,7 @@ use gym_core::statistics::RunningMeanStd;
 use gym_core::wrappers::{
     FrameStackObservation, NormalizeObservation, NormalizeReward, Padding, StickyAction, TransformObservation,
 };
-use gym_core::{Array, DType, Env, Generator, Outcome, Reset, Result, Space, Value};
+use gym_core::{Array, DType, Data, Env, Generator, GraphInstance, Outcome, Reset, Result, Space, Value};
 
 /// Shows prepared observations, one after the other, with prepared rewards; the last one ends the episode.
 #[derive(Clone, Debug)]
@@ -119,6 +119,63 @@ fn a_stack_is_the_batch_of_the_last_observations() {
         let env =
             FrameStackObservation::new(script, 3).unwrap().with_padding(Padding::Custom(padding)).unwrap();
         assert_eq!(shown(env)[1], space.concatenate(&padded[1..4]).unwrap(), "{space}");
+    }
+}
+
+/// Graphs, choices and all that holds arrays: one number that is not finite anywhere is enough.
+#[test]
+fn what_is_not_finite_is_seen_anywhere() {
+    let graph = |node: f64, edge: f64| {
+        let links = Array::new([1, 2], Data::I64(vec![0, 0])).unwrap();
+        Value::Graph(Box::new(GraphInstance {
+            nodes: Array::from([1.0, node]),
+            edges: Some(Array::from([edge])),
+            edge_links: Some(links),
+        }))
+    };
+    for number in [0.5, f64::NAN, f64::INFINITY] {
+        for value in [
+            Value::Float(number),
+            Value::from([1.0, number]),
+            Value::from([number, 1.0]),
+            Value::from([1.0, number as f32]),
+            Value::from([number as f32, 1.0]),
+            Value::Tuple(vec![Value::Int(1), number.into()]),
+            Value::Dict(vec![("a".into(), Value::Int(1)), ("b".into(), number.into())]),
+            Value::OneOf(1, Box::new(number.into())),
+            graph(number, 1.0),
+            graph(1.0, number),
+        ] {
+            assert_eq!(value.is_finite(), number.is_finite(), "{value}");
+        }
+    }
+}
+
+/// Spaces that differ in one part are others, whichever part it is.
+#[test]
+fn one_part_makes_another_space() {
+    let bounds = |low: [f64; 3]| Space::from(BoxSpace::new(low, [9.0; 3]).unwrap());
+    let pair = |spaces: [Space; 2]| Space::from(TupleSpace::new(spaces));
+    let number = || Space::discrete(3);
+    for i in 0..3 {
+        let mut low = [0.0; 3];
+        low[i] = 0.5;
+        assert_ne!(bounds(low), bounds([0.0; 3]));
+        let json = serde_json::to_string(&bounds(low)).unwrap();
+        assert_eq!(serde_json::from_str::<Space>(&json).unwrap(), bounds(low), "{json}");
+    }
+    let form = pair([number(), bounds([0.0; 3])]);
+    assert!(form.has_form_of(&pair([number(), bounds([0.5; 3])])));
+    assert!(!form.has_form_of(&pair([number(), number()])));
+    assert!(!form.has_form_of(&pair([bounds([0.0; 3]), bounds([0.0; 3])])));
+}
+
+#[test]
+fn an_array_becomes_another_of_any_shape() {
+    let square = Array::new([2, 2], Data::F32(vec![1.0, 2.0, 3.0, 4.0])).unwrap();
+    for mut other in [Array::from([0.0_f32; 4]), Array::from([0_i64; 4]), Array::from([0.0_f32; 7])] {
+        other.clone_from(&square);
+        assert_eq!(other, square);
     }
 }
 

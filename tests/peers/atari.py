@@ -32,10 +32,10 @@ def actions(n, count):
         yield (random >> 16) % count
 
 
-def ours(example, game, n):
+def ours(what, game, n):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     environment = {**os.environ, "ALE_ROMS_DIR": str(ROMS)}
-    subprocess.run([EXAMPLES / example, str(n), game], check=True, stdout=subprocess.DEVNULL, env=environment)
+    subprocess.run([EXAMPLES / "speed", what, str(n), game], check=True, stdout=subprocess.DEVNULL, env=environment)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return n / (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
@@ -72,10 +72,10 @@ def main():
     ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
     gymnasium.register_envs(ale_py)
     cv2.setNumThreads(1)
-    for what, example, theirs, n, their_n in [("frames", "raw_frames", frames, 5000, 5000), ("steps", "preprocessed", steps, 5000, 1500)]:
+    for what, theirs, n, their_n in [("frames", frames, 5000, 5000), ("steps", steps, 5000, 1500)]:
         ratios = []
         for game in sys.argv[1:] or GAMES:
-            pairs = [(ours(example, game, n), theirs(game, their_n)) for _ in range(PAIRS)]
+            pairs = [(ours(what, game, n), theirs(game, their_n)) for _ in range(PAIRS)]
             ratios.append(statistics.median(a / b for a, b in pairs))
             a, b = (max(column) for column in zip(*pairs))
             print(f"{game:16} {what}: {a:8,.0f} here, {b:8,.0f} there, {ratios[-1]:.2f} times in the median pair", flush=True)

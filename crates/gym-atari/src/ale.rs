@@ -22,6 +22,9 @@ const IDLE_FRAMES: u8 = 60;
 /// The frames that RESET is pressed for, in every game.
 const RESET_FRAMES: u8 = 8;
 
+/// The pictures that there are, drawn in turn.
+const PICTURES: u32 = 2;
+
 /// A game that is being played.
 #[derive(Clone, Debug)]
 pub struct Ale {
@@ -191,33 +194,25 @@ impl Ale {
         self.game.rewards.of(before, after)
     }
 
-    /// Plays frames with one command, of which the last `seen` are to be seen; gives the sum of their rewards.
+    /// Plays frames with one command; gives the sum of their rewards. Only the last two are drawn.
     ///
-    /// A picture can show what an earlier frame left, where a frame ends early or the game does. Then the frames are played
-    /// again, with all of them drawn.
-    pub(crate) fn frames(
-        &mut self,
-        command: Command,
-        frames: u32,
-        seen: u32,
-        repeat_action_probability: f64,
-    ) -> i32 {
-        let unseen = frames.saturating_sub(seen);
+    /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an older one. So both pictures are
+    /// always what they would be with every frame drawn: where two whole ones do not come out, the frames are played
+    /// again, and all of them are drawn.
+    pub(crate) fn frames(&mut self, command: Command, frames: u32, repeat_action_probability: f64) -> i32 {
+        let unseen = frames.saturating_sub(PICTURES);
         if unseen == 0 {
             return (0..frames).map(|_| self.act(command, repeat_action_probability)).sum();
         }
         let before = self.moment();
-        let mut reward = 0;
-        let mut complete = true;
+        let (mut reward, mut whole) = (0, 0);
         for frame in 0..frames {
             let had_ended = self.has_ended();
             let executed = self.stick(command, repeat_action_probability);
             reward += self.play(executed, frame >= unseen);
-            if !had_ended {
-                complete = frame >= unseen && !self.console.is_short();
-            }
+            whole += u32::from(frame >= unseen && !had_ended && !self.console.is_short());
         }
-        if !complete {
+        if whole < PICTURES {
             self.set_moment(&before);
             for _ in 0..frames {
                 self.act(command, repeat_action_probability);

@@ -6,6 +6,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::dpc::{self, Dpc};
+
 /// How a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -26,12 +28,14 @@ pub enum Scheme {
     E0,
     /// Activision: the bank follows bit 5 of the address that a `JSR` or an `RTS` has just put on the bus.
     FE,
+    /// Pitfall II: `F8`, and a chip at `$1000` to `$107F` that fetches data from 2K of its own.
+    Dpc,
 }
 
 impl Scheme {
     /// Every scheme.
-    pub const ALL: [Self; 8] =
-        [Self::Rom2K, Self::Rom4K, Self::F8, Self::F8SC, Self::F6, Self::F6SC, Self::E0, Self::FE];
+    pub const ALL: [Self; 9] =
+        [Self::Rom2K, Self::Rom4K, Self::F8, Self::F8SC, Self::F6, Self::F6SC, Self::E0, Self::FE, Self::Dpc];
 
     /// The scheme of an unknown ROM, by its size: `None` where no scheme has that size.
     pub fn of_size(bytes: usize) -> Option<Self> {
@@ -40,6 +44,8 @@ impl Scheme {
             1..=2048 => Some(Self::Rom2K),
             2049..=4096 => Some(Self::Rom4K),
             8192 => Some(Self::F8),
+            // with 255 random numbers behind the data, or without
+            10240..=10495 => Some(Self::Dpc),
             16384 => Some(Self::F6),
             _ => None,
         }
@@ -51,6 +57,7 @@ impl Scheme {
             // 2K repeat
             Self::Rom2K | Self::Rom4K => 4096,
             Self::F8 | Self::F8SC | Self::E0 | Self::FE => 8192,
+            Self::Dpc => 8192 + dpc::DATA,
             Self::F6 | Self::F6SC => 16384,
         }
     }
@@ -82,6 +89,7 @@ pub struct Banks {
     ram: [u8; 128],
     /// `FE`: whether the access before this one was to `$01FE`.
     stacked: bool,
+    dpc: Dpc,
 }
 
 impl Cartridge {
@@ -92,19 +100,19 @@ impl Cartridge {
             [] => vec![0; scheme.size()].into(),
             _ => rom.iter().copied().cycle().take(scheme.size()).collect(),
         };
-        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], stacked: false };
+        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], stacked: false, dpc: Dpc::new() };
         let mut cartridge = Self { rom, banks };
         cartridge.reset();
         cartridge
     }
 
-    /// Back to the banks that are selected at power-on; the RAM is cleared.
+    /// Back to the banks that are selected at power-on; the RAM is cleared, and the chip of `Dpc` stays as it is.
     pub fn reset(&mut self) {
         self.banks.ram = [0; 128];
         self.banks.stacked = false;
         match self.banks.scheme {
             Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
-            Scheme::F8 | Scheme::F8SC => self.banks.select(1),
+            Scheme::F8 | Scheme::F8SC | Scheme::Dpc => self.banks.select(1),
             Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],
         }
     }
@@ -118,7 +126,8 @@ impl Cartridge {
     pub fn set_banks(&mut self, banks: &Banks) -> bool {
         let last = (self.rom.len() - 0x400) as u16;
         let fits = banks.scheme == self.banks.scheme
-            && banks.windows.iter().all(|&start| start <= last && start % 0x400 == 0);
+            && banks.windows.iter().all(|&start| start <= last && start % 0x400 == 0)
+            && banks.dpc.is_valid();
         if fits {
             self.banks = banks.clone();
         }
@@ -140,6 +149,8 @@ impl Cartridge {
                 return bus;
             }
             return self.banks.ram[cell];
+        } else if low < dpc::REGISTERS && self.banks.scheme == Scheme::Dpc {
+            return self.banks.read_dpc(low, &self.rom[8192..]);
         }
         let start = self.banks.windows[usize::from(low >> 10)];
         self.rom[usize::from(start) + usize::from(low & 0x03ff)]
@@ -153,6 +164,8 @@ impl Cartridge {
             self.banks.hotspot(low);
         } else if low < 0x80 && self.banks.scheme.has_ram() {
             self.banks.ram[usize::from(low)] = value;
+        } else if low < dpc::REGISTERS && self.banks.scheme == Scheme::Dpc {
+            self.banks.write_dpc(low, value);
         }
     }
 
@@ -182,6 +195,16 @@ pub(crate) trait ReadWrite {
     fn listen(&mut self, _address: u16, _value: u8) {}
     /// The byte of the ROM that a read of this address gives, if the read does nothing else.
     fn constant(&self, address: u16) -> Option<u8>;
+    /// The four bytes of the ROM from an address on, if reading them does nothing else.
+    fn program(&self, address: u16) -> Option<[u8; 4]>;
+}
+
+/// Four bytes of a bank, if all of them lie ahead of `end`.
+#[inline(always)]
+fn four_bytes(bank: &[u8; BANK], address: u16, end: usize) -> Option<[u8; 4]> {
+    // addresses beyond 4095 are none of the cartridge's
+    let at = usize::from((address & 0x1fff) ^ 0x1000);
+    if at <= end - 4 { bank[at..].first_chunk().copied() } else { None }
 }
 
 /// A cartridge by what its accesses do, so that the processor runs on code for that alone.
@@ -208,6 +231,11 @@ impl ReadWrite for Fixed<'_> {
     #[inline(always)]
     fn constant(&self, address: u16) -> Option<u8> {
         (address & 0x1000 != 0).then(|| self.rom[usize::from(address & 0x0fff)])
+    }
+
+    #[inline(always)]
+    fn program(&self, address: u16) -> Option<[u8; 4]> {
+        four_bytes(self.rom, address, BANK)
     }
 }
 
@@ -252,6 +280,11 @@ impl ReadWrite for Switched<'_> {
         let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
         plain.then(|| self.bank[usize::from(address & 0x0fff)])
     }
+
+    #[inline(always)]
+    fn program(&self, address: u16) -> Option<[u8; 4]> {
+        four_bytes(self.bank, address, usize::from(FIRST_HOTSPOT))
+    }
 }
 
 impl ReadWrite for &mut Cartridge {
@@ -279,6 +312,21 @@ impl ReadWrite for &mut Cartridge {
     fn constant(&self, _address: u16) -> Option<u8> {
         None
     }
+
+    /// Instructions within one window.
+    fn program(&self, address: u16) -> Option<[u8; 4]> {
+        let low = address & 0x0fff;
+        let first = match self.banks.scheme {
+            Scheme::FE => return None,
+            Scheme::F8SC | Scheme::F6SC => 0x0100,
+            Scheme::Dpc => dpc::REGISTERS,
+            _ => 0,
+        };
+        let plain = address & 0x1000 != 0 && (first..FIRST_HOTSPOT - 4).contains(&low);
+        let (window, at) = (usize::from(low >> 10), usize::from(low & 0x03ff));
+        let slice = self.rom[usize::from(self.banks.windows[window])..].first_chunk::<0x400>()?;
+        if plain && at <= slice.len() - 4 { slice[at..].first_chunk().copied() } else { None }
+    }
 }
 
 impl Banks {
@@ -288,9 +336,22 @@ impl Banks {
         self.windows = [start, start + 0x400, start + 0x800, start + 0xc00];
     }
 
+    /// The upper half of the registers is not to be read.
+    #[inline(never)]
+    fn read_dpc(&mut self, low: u16, data: &[u8]) -> u8 {
+        if low < dpc::REGISTERS / 2 { self.dpc.read(low, data) } else { 0 }
+    }
+
+    #[inline(never)]
+    fn write_dpc(&mut self, low: u16, value: u8) {
+        if low >= dpc::REGISTERS / 2 {
+            self.dpc.write(low, value);
+        }
+    }
+
     fn hotspot(&mut self, low: u16) {
         match (self.scheme, low) {
-            (Scheme::F8 | Scheme::F8SC, 0xff8..=0xff9) => self.select(low - 0xff8),
+            (Scheme::F8 | Scheme::F8SC | Scheme::Dpc, 0xff8..=0xff9) => self.select(low - 0xff8),
             (Scheme::F6 | Scheme::F6SC, 0xff6..=0xff9) => self.select(low - 0xff6),
             (Scheme::E0, 0xfe0..=0xff7) => {
                 let window = usize::from((low - 0xfe0) >> 3);

@@ -91,6 +91,7 @@ impl Console {
             tia: Tia::new(display),
             screen: Screen::new(),
             frame_ended: false,
+            continued: true,
         };
         Self { cpu: Cpu::new(pc), chips, cartridge }
     }
@@ -115,7 +116,8 @@ impl Console {
             chips.screen.unseen = !seen;
             chips.tia.start_picture();
         }
-        if std::mem::take(&mut chips.frame_ended) {
+        chips.continued = !std::mem::take(&mut chips.frame_ended);
+        if !chips.continued {
             chips.screen.swap();
         }
         match cartridge.slot() {
@@ -140,15 +142,15 @@ impl Console {
         &self.chips.screen.picture()[..self.chips.tia.display().rows]
     }
 
-    /// Whether the last frame ended before its picture was complete. The rest of the picture is then what it was two
-    /// frames ago.
+    /// Whether the last call did not draw a whole picture: the frame ended before, or is not over, or had begun in the
+    /// call before. The rest of the picture is then what it was two frames ago.
     pub fn is_short(&self) -> bool {
-        !self.chips.frame_ended || self.chips.tia.is_short()
+        self.chips.continued || !self.chips.frame_ended || self.chips.tia.is_short()
     }
 
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
-        let Chips { riot, tia, screen: _, frame_ended } = &self.chips;
+        let Chips { riot, tia, screen: _, frame_ended, continued: _ } = &self.chips;
         State {
             cpu: self.cpu,
             riot: riot.clone(),

@@ -7,6 +7,7 @@ mod bytes;
 pub mod cartridge;
 pub mod console;
 pub mod cpu;
+mod dpc;
 mod env;
 pub mod games;
 mod mt19937;

@@ -145,7 +145,7 @@ impl<E: Env> AtariPreprocessing<E> {
     }
 
     /// Plays a step's frames, of which those from `first_seen` on are drawn. What they leave is the sum of rewards, how it
-    /// ended, and the two last frames; and whether a picture shows what an undrawn frame left.
+    /// ended, and the two last frames; and whether a picture may show what an undrawn frame left.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self { env, settings, frames, lives, .. } = self;
         let env = within_mut(env);
@@ -159,6 +159,7 @@ impl<E: Env> AtariPreprocessing<E> {
                 *lives = left;
             }
             if total.done() {
+                incomplete = true;
                 break;
             }
             if frame + 2 >= settings.frame_skip {
@@ -185,9 +186,9 @@ fn look(env: &AtariEnv, out: &mut [u8]) {
 
 /// Turns the colours of a picture into those of another where these are brighter.
 fn brighter(picture: &mut [u8], other: &[u8]) {
-    let rows = picture.as_chunks_mut::<160>().0.iter_mut().zip(other.as_chunks::<160>().0);
-    for (row, other) in rows.filter(|(row, other)| row != other) {
-        for (index, &other) in row.iter_mut().zip(other) {
+    let cells = picture.as_chunks_mut::<32>().0.iter_mut().zip(other.as_chunks::<32>().0);
+    for (cell, other) in cells.filter(|(cell, other)| cell != other) {
+        for (index, &other) in cell.iter_mut().zip(other) {
             if palette::GRAY[usize::from(*index)] < palette::GRAY[usize::from(other)] {
                 *index = other;
             }

@@ -64,6 +64,7 @@ impl Riot {
     }
 
     /// Writes a register at a cycle.
+    #[inline(never)]
     pub fn write(&mut self, address: u16, value: u8, cycle: u64) {
         match (address & 0x14, address & 0x03) {
             // TIM1T, TIM8T, TIM64T, T1024T

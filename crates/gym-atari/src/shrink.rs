@@ -1,12 +1,16 @@
 //! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
 //!
 //! Each number is the mean of what it covers of the picture: first of the columns of each row, then of the rows, in
-//! `f32` and in that order. A row that equals the one above it, as most rows of these pictures do, is not added up again.
+//! `f32` and in that order. Where a row equals the one above it, as most of most rows do, it is not added up again.
+
+use std::ops::Range;
 
 /// The columns that a number can cover at most, and the rows likewise.
 const TAPS: usize = 16;
 /// As many are added up without counting: shares beyond the last are 0.
 const FEW: usize = 4;
+/// The columns of the picture that are compared at a time.
+const CELL: usize = 8;
 
 /// What one number covers along one axis: the first of the source, and the share of each from there on.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +25,8 @@ struct Cover {
 pub(crate) struct Shrink {
     rows: Vec<Cover>,
     columns: Vec<Cover>,
+    /// The numbers that cover some of each cell of a row.
+    cells: Vec<Range<usize>>,
     width: usize,
     /// Whether no number covers more than a few columns.
     few_columns: bool,
@@ -37,7 +43,13 @@ impl Shrink {
     pub(crate) fn new(source: (usize, usize), target: (usize, usize)) -> Option<Self> {
         let rows = covers(source.0, target.0)?;
         let columns = covers(source.1, target.1)?;
+        let cells = (0..source.1.div_ceil(CELL)).map(|cell| {
+            let (start, end) = (cell * CELL, (cell + 1) * CELL);
+            let first = columns.partition_point(|cover| cover.first + cover.count <= start);
+            first..columns.partition_point(|cover| cover.first < end)
+        });
         Some(Self {
+            cells: cells.collect(),
             few_columns: columns.iter().all(|cover| cover.count <= FEW),
             rows,
             columns,
@@ -54,20 +66,28 @@ impl Shrink {
         let mut above: &[u8] = &[];
         for (y, row) in picture.chunks_exact(self.width).enumerate() {
             let start = y * columns;
-            if row == above {
+            if y > 0 {
                 self.across.copy_within(start - columns..start, start);
-                continue;
             }
+            // the numbers that cover something else than in the row above
+            let mut changed = usize::MAX..0;
+            for (cell, pixels) in row.chunks(CELL).enumerate() {
+                let first = cell * CELL;
+                if above.get(first..first + pixels.len()) != Some(pixels) {
+                    for (shade, &byte) in self.shades[first..].iter_mut().zip(pixels) {
+                        *shade = f32::from(shades[usize::from(byte)]);
+                    }
+                    let covering = self.cells[cell].clone();
+                    if covering.start > changed.end {
+                        self.add_up(start, changed);
+                        changed = covering;
+                    } else {
+                        changed = changed.start.min(covering.start)..covering.end;
+                    }
+                }
+            }
+            self.add_up(start, changed);
             above = row;
-            for (shade, &byte) in self.shades.iter_mut().zip(row) {
-                *shade = f32::from(shades[usize::from(byte)]);
-            }
-            let sums = self.across[start..start + columns].iter_mut().zip(&self.columns);
-            if self.few_columns {
-                sums.for_each(|(sum, cover)| *sum = cover.sum::<FEW>(&self.shades));
-            } else {
-                sums.for_each(|(sum, cover)| *sum = cover.sum::<TAPS>(&self.shades));
-            }
         }
         for (out, cover) in out.chunks_exact_mut(columns).zip(&self.rows) {
             self.down.fill(0.0);
@@ -76,6 +96,22 @@ impl Shrink {
                 self.down.iter_mut().zip(row).for_each(|(sum, part)| *sum += share * part);
             }
             out.iter_mut().zip(&self.down).for_each(|(out, &sum)| *out = round(sum));
+        }
+    }
+}
+
+impl Shrink {
+    /// Adds up the shades that some numbers of a row cover; the row's first is at `start`.
+    #[inline(always)]
+    fn add_up(&mut self, start: usize, numbers: Range<usize>) {
+        if numbers.is_empty() {
+            return;
+        }
+        let sums = self.across[start..][numbers.clone()].iter_mut().zip(&self.columns[numbers]);
+        if self.few_columns {
+            sums.for_each(|(sum, cover)| *sum = cover.sum::<FEW>(&self.shades));
+        } else {
+            sums.for_each(|(sum, cover)| *sum = cover.sum::<TAPS>(&self.shades));
         }
     }
 }

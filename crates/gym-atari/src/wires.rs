@@ -20,6 +20,8 @@ pub(crate) struct Chips {
     pub(crate) tia: Tia,
     pub(crate) screen: Screen,
     pub(crate) frame_ended: bool,
+    /// Whether the frame had begun in the call before.
+    pub(crate) continued: bool,
 }
 
 /// Whether the cartridge answers an address.
@@ -54,14 +56,8 @@ impl Chips {
     }
 
     #[inline(never)]
-    fn write_register(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        if is_riot(address) {
-            self.riot.write(address, value, cycle);
-            return Ready::Now;
-        }
-        let ready = self.tia.write(address, value, cycle, &mut self.screen);
-        self.frame_ended |= ready == Ready::Return;
-        ready
+    fn write_tia(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
+        self.tia.write(address, value, cycle, &mut self.screen)
     }
 }
 
@@ -80,20 +76,8 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
     }
 
     #[inline(always)]
-    fn fetch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        let value = if is_cartridge(address) {
-            self.slot.read(address, bus)
-        } else {
-            cold();
-            self.chips.read(address, cycle, bus)
-        };
-        self.slot.listen(address, value);
-        value
-    }
-
-    #[inline(always)]
     fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        self.slot.constant(address).unwrap_or_else(|| self.fetch(address, cycle, bus))
+        self.slot.constant(address).unwrap_or_else(|| self.read(address, cycle, bus))
     }
 
     #[inline(always)]
@@ -103,15 +87,21 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
             self.slot.write(address, value);
         } else if is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)] = value;
+        } else if is_riot(address) {
+            self.chips.riot.write(address, value, cycle);
         } else {
-            return self.chips.write_register(address, value, cycle);
+            let ready = self.chips.write_tia(address, value, cycle);
+            if ready == Ready::Return {
+                self.chips.frame_ended = true;
+            }
+            return ready;
         }
         Ready::Now
     }
 
     #[inline(always)]
-    fn constant(&self, address: u16) -> Option<u8> {
-        self.slot.constant(address)
+    fn program(&self, address: u16) -> Option<[u8; 4]> {
+        self.slot.program(address)
     }
 
     fn steady_until(&self, address: u16, cycle: u64) -> u64 {
@@ -119,7 +109,3 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
         if riot { self.chips.riot.steady_until(address, cycle) } else { cycle }
     }
 }
-
-/// Tells the compiler that whoever calls this is rare.
-#[cold]
-fn cold() {}

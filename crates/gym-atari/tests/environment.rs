@@ -20,13 +20,13 @@ fn homebrew() -> Rom {
     program(&code)
 }
 
-/// Shows a counter of frames as a colour; two frames of eight end early, and leave the rest of their pictures as they were.
-fn stutter() -> Rom {
+/// Shows a counter of frames as a colour; some frames of eight end early, and leave the rest of their pictures as they were.
+fn stutter(short: u8) -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
         0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x85, 0x09, // inc $80; lda $80; asl; sta COLUBK
-        0xa5, 0x80, 0x29, 0x07, 0xc9, 0x02, 0x90, 0x04, // lda $80; and #7; cmp #2; bcc
+        0xa5, 0x80, 0x29, 0x07, 0xc9, short, 0x90, 0x04, // lda $80; and #7; cmp #short; bcc
         0xa2, 0xff, 0xd0, 0x02, 0xa2, 0x50, // 255 lines, or 80
         0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x0c, 0xf0,
     ];
@@ -60,20 +60,29 @@ fn observations_have_the_shape_of_their_space() {
 #[test]
 fn pictures_of_short_frames_are_whole() {
     let frames = |env: &AtariEnv| env.ale().frame_number();
-    for frameskip in
-        [Frameskip::Range([1, 7]), Frameskip::Range([1, 3]), Frameskip::Fixed(3), Frameskip::Fixed(5)]
-    {
-        let config = |frameskip| Config { frameskip, repeat_action_probability: 0.0, ..Config::default() };
-        let mut skipping = AtariEnv::with_rom(config(frameskip), &stutter()).unwrap();
-        let mut single = AtariEnv::with_rom(config(Frameskip::Fixed(1)), &stutter()).unwrap();
-        assert_eq!(skipping.reset(5).unwrap(), single.reset(5).unwrap());
-        for step in 0..200 {
-            let seen = skipping.step(&0.into()).unwrap().observation;
-            let mut expected = None;
-            while frames(&single) < frames(&skipping) {
-                expected = Some(single.step(&0.into()).unwrap().observation);
+    for short in 1..8 {
+        for frameskip in [
+            Frameskip::Range([1, 7]),
+            Frameskip::Range([1, 3]),
+            Frameskip::Fixed(2),
+            Frameskip::Fixed(3),
+            Frameskip::Fixed(4),
+            Frameskip::Fixed(5),
+            Frameskip::Fixed(7),
+        ] {
+            let config =
+                |frameskip| Config { frameskip, repeat_action_probability: 0.0, ..Config::default() };
+            let mut skipping = AtariEnv::with_rom(config(frameskip), &stutter(short)).unwrap();
+            let mut single = AtariEnv::with_rom(config(Frameskip::Fixed(1)), &stutter(short)).unwrap();
+            assert_eq!(skipping.reset(5).unwrap(), single.reset(5).unwrap());
+            for step in 0..60 {
+                let seen = skipping.step(&0.into()).unwrap().observation;
+                let mut expected = None;
+                while frames(&single) < frames(&skipping) {
+                    expected = Some(single.step(&0.into()).unwrap().observation);
+                }
+                assert_eq!(Some(seen), expected, "{short} short frames of eight, {frameskip:?}, step {step}");
             }
-            assert_eq!(Some(seen), expected, "{frameskip:?}, step {step}");
         }
     }
 }

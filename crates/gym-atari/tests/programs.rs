@@ -103,7 +103,12 @@ fn writes_show_when_they_do_in_ale_py() {
     let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
     // playfield, colours, reflection, priority and score
     let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
+    // positions, at all times of a line: of missiles and the ball, and of missiles locked to players
+    let positions: &[u8] = &[2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43];
+    let locked: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 40, 41, 4, 5];
     let cases = [
+        (positions, [0xa28a_76ab, 0x89a9_d149, 0x9d7a_8250, 0x6c97_c58a, 0x3559_3352, 0x8b9d_f49b]),
+        (locked, [0x0d96_4ff4, 0xe7f5_c9c4, 0xbf8a_b9c9, 0x8faf_bf40, 0x02b2_22f3, 0xbc81_f9d8]),
         (playfield, [0x9a98_1527, 0x8f50_f08b, 0xf34f_4410, 0x1ee2_4465, 0xec64_3a9d, 0x49e5_935b]),
         (objects, [0xd65e_0466, 0x2d1e_5550, 0x07a1_be42, 0x8d4e_d54b, 0xc673_bb73, 0xfa37_a9d9]),
         (hmove, [0x90cb_33a4, 0xb13d_efb2, 0x9b00_9857, 0x9002_1e60, 0xb461_5fcc, 0x8ce7_7f31]),
@@ -168,6 +173,44 @@ fn banks_follow_accesses() {
 
     let mut small = Cartridge::new(&[7; 2048], Scheme::Rom2K);
     assert_eq!((small.read(0x1000, 0), small.read(0x1fff, 0)), (7, 7));
+}
+
+/// Reads of the chip in Pitfall II's cartridge, with its counters anywhere.
+#[test]
+fn data_fetchers_give_what_ale_pys_do() {
+    for (seed, expected) in (0..).zip([0xa1fd_ae91, 0x62bd_6e45, 0x9377_df05, 0xb5a0_a5f7]) {
+        let mut random = Lcg(seed);
+        let data: Vec<u8> = (0..2048).map(|_| random.below(256) as u8).collect();
+        // clears RAM; restarts the random numbers
+        let mut code =
+            vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb];
+        code.extend([0x8d, 0x70, 0x10]);
+        for fetcher in 0..5 {
+            let counter = random.below(256) as u8;
+            let top = counter.wrapping_sub(random.below(8) as u8);
+            let bottom = counter.wrapping_sub(8).wrapping_sub(random.below(8) as u8);
+            let high = random.below(8) as u8;
+            for (register, value) in [(0x40, top), (0x48, bottom), (0x50, counter), (0x58, high)] {
+                code.extend([0xa9, value, 0x8d, register + fetcher, 0x10]); // lda #value; sta register
+            }
+        }
+        for result in 0x80..0xe4 {
+            let (fetcher, function) = (random.below(5) as u8, random.below(8) as u8);
+            let fetcher = if function == 0 { random.below(4) as u8 } else { fetcher };
+            code.extend([0xad, 8 * function + fetcher, 0x10, 0x85, result]); // lda register; sta result
+        }
+        let [low, high] = (0xf080 + code.len() as u16).to_le_bytes();
+        code.extend([0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+        code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]); // 255 lines
+        let mut bank = vec![0xea; 4096];
+        bank[0x80..][..code.len()].copy_from_slice(&code);
+        bank[0xffc..].copy_from_slice(&[0x80, 0xf0, 0x80, 0xf0]);
+        let cartridge =
+            Cartridge::new(&[&bank[..], &bank[..], &data[..], &[0; 255][..]].concat(), Scheme::Dpc);
+        let mut console = Console::new(cartridge, Display::NTSC, [0; 128], 74);
+        console.frame(&Input::default());
+        assert_eq!(crc32fast::hash(console.ram()), expected, "seed {seed}");
+    }
 }
 
 /// Bytes of no sense neither panic nor hang, and come out the same twice.

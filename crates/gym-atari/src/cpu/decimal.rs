@@ -1,45 +1,46 @@
-//! Arithmetic in binary coded decimal, as the NMOS chip does it, flags of no meaning included.
+//! Arithmetic in binary coded decimal, as ale-py does it: numbers are turned into binary ones and back, and the flags come
+//! from the result. The chip's own flags differ, and so do its results for digits above 9.
 //!
 //! It is rare, and takes the registers by value: by reference it would keep them in memory for all other instructions.
 
 use super::Cpu;
 
+/// The number that two digits stand for.
+fn from_digits(byte: u8) -> i16 {
+    10 * i16::from(byte >> 4) + i16::from(byte & 0x0f)
+}
+
+/// The two lowest digits of a number.
+fn to_digits(number: u8) -> u8 {
+    (number / 10 % 10) << 4 | number % 10
+}
+
 impl Cpu {
-    /// Z comes from the binary sum; N and V from the sum whose lower digit alone was adjusted.
     #[inline(never)]
     pub(super) fn adc_decimal(mut self, value: u8) -> Self {
-        let (a, b, carry) = (u16::from(self.a), u16::from(value), u16::from(self.carry));
-        let mut low = (a & 0x0f) + (b & 0x0f) + carry;
-        if low > 9 {
-            low = ((low + 6) & 0x0f) + 0x10;
-        }
-        let mut sum = (a & 0xf0) + (b & 0xf0) + low;
-        self.zero = (a + b + carry) as u8;
-        self.negative = sum as u8;
-        self.overflow = !(a ^ b) & (a ^ sum) & 0x80 != 0;
-        if sum > 0x9f {
-            sum += 0x60;
-        }
-        self.carry = sum > 0xff;
-        self.a = sum as u8;
+        let sum = from_digits(self.a) + from_digits(value) + i16::from(self.carry);
+        self.carry = sum > 99;
+        self.set_decimal(to_digits(sum as u8), value);
         self
     }
 
-    /// All flags come from the binary difference.
     #[inline(never)]
     pub(super) fn sbc_decimal(mut self, value: u8) -> Self {
-        let (a, b, borrow) = (i16::from(self.a), i16::from(value), i16::from(!self.carry));
-        let mut low = (a & 0x0f) - (b & 0x0f) - borrow;
-        if low < 0 {
-            low = ((low - 6) & 0x0f) - 0x10;
-        }
-        let mut difference = (a & 0xf0) - (b & 0xf0) + low;
-        if difference < 0 {
-            difference -= 0x60;
-        }
-        self.adc_binary(!value);
-        self.a = difference as u8;
+        let borrow = i16::from(!self.carry);
+        let difference = from_digits(self.a) - from_digits(value) - borrow;
+        let difference = if difference < 0 { difference + 100 } else { difference };
+        self.carry = i16::from(self.a) >= i16::from(value) + borrow;
+        // only digits above 9 lead below -100
+        let result =
+            if difference < 0 { from_digits(difference as u8) as u8 } else { to_digits(difference as u8) };
+        self.set_decimal(result, value);
         self
+    }
+
+    /// The result and its flags but the carry.
+    fn set_decimal(&mut self, result: u8, value: u8) {
+        self.overflow = (self.a ^ result) & (value ^ result) & 0x80 != 0;
+        self.a = self.flags(result);
     }
 
     /// The adjustment of `ARR`, after the rotation of `masked` into the accumulator.

@@ -27,7 +27,7 @@ pub(super) enum Operation {
     Bcc, Bcs, Beq, Bmi, Bne, Bpl, Bvc, Bvs,
     // jumps
     Brk, Jmp, Jsr, Rti, Rts,
-    /// Halts a real 6507. Here it does nothing, so that a program gone astray cannot stop the machine.
+    /// Halts the processor until it is reset.
     Jam,
 }
 
@@ -89,6 +89,23 @@ pub(super) struct Instruction {
     pub(super) operation: Operation,
     pub(super) mode: Mode,
 }
+
+/// The bytes that are read of each instruction before it does anything, by opcode. `JSR` reads its third byte last.
+pub(super) const LENGTHS: [u8; 256] = {
+    let mut lengths = [2; 256];
+    let mut opcode = 0;
+    while opcode < 256 {
+        let Instruction { operation, mode } = INSTRUCTIONS[opcode];
+        match (operation, mode) {
+            (Operation::Jsr, _) => {}
+            (_, Mode::Implied) => lengths[opcode] = 1,
+            (_, Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect) => lengths[opcode] = 3,
+            _ => {}
+        }
+        opcode += 1;
+    }
+    lengths
+};
 
 /// Mnemonic and mode in words of an assembler: `abx` is `$1234,X`, `izy` is `($12),Y`.
 macro_rules! table {

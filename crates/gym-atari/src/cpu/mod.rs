@@ -19,12 +19,6 @@ pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
 
-    /// Reads a byte of the program.
-    #[inline(always)]
-    fn fetch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        self.read(address, cycle, bus)
-    }
-
     /// Reads a byte that the processor has no use for.
     #[inline(always)]
     fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
@@ -34,8 +28,9 @@ pub trait Bus {
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
 
-    /// The byte at an address, where reading it does nothing else and it never changes.
-    fn constant(&self, _address: u16) -> Option<u8> {
+    /// The four bytes from an address on, where reading them does nothing else and they never change.
+    #[inline(always)]
+    fn program(&self, _address: u16) -> Option<[u8; 4]> {
         None
     }
 
@@ -90,10 +85,8 @@ pub struct Cpu {
     interrupt_disable: bool,
     decimal: bool,
     overflow: bool,
-    /// The last result: its bit 7 is the flag N.
-    negative: u8,
-    /// The last result: the flag Z is set where it is 0.
-    zero: u8,
+    /// The last result, from which N and Z follow. `BIT` and `PLP` set N apart from Z: by bit 15.
+    result: u16,
 }
 
 impl Cpu {
@@ -111,8 +104,7 @@ impl Cpu {
             interrupt_disable: false,
             decimal: false,
             overflow: false,
-            negative: 0,
-            zero: 1,
+            result: 1,
         }
     }
 
@@ -120,32 +112,42 @@ impl Cpu {
     #[inline(always)]
     pub fn status(&self) -> u8 {
         let bit = |set: bool, bit: u8| if set { bit } else { 0 };
-        (self.negative & flag::N)
+        bit(self.is_negative(), flag::N)
             | bit(self.overflow, flag::V)
             | flag::UNUSED
             | flag::B
             | bit(self.decimal, flag::D)
             | bit(self.interrupt_disable, flag::I)
-            | bit(self.zero == 0, flag::Z)
+            | bit(self.is_zero(), flag::Z)
             | bit(self.carry, flag::C)
     }
 
     #[inline(always)]
     fn set_status(&mut self, p: u8) {
-        self.negative = p & flag::N;
         self.overflow = p & flag::V != 0;
         self.decimal = p & flag::D != 0;
         self.interrupt_disable = p & flag::I != 0;
-        self.zero = !p & flag::Z;
+        self.result = u16::from(p & flag::N) << 8 | u16::from(!p & flag::Z);
         self.carry = p & flag::C != 0;
     }
 
     /// Sets N and Z by `value`.
     #[inline(always)]
     fn flags(&mut self, value: u8) -> u8 {
-        self.negative = value;
-        self.zero = value;
+        self.result = u16::from(value);
         value
+    }
+
+    /// The flag N.
+    #[inline(always)]
+    fn is_negative(&self) -> bool {
+        self.result & 0x8080 != 0
+    }
+
+    /// The flag Z.
+    #[inline(always)]
+    fn is_zero(&self) -> bool {
+        self.result & 0x00ff == 0
     }
 
     #[inline(always)]
@@ -230,9 +232,8 @@ impl Cpu {
             Operation::Adc => self.adc(value),
             Operation::And => self.a = self.flags(self.a & value),
             Operation::Bit => {
-                self.negative = value;
                 self.overflow = value & 0x40 != 0;
-                self.zero = self.a & value;
+                self.result = u16::from(value & flag::N) << 8 | u16::from(self.a & value);
             }
             Operation::Cmp => self.compare(self.a, value),
             Operation::Cpx => self.compare(self.x, value),
@@ -274,9 +275,9 @@ impl Cpu {
 
     /// The byte that an operation writes.
     #[inline(always)]
-    fn stored(&mut self, operation: Operation, base: u16) -> u8 {
+    fn stored(&mut self, operation: Operation, address: u16) -> u8 {
         // the four unstable ones mix in the address's high byte, plus 1
-        let high = ((base >> 8) as u8).wrapping_add(1);
+        let high = ((address >> 8) as u8).wrapping_add(1);
         match operation {
             Operation::Sta => self.a,
             Operation::Stx => self.x,

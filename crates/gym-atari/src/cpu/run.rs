@@ -1,7 +1,7 @@
 //! Executing instructions: fetching, addressing, and the accesses of each cycle.
 
-use super::instructions::{Access, INSTRUCTIONS, Mode, Operation};
-use super::{Bus, Cpu, Ready, flag};
+use super::instructions::{Access, INSTRUCTIONS, LENGTHS, Mode, Operation};
+use super::{Bus, Cpu, Ready};
 
 /// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
 struct Core<B> {
@@ -11,13 +11,8 @@ struct Core<B> {
     left: u32,
 }
 
-/// An operand's address, and what it was before the index was added.
-#[derive(Clone, Copy)]
-struct Address {
-    at: u16,
-    base: u16,
-}
-
+/// `LAX $12`.
+const LAX_ZERO_PAGE: u8 = 0xa7;
 /// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles of a round.
 const LOOP_BYTES: i8 = 5;
 const LOOP_CYCLES: u64 = 7;
@@ -38,8 +33,8 @@ impl Cpu {
 /// A match on the opcode with an arm for each. The compiler knows the opcode of an arm, so that of all matches on
 /// operations and modes only one arm is left there.
 macro_rules! dispatch {
-    ($core:ident, $opcode:ident: $($code:literal)*) => {
-        match $opcode { $($code => $core.execute::<$code>(),)* }
+    ($core:ident, $opcode:ident, $low:ident, $high:ident: $($code:literal)*) => {
+        match $opcode { $($code => $core.execute::<$code>($low, $high),)* }
     };
 }
 
@@ -47,8 +42,11 @@ impl<B: Bus> Core<B> {
     #[inline(always)]
     #[rustfmt::skip]
     fn step(&mut self) {
-        let opcode = self.fetch();
-        dispatch!(self, opcode:
+        let [opcode, low, high, _] = match self.bus.program(self.cpu.pc) {
+            Some(bytes) => bytes,
+            None => self.fetch(),
+        };
+        dispatch!(self, opcode, low, high:
             0x00 0x01 0x02 0x03 0x04 0x05 0x06 0x07 0x08 0x09 0x0a 0x0b 0x0c 0x0d 0x0e 0x0f
             0x10 0x11 0x12 0x13 0x14 0x15 0x16 0x17 0x18 0x19 0x1a 0x1b 0x1c 0x1d 0x1e 0x1f
             0x20 0x21 0x22 0x23 0x24 0x25 0x26 0x27 0x28 0x29 0x2a 0x2b 0x2c 0x2d 0x2e 0x2f
@@ -92,17 +90,19 @@ impl<B: Bus> Core<B> {
         }
     }
 
+    /// Reads an instruction that is not simply in ROM: its bytes, or the one behind it where it has but one. They are
+    /// read at the cycles that [`execute`](Self::execute) counts.
     #[inline(always)]
-    fn fetch(&mut self) -> u8 {
-        self.cpu.cycle += 1;
-        self.cpu.bus = self.bus.fetch(self.cpu.pc, self.cpu.cycle, self.cpu.bus);
-        self.cpu.pc = self.cpu.pc.wrapping_add(1);
-        self.cpu.bus
-    }
-
-    #[inline(always)]
-    fn fetch_word(&mut self) -> u16 {
-        u16::from_le_bytes([self.fetch(), self.fetch()])
+    fn fetch(&mut self) -> [u8; 4] {
+        let Cpu { pc, cycle, .. } = self.cpu;
+        let mut read = |i: u16| {
+            self.cpu.bus = self.bus.read(pc.wrapping_add(i), cycle + 1 + u64::from(i), self.cpu.bus);
+            self.cpu.bus
+        };
+        let opcode = read(0);
+        let low = read(1);
+        let high = if LENGTHS[usize::from(opcode)] == 3 { read(2) } else { 0 };
+        [opcode, low, high, 0]
     }
 
     #[inline(always)]
@@ -134,44 +134,31 @@ impl<B: Bus> Core<B> {
         self.cpu.pc = u16::from_le_bytes([self.pull(), self.pull()]);
     }
 
-    /// Where an instruction of this mode works, and the address before the index was added.
+    /// Where an instruction of this mode works, with these bytes behind its opcode.
     #[inline(always)]
-    fn address(&mut self, mode: Mode, access: Access) -> Address {
-        let plain = |at: u16| Address { at, base: at };
+    fn address(&mut self, mode: Mode, access: Access, low: u8, high: u8) -> u16 {
+        let word = u16::from_le_bytes([low, high]);
         match mode {
-            Mode::Immediate => {
-                let at = self.cpu.pc;
-                self.cpu.pc = self.cpu.pc.wrapping_add(1);
-                plain(at)
-            }
-            Mode::ZeroPage => plain(u16::from(self.fetch())),
-            Mode::ZeroPageX => plain(self.zero_page_indexed(self.cpu.x)),
-            Mode::ZeroPageY => plain(self.zero_page_indexed(self.cpu.y)),
-            Mode::Absolute => plain(self.fetch_word()),
-            Mode::AbsoluteX => {
-                let base = self.fetch_word();
-                self.indexed(base, self.cpu.x, access)
-            }
-            Mode::AbsoluteY => {
-                let base = self.fetch_word();
-                self.indexed(base, self.cpu.y, access)
-            }
+            Mode::ZeroPage => u16::from(low),
+            Mode::ZeroPageX => self.zero_page_indexed(low, self.cpu.x),
+            Mode::ZeroPageY => self.zero_page_indexed(low, self.cpu.y),
+            Mode::Absolute => word,
+            Mode::AbsoluteX => self.indexed(word, self.cpu.x, access),
+            Mode::AbsoluteY => self.indexed(word, self.cpu.y, access),
             Mode::IndirectX => {
-                let pointer = self.zero_page_indexed(self.cpu.x);
-                plain(self.zero_page_word(pointer as u8))
+                let pointer = self.zero_page_indexed(low, self.cpu.x);
+                self.zero_page_word(pointer as u8)
             }
             Mode::IndirectY => {
-                let pointer = self.fetch();
-                let base = self.zero_page_word(pointer);
+                let base = self.zero_page_word(low);
                 self.indexed(base, self.cpu.y, access)
             }
-            Mode::Implied | Mode::Indirect | Mode::Relative => plain(0),
+            Mode::Immediate | Mode::Implied | Mode::Indirect | Mode::Relative => 0,
         }
     }
 
     #[inline(always)]
-    fn zero_page_indexed(&mut self, index: u8) -> u16 {
-        let base = self.fetch();
+    fn zero_page_indexed(&mut self, base: u8, index: u8) -> u16 {
         self.touch(u16::from(base));
         u16::from(base.wrapping_add(index))
     }
@@ -184,43 +171,51 @@ impl<B: Bus> Core<B> {
     /// Adds an index to an address. The processor first reads without the carry into the page: where a page is
     /// crossed, and always ahead of a write.
     #[inline(always)]
-    fn indexed(&mut self, base: u16, index: u8, access: Access) -> Address {
+    fn indexed(&mut self, base: u16, index: u8, access: Access) -> u16 {
         let at = base.wrapping_add(u16::from(index));
         let without_carry = (base & 0xff00) | (at & 0x00ff);
         if access != Access::Read || at != without_carry {
             self.touch(without_carry);
         }
-        Address { at, base }
+        at
     }
 
-    /// Executes the instruction of an opcode that was just fetched.
+    /// Executes the instruction of an opcode, behind which there are these bytes.
     #[inline(always)]
-    fn execute<const OPCODE: u8>(&mut self) {
+    fn execute<const OPCODE: u8>(&mut self, low: u8, high: u8) {
         let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
         let mode = const { INSTRUCTIONS[OPCODE as usize].mode };
+        let length = const { LENGTHS[OPCODE as usize] };
+        // an instruction of one byte reads the next one as well
+        self.cpu.pc = self.cpu.pc.wrapping_add(u16::from(length));
+        self.cpu.cycle += u64::from(length.max(2));
+        self.cpu.bus = if length == 3 { high } else { low };
         match (operation, mode) {
-            (Operation::Jsr, _) => self.jsr(),
-            (Operation::Jmp, Mode::Absolute) => self.cpu.pc = self.fetch_word(),
-            (Operation::Jmp, _) => self.jump_indirect(),
-            (Operation::Bcc, _) => self.branch(!self.cpu.carry),
-            (Operation::Bcs, _) => self.branch(self.cpu.carry),
-            (Operation::Beq, _) => self.branch(self.cpu.zero == 0),
-            (Operation::Bmi, _) => self.branch(self.cpu.negative & flag::N != 0),
-            (Operation::Bne, _) => self.branch(self.cpu.zero != 0),
-            (Operation::Bpl, _) => self.branch(self.cpu.negative & flag::N == 0),
-            (Operation::Bvc, _) => self.branch(!self.cpu.overflow),
-            (Operation::Bvs, _) => self.branch(self.cpu.overflow),
+            (Operation::Jsr, _) => self.jsr(low),
+            (Operation::Jmp, Mode::Absolute) => self.cpu.pc = u16::from_le_bytes([low, high]),
+            (Operation::Jmp, _) => self.jump_indirect(u16::from_le_bytes([low, high])),
+            (Operation::Bcc, _) => self.branch(!self.cpu.carry, low),
+            (Operation::Bcs, _) => self.branch(self.cpu.carry, low),
+            (Operation::Beq, _) => self.branch(self.cpu.is_zero(), low),
+            (Operation::Bmi, _) => self.branch(self.cpu.is_negative(), low),
+            (Operation::Bne, _) => self.branch(!self.cpu.is_zero(), low),
+            (Operation::Bpl, _) => self.branch(!self.cpu.is_negative(), low),
+            (Operation::Bvc, _) => self.branch(!self.cpu.overflow, low),
+            (Operation::Bvs, _) => self.branch(self.cpu.overflow, low),
             (_, Mode::Implied) => self.implied(operation),
+            (_, Mode::Immediate) => self.cpu.with_value(operation, low),
             _ => {
                 let access = const { INSTRUCTIONS[OPCODE as usize].operation.access() };
-                let Address { at, base } = self.address(mode, access);
+                let at = self.address(mode, access, low, high);
                 match access {
                     Access::Read => {
                         let value = self.read(at);
                         self.cpu.with_value(operation, value);
+                        // ale-py's takes a cycle more than the chip's
+                        self.cpu.cycle += u64::from(OPCODE == LAX_ZERO_PAGE);
                     }
                     Access::Write => {
-                        let value = self.cpu.stored(operation, base);
+                        let value = self.cpu.stored(operation, at);
                         self.write(at, value);
                     }
                     Access::Modify => {
@@ -236,9 +231,9 @@ impl<B: Bus> Core<B> {
 
     /// Takes the branch, or not.
     #[inline(always)]
-    fn branch(&mut self, taken: bool) {
-        let offset = self.fetch() as i8;
+    fn branch(&mut self, taken: bool, offset: u8) {
         if taken {
+            let offset = offset as i8;
             let pc = self.cpu.pc;
             self.touch(pc);
             let target = pc.wrapping_add_signed(i16::from(offset));
@@ -256,11 +251,8 @@ impl<B: Bus> Core<B> {
     /// How many rounds of a waiting loop, which has just branched to its start, will find what the last one found.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
-        let byte = |i: u16| self.bus.constant(start.wrapping_add(i));
         // LDA, LDX, LDY and BIT
-        let (Some(0xad | 0xae | 0xac | 0x2c), Some(low), Some(high)) = (byte(0), byte(1), byte(2)) else {
-            return 0;
-        };
+        let Some([0xad | 0xae | 0xac | 0x2c, low, high, _]) = self.bus.program(start) else { return 0 };
         // the branch took three cycles since the register was read
         let last_read = self.cpu.cycle - 3;
         let until = self.bus.steady_until(u16::from_le_bytes([low, high]), last_read);
@@ -270,7 +262,6 @@ impl<B: Bus> Core<B> {
     /// Operations on registers, flags and the stack, and jumps.
     #[inline(always)]
     fn implied(&mut self, operation: Operation) {
-        self.touch(self.cpu.pc);
         let cpu = &mut self.cpu;
         match operation {
             Operation::Clc => cpu.carry = false,
@@ -321,15 +312,19 @@ impl<B: Bus> Core<B> {
                 self.touch(self.cpu.pc);
                 self.cpu.pc = self.cpu.pc.wrapping_add(1);
             }
-            Operation::Nop | Operation::Jam => {}
+            Operation::Nop => {}
+            // for ever: the next call finds it again
+            Operation::Jam => {
+                self.cpu.pc = self.cpu.pc.wrapping_sub(1);
+                self.left = 0;
+            }
             // the accumulator as operand
             _ => cpu.a = cpu.modified(operation, cpu.a),
         }
     }
 
     #[inline(always)]
-    fn jsr(&mut self) {
-        let low = self.fetch();
+    fn jsr(&mut self, low: u8) {
         self.touch_stack();
         self.push_pc();
         self.cpu.pc = u16::from_le_bytes([low, self.read(self.cpu.pc)]);
@@ -337,8 +332,7 @@ impl<B: Bus> Core<B> {
 
     /// `JMP ($12FF)` reads its high byte from `$1200`.
     #[inline(always)]
-    fn jump_indirect(&mut self) {
-        let pointer = self.fetch_word();
+    fn jump_indirect(&mut self, pointer: u16) {
         let low = self.read(pointer);
         let high = self.read((pointer & 0xff00) | (pointer.wrapping_add(1) & 0x00ff));
         self.cpu.pc = u16::from_le_bytes([low, high]);

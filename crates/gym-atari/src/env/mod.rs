@@ -146,18 +146,17 @@ impl AtariEnv {
         Ok(())
     }
 
-    /// Takes a step without looking at what came of it. The last `seen` frames are drawn.
-    pub(crate) fn advance(&mut self, action: &AtariAction, seen: u32) -> Result<Outcome> {
+    /// Takes a step without looking at what came of it.
+    fn advance(&mut self, action: &AtariAction) -> Result<Outcome> {
         let command = self.resolve_for_step(action)?;
-        let (frames, seen) = match self.config.frameskip {
-            Frameskip::Fixed(frames) => (frames, seen),
-            // which frames the next step builds on is not known
+        let frames = match self.config.frameskip {
+            Frameskip::Fixed(frames) => frames,
             Frameskip::Range([low, high]) => {
                 let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-                (episode.rng.integers(low, high), seen.max(2))
+                episode.rng.integers(low, high)
             }
         };
-        let reward = self.ale.frames(command, frames as u32, seen, self.config.repeat_action_probability);
+        let reward = self.ale.frames(command, frames as u32, self.config.repeat_action_probability);
         Ok(self.outcome(reward))
     }
 
@@ -256,7 +255,7 @@ impl Env for AtariEnv {
     }
 
     fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
-        let outcome = self.advance(action, 1)?;
+        let outcome = self.advance(action)?;
         self.observe(observation);
         Ok(outcome)
     }

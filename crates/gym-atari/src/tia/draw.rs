@@ -3,11 +3,38 @@
 //! A line is put together object by object: a change of one gives it other pixels from there on, and the rest of the
 //! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and whoever asks for
 //! collisions need what lies before them painted earlier.
+//!
+//! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.
 
 use super::paint::Colors;
 use super::pixels::{Pixels, window};
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
+
+/// Pixels that may differ from those above them, on the line that is being drawn and on the one below it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Differing {
+    here: Pixels,
+    below: Pixels,
+}
+
+impl Differing {
+    /// Nothing is known of the line above.
+    pub(super) const ALL: Self = Self { here: Pixels::ALL, below: Pixels::ALL };
+
+    /// Pixels look otherwise than before, from `x` on: on this line those to the right, and on the next those to the left.
+    #[inline(always)]
+    fn add(&mut self, pixels: Pixels, x: usize) {
+        let Self { here, below } = self;
+        if x == 0 {
+            *here = here.union(pixels);
+        } else {
+            let left = pixels.intersection(window(0, x));
+            *below = below.union(left);
+            *here = here.union(pixels.difference(left));
+        }
+    }
+}
 
 impl Tia {
     /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie beyond its end.
@@ -29,6 +56,24 @@ impl Tia {
                 self.from[object] = x;
             }
         }
+    }
+
+    /// The colours of some objects, one for each bit, are about to change at a clock of the beam's line.
+    #[inline(always)]
+    pub(super) fn change_colors(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
+        let x = self.reach(clock, screen);
+        self.paint(x, screen);
+        let pixels =
+            bits(objects).fold(Pixels::default(), |pixels, object| pixels.union(self.objects.get(object)));
+        self.differing.add(pixels, x);
+    }
+
+    /// The colours of the whole line are about to change at a clock of the beam's line.
+    #[inline(never)]
+    pub(super) fn change_all_colors(&mut self, clock: u32, screen: &mut Screen) {
+        let x = self.reach(clock, screen);
+        self.paint(x, screen);
+        self.differing.add(Pixels::ALL, x);
     }
 
     /// Paints up to a clock of the beam's line.
@@ -61,13 +106,15 @@ impl Tia {
 
     /// Goes on to the next line.
     fn start_line(&mut self, screen: &mut Screen) {
+        let Differing { here, below } = &mut self.differing;
+        *here = std::mem::take(below);
         // a comb ahead of the picture waits for its first row
         if self.comb
             && let Some(row) = self.row()
         {
             screen.blacken(row, 0..8);
             self.comb = false;
-            self.repeats = false;
+            self.differing.here.0[0] |= 0xff;
         }
         self.drawn_line += 1;
         self.painted = 0;
@@ -100,38 +147,44 @@ impl Tia {
         }
         self.painted = to as u8;
         let Some(row) = self.row() else { return };
-        let blank = self.vblank & 0x02 != 0;
-        if !blank {
-            for object in bits(self.stale) {
-                self.place(object);
-            }
-        }
-        let whole = to - from == WIDTH;
-        if self.repeats && whole && row > 0 {
-            screen.repeat_row(row);
-            return;
-        }
-        self.repeats = whole;
-        if blank {
+        if self.vblank & 0x02 != 0 {
             screen.blacken(row, from..to);
             return;
+        }
+        for object in bits(self.stale) {
+            self.place(object);
         }
         let candidates = self.objects.possible_collisions() & !self.collisions;
         if candidates != 0 {
             self.collisions |= self.objects.collisions(candidates, window(from, to));
         }
-        if !screen.unseen {
-            let colors = Colors {
-                p0: self.colup[0],
-                p1: self.colup[1],
-                pf: self.colupf,
-                bk: self.colubk,
-                playfield_first: self.ctrlpf & 0x04 != 0,
-                // the playfield's priority ends the score mode only where there is something to be before
-                score: self.ctrlpf & 0x02 != 0 && (self.ctrlpf & 0x04 == 0 || self.objects.only_playfield()),
-            };
-            self.objects.paint(screen.row(row), from, to, &colors);
+        if screen.unseen {
+            return;
         }
+        // the playfield's priority ends the score mode only where there is something to be before
+        let (score, first) = (self.ctrlpf & 0x02 != 0, self.ctrlpf & 0x04 != 0);
+        if row == 0 || score && first {
+            self.differing.here = Pixels::ALL;
+        }
+        if row > 0 && from == 0 {
+            screen.repeat_row(row);
+        }
+        let mut pixels = self.differing.here;
+        if pixels.is_empty() {
+            return;
+        }
+        if to - from < WIDTH {
+            pixels = pixels.intersection(window(from, to));
+        }
+        let colors = Colors {
+            p0: self.colup[0],
+            p1: self.colup[1],
+            pf: self.colupf,
+            bk: self.colubk,
+            playfield_first: first,
+            score: score && (!first || self.objects.only_playfield()),
+        };
+        self.objects.paint(screen.row(row), pixels, &colors);
     }
 
     fn shows_ball(&self) -> bool {
@@ -177,7 +230,7 @@ impl Tia {
             self.mixed |= bit;
             before.until(from, pixels)
         };
-        self.repeats &= before.equals(pixels);
+        self.differing.here = self.differing.here.union(before.difference(pixels));
         self.objects.set(object, pixels);
     }
 }

@@ -17,6 +17,7 @@ mod pixels;
 
 use serde::{Deserialize, Serialize};
 
+use draw::Differing;
 use paint::Objects;
 
 use crate::cpu::Ready;
@@ -122,9 +123,9 @@ pub(crate) struct Tia {
     from: [u8; OBJECTS],
     /// The objects, by bit, that changed within the line.
     mixed: u8,
-    /// Whether the line above was painted in one go, and what it shows has not changed since.
+    /// Which pixels are to be painted.
     #[serde(skip)]
-    repeats: bool,
+    differing: Differing,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -172,7 +173,7 @@ impl Tia {
             stale: 0,
             from: [0; OBJECTS],
             mixed: 0,
-            repeats: false,
+            differing: Differing::ALL,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -186,7 +187,7 @@ impl Tia {
 
     /// What is painted from now on has nothing to do with what was painted before.
     pub(crate) fn start_picture(&mut self) {
-        self.repeats = false;
+        self.differing = Differing::ALL;
     }
 
     pub(crate) fn set_display(&mut self, display: Display) {
@@ -247,68 +248,53 @@ impl Tia {
         if pressed { 0 } else { 0x80 }
     }
 
-    /// Writes a register.
+    /// Writes a register. What changes nothing is done here, and all else by others, so that it costs little.
+    #[inline(always)]
     pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        let ended = self.line >= LAST_LINE;
-        if ended {
-            self.end_frame(cycle, screen);
+        if self.line >= LAST_LINE {
+            return self.write_late(address, value, cycle, screen);
         }
-        let ready = self.register(address, value, cycle, c, screen);
-        if ended { Ready::Return } else { ready }
+        self.register(address, value, c, screen)
+    }
+
+    /// A write that ends the frame first.
+    #[cold]
+    #[inline(never)]
+    fn write_late(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
+        self.end_frame(cycle, screen);
+        let c = self.beam(cycle);
+        self.register(address, value, c, screen);
+        Ready::Return
     }
 
     #[inline(always)]
-    fn register(&mut self, address: u16, value: u8, cycle: u64, c: u32, screen: &mut Screen) -> Ready {
-        let clock = 3 * c;
+    fn register(&mut self, address: u16, value: u8, c: u32, screen: &mut Screen) -> Ready {
         match address & 0x3f {
-            0x00 => return self.write_vsync(value, cycle, screen), // VSYNC
-            0x01 => self.write_vblank(value, cycle, screen),       // VBLANK
+            // VSYNC
+            0x00 => return self.write_vsync(value, c, screen),
+            // VBLANK
+            0x01 => self.write_vblank(value, c, screen),
             // WSYNC
             0x02 if c > 0 => return Ready::After(CYCLES_PER_LINE - c),
             // RSYNC is not modelled
             // NUSIZ0, NUSIZ1
             register @ (0x04 | 0x05) if self.nusiz[usize::from(register) - 0x04] != value => {
-                let i = usize::from(register) - 0x04;
-                self.change(1 << (P0 + i) | 1 << (M0 + i), clock + 8, screen);
-                self.nusiz[i] = value;
+                self.write_nusiz(usize::from(register) - 0x04, value, c, screen);
             }
             // COLUP0, COLUP1
-            register @ (0x06 | 0x07) => {
-                let i = usize::from(register) - 0x06;
-                if self.colup[i] != value & 0xfe {
-                    self.change_colors(clock, screen);
-                    self.colup[i] = value & 0xfe;
-                }
+            register @ (0x06 | 0x07) if self.colup[usize::from(register) - 0x06] != value & 0xfe => {
+                self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
             }
             // COLUPF
-            0x08 if self.colupf != value & 0xfe => {
-                self.change_colors(clock, screen);
-                self.colupf = value & 0xfe;
-            }
+            0x08 if self.colupf != value & 0xfe => self.write_colupf(value & 0xfe, c, screen),
             // COLUBK
-            0x09 if self.colubk != value & 0xfe => {
-                self.change_colors(clock, screen);
-                self.colubk = value & 0xfe;
-            }
+            0x09 if self.colubk != value & 0xfe => self.write_colubk(value & 0xfe, c, screen),
             // CTRLPF
-            0x0a if self.ctrlpf != value => {
-                self.change_colors(clock, screen);
-                self.change(1 << PF | 1 << BL, clock, screen);
-                self.ctrlpf = value;
-                // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
-                if (clock as i32) < BLANK + 79 {
-                    self.reflected = value & 0x01 != 0;
-                }
-            }
+            0x0a if self.ctrlpf != value => self.write_ctrlpf(value, c, screen),
             // REFP0, REFP1
-            register @ (0x0b | 0x0c) => {
-                let i = usize::from(register) - 0x0b;
-                let reflected = value & 0x08 != 0;
-                if self.refp[i] != reflected {
-                    self.change(1 << (P0 + i), clock + 1, screen);
-                    self.refp[i] = reflected;
-                }
+            register @ (0x0b | 0x0c) if self.refp[usize::from(register) - 0x0b] != (value & 0x08 != 0) => {
+                self.write_refp(usize::from(register) - 0x0b, value & 0x08 != 0, c, screen);
             }
             // PF0
             0x0d => self.write_playfield(0x0000f, u32::from(value >> 4), c, screen),
@@ -319,30 +305,25 @@ impl Tia {
             // RESP0, RESP1
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             // RESM0, RESM1, RESBL
-            register @ 0x12..=0x14 => {
-                let object = usize::from(register) - 0x10;
-                self.change(1 << object, clock, screen);
-                self.x[object] = if c >= 23 { ((clock as i32 - BLANK + 4) % 160) as u8 } else { 2 };
-            }
+            register @ 0x12..=0x14 => self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen),
             // AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
             0x15..=0x1a => {}
-            // GRP0
-            0x1b => self.write_grp(0, value, clock, screen),
-            // GRP1
-            0x1c => self.write_grp(1, value, clock, screen),
+            // GRP0, GRP1
+            0x1b if self.grp[0] != value || self.old_grp[1] != self.grp[1] => {
+                self.write_grp(0, value, c, screen);
+            }
+            0x1c if self.grp[1] != value
+                || self.old_grp[0] != self.grp[0]
+                || self.old_enabl != self.enabl =>
+            {
+                self.write_grp(1, value, c, screen);
+            }
             // ENAM0, ENAM1
-            register @ (0x1d | 0x1e) => {
-                let i = usize::from(register) - 0x1d;
-                if self.enam[i] != (value & 0x02 != 0) {
-                    self.change(1 << (M0 + i), clock, screen);
-                    self.enam[i] = value & 0x02 != 0;
-                }
+            register @ (0x1d | 0x1e) if self.enam[usize::from(register) - 0x1d] != (value & 0x02 != 0) => {
+                self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);
             }
             // ENABL
-            0x1f if self.enabl != (value & 0x02 != 0) => {
-                self.change(1 << BL, clock, screen);
-                self.enabl = value & 0x02 != 0;
-            }
+            0x1f if self.enabl != (value & 0x02 != 0) => self.write_enabl(value & 0x02 != 0, c, screen),
             // HMP0, HMP1, HMM0, HMM1, HMBL
             register @ 0x20..=0x24 => {
                 let object = usize::from(register) - 0x20;
@@ -350,21 +331,15 @@ impl Tia {
                 self.in_motion = self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
             }
             // VDELP0, VDELP1
-            register @ (0x25 | 0x26) => {
-                let i = usize::from(register) - 0x25;
-                let delayed = value & 0x01 != 0;
-                if self.vdelp[i] != delayed {
-                    self.change(1 << (P0 + i), clock, screen);
-                    self.vdelp[i] = delayed;
-                }
+            register @ (0x25 | 0x26) if self.vdelp[usize::from(register) - 0x25] != (value & 0x01 != 0) => {
+                self.write_vdelp(usize::from(register) - 0x25, value & 0x01 != 0, c, screen);
             }
             // VDELBL
-            0x27 if self.vdelbl != (value & 0x01 != 0) => {
-                self.change(1 << BL, clock, screen);
-                self.vdelbl = value & 0x01 != 0;
-            }
+            0x27 if self.vdelbl != (value & 0x01 != 0) => self.write_vdelbl(value & 0x01 != 0, c, screen),
             // RESMP0, RESMP1
-            register @ (0x28 | 0x29) => self.write_resmp(usize::from(register) - 0x28, value, clock, screen),
+            register @ (0x28 | 0x29) if self.resmp[usize::from(register) - 0x28] != (value & 0x02 != 0) => {
+                self.write_resmp(usize::from(register) - 0x28, value & 0x02 != 0, c, screen);
+            }
             // HMOVE
             0x2a => self.hmove(c, screen),
             // HMCLR
@@ -373,16 +348,99 @@ impl Tia {
                 self.in_motion = 0;
             }
             // CXCLR
-            0x2c => {
-                self.change_colors(clock, screen);
-                self.collisions = 0;
-            }
+            0x2c => self.clear_collisions(c, screen),
             _ => {}
         }
         Ready::Now
     }
 
-    fn write_vsync(&mut self, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
+    #[inline(never)]
+    fn write_nusiz(&mut self, i: usize, value: u8, c: u32, screen: &mut Screen) {
+        self.change(1 << (P0 + i) | 1 << (M0 + i), 3 * c + 8, screen);
+        self.nusiz[i] = value;
+    }
+
+    #[inline(never)]
+    fn write_colup(&mut self, i: usize, color: u8, c: u32, screen: &mut Screen) {
+        // in score mode the playfield has the players' colours
+        let playfield = u8::from(self.ctrlpf & 0x02 != 0) << PF;
+        self.change_colors(1 << (P0 + i) | 1 << (M0 + i) | playfield, 3 * c, screen);
+        self.colup[i] = color;
+    }
+
+    #[inline(never)]
+    fn write_colupf(&mut self, color: u8, c: u32, screen: &mut Screen) {
+        self.change_colors(1 << PF | 1 << BL, 3 * c, screen);
+        self.colupf = color;
+    }
+
+    #[inline(never)]
+    fn write_colubk(&mut self, color: u8, c: u32, screen: &mut Screen) {
+        self.change_all_colors(3 * c, screen);
+        self.colubk = color;
+    }
+
+    #[inline(never)]
+    fn write_ctrlpf(&mut self, value: u8, c: u32, screen: &mut Screen) {
+        let clock = 3 * c;
+        self.change_all_colors(clock, screen);
+        self.change(1 << PF | 1 << BL, clock, screen);
+        self.ctrlpf = value;
+        // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
+        if (clock as i32) < BLANK + 79 {
+            self.reflected = value & 0x01 != 0;
+        }
+    }
+
+    #[inline(never)]
+    fn write_refp(&mut self, i: usize, reflected: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << (P0 + i), 3 * c + 1, screen);
+        self.refp[i] = reflected;
+    }
+
+    /// `RESMx` and `RESBL`: the object starts anew just behind the beam. A missile stays what it was for 8 more clocks.
+    #[inline(never)]
+    fn reset_missile_or_ball(&mut self, object: usize, c: u32, screen: &mut Screen) {
+        let clock = 3 * c;
+        self.change(1 << object, if object == BL { clock } else { clock + 8 }, screen);
+        // objects wait for the end of the blank in the same place
+        let beam = (clock as i32 - BLANK).max(-2);
+        self.x[object] = ((beam + 4) % 160) as u8;
+    }
+
+    #[inline(never)]
+    fn write_enam(&mut self, i: usize, enabled: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << (M0 + i), 3 * c, screen);
+        self.enam[i] = enabled;
+    }
+
+    #[inline(never)]
+    fn write_enabl(&mut self, enabled: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << BL, 3 * c, screen);
+        self.enabl = enabled;
+    }
+
+    #[inline(never)]
+    fn write_vdelp(&mut self, i: usize, delayed: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << (P0 + i), 3 * c, screen);
+        self.vdelp[i] = delayed;
+    }
+
+    #[inline(never)]
+    fn write_vdelbl(&mut self, delayed: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << BL, 3 * c, screen);
+        self.vdelbl = delayed;
+    }
+
+    #[inline(never)]
+    fn clear_collisions(&mut self, c: u32, screen: &mut Screen) {
+        self.paint_to(3 * c, screen);
+        self.collisions = 0;
+    }
+
+    #[inline(never)]
+    fn write_vsync(&mut self, value: u8, c: u32, screen: &mut Screen) -> Ready {
+        let cycle = self.line_start + u64::from(c);
         let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
         self.vsync = value;
         if is && !was {
@@ -395,12 +453,13 @@ impl Tia {
         Ready::Now
     }
 
-    fn write_vblank(&mut self, value: u8, cycle: u64, screen: &mut Screen) {
+    #[inline(never)]
+    fn write_vblank(&mut self, value: u8, c: u32, screen: &mut Screen) {
         if (self.vblank ^ value) & 0x02 != 0 {
-            self.change_colors(self.clock(cycle) + 1, screen);
+            self.change_all_colors(3 * c + 1, screen);
         }
         if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
-            self.released = 3 * cycle;
+            self.released = 3 * (self.line_start + u64::from(c));
         }
         if value & 0x40 == 0 {
             self.latched = [false; 2];
@@ -409,16 +468,23 @@ impl Tia {
     }
 
     /// `PFx`: some of the playfield's bits.
+    #[inline(always)]
     fn write_playfield(&mut self, mask: u32, bits: u32, c: u32, screen: &mut Screen) {
         let pf = self.pf & !mask | bits;
         if self.pf != pf {
-            self.change(1 << PF, 3 * c + [4, 5, 2, 3][c as usize % 4], screen);
-            self.pf = pf;
+            self.change_playfield(pf, c, screen);
         }
     }
 
+    #[inline(never)]
+    fn change_playfield(&mut self, pf: u32, c: u32, screen: &mut Screen) {
+        self.change(1 << PF, 3 * c + [4, 5, 2, 3][c as usize % 4], screen);
+        self.pf = pf;
+    }
+
     /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the ball's.
-    fn write_grp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
+    #[inline(never)]
+    fn write_grp(&mut self, i: usize, value: u8, c: u32, screen: &mut Screen) {
         let other = 1 - i;
         let shows_other = self.vdelp[other] && self.old_grp[other] != self.grp[other];
         let shows_this = !self.vdelp[i] && self.grp[i] != value;
@@ -427,7 +493,7 @@ impl Tia {
             | u8::from(shows_this) << (P0 + i)
             | u8::from(shows_ball) << BL;
         if changed != 0 {
-            self.change(changed, clock + 1, screen);
+            self.change(changed, 3 * c + 1, screen);
         }
         self.grp[i] = value;
         self.old_grp[other] = self.grp[other];
@@ -436,12 +502,9 @@ impl Tia {
         }
     }
 
-    fn write_resmp(&mut self, i: usize, value: u8, clock: u32, screen: &mut Screen) {
-        let locked = value & 0x02 != 0;
-        if self.resmp[i] == locked {
-            return;
-        }
-        self.change(1 << (M0 + i), clock, screen);
+    #[inline(never)]
+    fn write_resmp(&mut self, i: usize, locked: bool, c: u32, screen: &mut Screen) {
+        self.change(1 << (M0 + i), 3 * c, screen);
         if !locked {
             let middle = 4 * objects::scale(self.nusiz[i]);
             self.x[M0 + i] = objects::around(self.x[P0 + i], i32::from(middle));
@@ -451,27 +514,28 @@ impl Tia {
 
     /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
     /// old copy was about to start; one that is being drawn goes on for a while.
+    #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
-        let beam = clock as i32 - BLANK;
+        // objects wait for the end of the blank in the same place
+        let beam = (clock as i32 - BLANK).max(-2);
+        let width = 8 * i32::from(objects::scale(self.nusiz[i]));
         let mut running = false;
         let mut about_to_start = false;
-        if beam >= 0 {
-            let width = 8 * i32::from(objects::scale(self.nusiz[i]));
-            let late = i32::from(width > 8);
-            for start in objects::starts(self.x[i], self.nusiz[i]) {
-                let passed = beam - i32::from(start);
-                running |= (0..width - 1 + late).contains(&passed);
-                about_to_start |= (-5..0).contains(&passed);
-            }
+        for start in objects::starts(self.x[i], self.nusiz[i]) {
+            let behind = i32::from(start) - beam;
+            let behind = if behind > 80 { behind - 160 } else { behind };
+            running |= (2 - width..=1).contains(&behind);
+            about_to_start |= (2..=5).contains(&behind);
         }
         self.change(1 << (P0 + i), if running { clock + 11 } else { clock }, screen);
-        self.x[i] = if c >= 23 { ((beam + 5) % 160) as u8 } else { 3 };
+        self.x[i] = ((beam + 5) % 160) as u8;
         self.without_main[i] = !about_to_start;
     }
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
     /// gives fewer.
+    #[inline(never)]
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         // the last cycle of a line is the first of the next
         let clock = if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c };
@@ -504,13 +568,8 @@ impl Tia {
         }
     }
 
-    /// Something other than an object's pixels changes at a clock of the beam's line.
-    fn change_colors(&mut self, clock: u32, screen: &mut Screen) {
-        self.paint_to(clock, screen);
-        self.repeats = false;
-    }
-
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
+    #[inline(always)]
     fn beam(&mut self, cycle: u64) -> u32 {
         let mut c = (cycle - self.line_start) as u32;
         while c >= CYCLES_PER_LINE {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pixels::{Pixels, window};
+use super::pixels::Pixels;
 use super::{BL, M0, M1, OBJECTS, P0, P1, PF};
 use crate::screen::WIDTH;
 
@@ -103,45 +103,28 @@ impl Objects {
         found
     }
 
-    /// Paints `from..to` of a row, which is not empty: background and playfield in cells of eight pixels, the others
-    /// where they are.
-    pub(super) fn paint(&self, row: &mut [u8; WIDTH], from: usize, to: usize, colors: &Colors) {
-        let cells = row.as_chunks_mut::<8>().0;
-        let (first, last) = (from / 8, (to - 1) / 8);
-        let (before, after) = (cells[first], cells[last]);
-
-        let playfield = self.pixels[PF].bytes();
-        if colors.score {
-            let half = WIDTH / 16;
-            let middle = half.clamp(first, last + 1);
-            paint_playfield(&mut cells[first..middle], &playfield[first..middle], colors.bk, colors.p0);
-            paint_playfield(&mut cells[middle..=last], &playfield[middle..=last], colors.bk, colors.p1);
-        } else {
-            paint_playfield(&mut cells[first..=last], &playfield[first..=last], colors.bk, colors.pf);
-        }
-        if !self.only_playfield() {
-            self.paint_movable(cells, window(8 * first, 8 * last + 8), colors);
-        }
-
-        // what lies outside stays
-        merge(&mut cells[first], before, (1 << (8 * (from - 8 * first))) - 1);
-        merge(&mut cells[last], after, !(u64::MAX >> (8 * (8 * last + 8 - to))));
-    }
-
-    /// Paints players, missiles and the ball over background and playfield.
-    fn paint_movable(&self, cells: &mut [Cell], window: Pixels, colors: &Colors) {
-        for (word, window) in window.0.into_iter().enumerate() {
-            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
-            let (zero, one) = ((p0 | m0) & window, (p1 | m1) & window);
-            let bl = bl & window;
-            if zero | one | bl == 0 {
+    /// Paints pixels of a row: background and playfield, and over them what moves.
+    pub(super) fn paint(&self, row: &mut [u8; WIDTH], pixels: Pixels, colors: &Colors) {
+        let (cells, _) = row.as_chunks_mut::<8>();
+        for (word, (cells, pixels)) in cells.chunks_mut(8).zip(pixels.0).enumerate() {
+            if pixels == 0 {
                 continue;
             }
-            let hidden = if colors.playfield_first { pf | bl } else { 0 };
-            let cells = &mut cells[8 * word..];
-            paint_over(cells, bl & !pf, colors.pf);
-            paint_over(cells, one & !hidden, colors.p1);
-            paint_over(cells, zero & !hidden, colors.p0);
+            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
+            let [left, right] = if colors.score { [colors.p0, colors.p1] } else { [colors.pf; 2] };
+            // the second word holds the line's middle
+            let playfield = match word {
+                0 => [left; 2],
+                1 => [left, right],
+                _ => [right; 2],
+            };
+            paint_playfield(cells, pixels, pf, colors.bk, playfield);
+            if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
+                let ahead = if colors.playfield_first { pf | bl } else { 0 };
+                paint_over(cells, bl & !pf & pixels, colors.pf);
+                paint_over(cells, (p1 | m1) & !ahead & pixels, colors.p1);
+                paint_over(cells, (p0 | m0) & !ahead & pixels, colors.p0);
+            }
         }
     }
 }
@@ -154,34 +137,38 @@ fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
 }
 
-/// Fills cells with the background and, where a bit is set, with the playfield.
-fn paint_playfield(cells: &mut [Cell], playfield: &[u8], background: u8, color: u8) {
+/// Gives pixels the background's colour or, where a bit is set, the playfield's: one colour for the first two cells,
+/// another for those behind them.
+#[inline(always)]
+fn paint_playfield(cells: &mut [Cell], mut pixels: u64, playfield: u64, background: u8, colors: [u8; 2]) {
     let background = solid(background);
-    if playfield.iter().all(|&bits| bits == 0) {
-        cells.fill(background.to_le_bytes());
-        return;
-    }
-    let difference = background ^ solid(color);
-    for (cell, &bits) in cells.iter_mut().zip(playfield) {
-        *cell = (background ^ EXPANDED[usize::from(bits)] & difference).to_le_bytes();
+    let differences = colors.map(|color| background ^ solid(color));
+    while pixels != 0 {
+        let group = pixels.trailing_zeros() / 8;
+        let difference = differences[usize::from(group >= 2)];
+        let color = background ^ EXPANDED[(playfield >> (8 * group)) as usize & 0xff] & difference;
+        let mask = EXPANDED[(pixels >> (8 * group)) as usize & 0xff];
+        merge(&mut cells[group as usize], color, mask);
+        pixels &= !(0xff << (8 * group));
     }
 }
 
 /// Gives pixels a colour.
+#[inline(always)]
 fn paint_over(cells: &mut [Cell], mut pixels: u64, color: u8) {
     let color = solid(color);
     while pixels != 0 {
         let group = pixels.trailing_zeros() / 8;
         let mask = EXPANDED[(pixels >> (8 * group)) as usize & 0xff];
-        let cell = &mut cells[group as usize];
-        *cell = (u64::from_le_bytes(*cell) & !mask | color & mask).to_le_bytes();
+        merge(&mut cells[group as usize], color, mask);
         pixels &= !(0xff << (8 * group));
     }
 }
 
-/// Puts back what a mask of bytes covers.
-fn merge(cell: &mut Cell, back: Cell, mask: u64) {
-    *cell = (u64::from_le_bytes(*cell) & !mask | u64::from_le_bytes(back) & mask).to_le_bytes();
+/// Gives those bytes of a cell that a mask covers other values.
+#[inline(always)]
+fn merge(cell: &mut Cell, values: u64, mask: u64) {
+    *cell = (u64::from_le_bytes(*cell) & !mask | values & mask).to_le_bytes();
 }
 
 /// Bits as bytes: `00` or `FF`.

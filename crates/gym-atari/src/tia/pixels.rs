@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::screen::WIDTH;
-
 /// Which of a line's 160 pixels are set: bit `x % 64` of word `x / 64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Pixels(pub(crate) [u64; 3]);
@@ -15,11 +13,23 @@ impl Pixels {
         a | b | c == 0
     }
 
-    /// Word by word, where vectors would have to wait for words that were just written.
+    /// The whole line.
+    pub(crate) const ALL: Self = Self([u64::MAX, u64::MAX, 0xffff_ffff]);
+
     #[inline(always)]
-    pub(crate) fn equals(self, other: Self) -> bool {
-        let ([a, b, c], [x, y, z]) = (self.0, other.0);
-        a == x && b == y && c == z
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self([0, 1, 2].map(|word| self.0[word] | other.0[word]))
+    }
+
+    #[inline(always)]
+    pub(crate) fn intersection(self, other: Self) -> Self {
+        Self([0, 1, 2].map(|word| self.0[word] & other.0[word]))
+    }
+
+    /// The pixels that are in one of both.
+    #[inline(always)]
+    pub(crate) fn difference(self, other: Self) -> Self {
+        Self([0, 1, 2].map(|word| self.0[word] ^ other.0[word]))
     }
 
     /// These pixels ahead of `x`, and others from there on.
@@ -41,15 +51,6 @@ impl Pixels {
             1 => [a, b | low, c | high],
             _ => [a | low >> 32, b, c | low & 0xffff_ffff],
         };
-    }
-
-    /// Eight pixels in each byte.
-    #[inline]
-    pub(crate) fn bytes(&self) -> [u8; WIDTH / 8] {
-        let mut bytes = [0; WIDTH / 8];
-        let words = self.0.map(u64::to_le_bytes);
-        bytes.copy_from_slice(&words.as_flattened()[..WIDTH / 8]);
-        bytes
     }
 }
 

@@ -22,21 +22,42 @@ pub const fn flipped(height: f64) -> Transform {
 pub const UPRIGHT: Transform = Transform::translate(0.5, 0.5);
 
 /// `Vector2.rotate_rad`: a vector turned from x towards y. Quarter turns are exact.
-pub fn rotate_rad([x, y]: Point, angle: f64) -> Point {
-    /// pygame's tolerance for a quarter turn.
-    const EPSILON: f64 = 1e-6;
-    let angle = angle % TAU;
-    let angle = if angle < 0.0 { angle + TAU } else { angle };
-    if (angle + EPSILON) % FRAC_PI_2 < 2.0 * EPSILON {
-        return match ((angle + EPSILON) / FRAC_PI_2) as i32 {
-            1 => [-y, x],
-            2 => [-x, -y],
-            3 => [y, -x],
-            _ => [x, y],
+pub fn rotate_rad(vector: Point, angle: f64) -> Point {
+    Rotation::new(angle).apply(vector)
+}
+
+/// [`rotate_rad`] by one angle, for many vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation {
+    sin: f64,
+    cos: f64,
+}
+
+impl Rotation {
+    /// By an angle in radians, from x towards y.
+    pub fn new(angle: f64) -> Self {
+        /// pygame's tolerance for a quarter turn.
+        const EPSILON: f64 = 1e-6;
+        let angle = angle % TAU;
+        let angle = if angle < 0.0 { angle + TAU } else { angle };
+        let (sin, cos) = if (angle + EPSILON) % FRAC_PI_2 < 2.0 * EPSILON {
+            match ((angle + EPSILON) / FRAC_PI_2) as i32 {
+                1 => (1.0, 0.0),
+                2 => (0.0, -1.0),
+                3 => (-1.0, 0.0),
+                _ => (0.0, 1.0),
+            }
+        } else {
+            crate::math::sin_cos(angle)
         };
+        Self { sin, cos }
     }
-    let (sin, cos) = crate::math::sin_cos(angle);
-    [cos * x - sin * y, sin * x + cos * y]
+
+    /// The vector, turned.
+    #[inline]
+    pub fn apply(&self, [x, y]: Point) -> Point {
+        [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
+    }
 }
 
 /// `gfxdraw.aapolygon` and `gfxdraw.filled_polygon`, which Gymnasium calls together.

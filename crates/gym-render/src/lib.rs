@@ -36,6 +36,7 @@ mod changes;
 mod font;
 mod gif;
 mod inline;
+mod lzw;
 mod mp4;
 mod number;
 mod outline;

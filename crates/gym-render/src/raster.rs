@@ -5,10 +5,11 @@ use gym_core::inventory;
 use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
 
+use crate::pixels;
 use crate::pygame::{RgbPixels, is_in_reach, paint};
 use crate::sheet::Sheet;
+use crate::skia::Skia;
 use crate::transforms::Transforms;
-use crate::{pixels, skia};
 
 inventory::submit! {
     PainterProvider { new: || Box::new(Raster::new()) }
@@ -24,12 +25,13 @@ inventory::submit! {
 pub struct Raster {
     transforms: Transforms,
     sheet: Sheet,
+    skia: Skia,
 }
 
 impl Raster {
     /// A painter without buffers yet.
     pub fn new() -> Self {
-        Self { transforms: Transforms::new(), sheet: Sheet::default() }
+        Self { transforms: Transforms::new(), sheet: Sheet::default(), skia: Skia::default() }
     }
 }
 
@@ -146,18 +148,20 @@ impl Canvas for Surface<'_> {
             let max = [min[0] + size[0], min[1] + size[1]];
             pixels::fill_box(self.frame, transform.apply(min), transform.apply(max), color);
         } else {
-            skia::fill(self.frame, shape, transform, color);
+            self.raster.skia.fill(self.frame, shape, transform, color);
         }
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
         self.start_smooth();
-        skia::stroke(self.frame, shape, width, self.raster.transforms.current(), color);
+        let Raster { transforms, skia, .. } = &mut *self.raster;
+        skia.stroke(self.frame, shape, width, transforms.current(), color);
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         self.start_smooth();
-        skia::text(self.frame, text, position, size, align, self.raster.transforms.current(), color);
+        let Raster { transforms, skia, .. } = &mut *self.raster;
+        skia.text(self.frame, (text, position, size, align), transforms.current(), color);
     }
 
     fn push(&mut self, transform: Transform) {

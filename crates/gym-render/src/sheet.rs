@@ -13,7 +13,7 @@ use std::ops::Range;
 use gym_core::canvas::{Color, Point, Primitive};
 use gym_core::render::Frame;
 
-use crate::pixels::RGB;
+use crate::pixels::{self, RGB};
 use crate::pygame::{self, Phase, Pixels, part, phases};
 
 /// Rows of a band: few enough to stay in the cache, enough for what each call costs in each band.
@@ -311,14 +311,9 @@ impl Band<'_> {
     }
 
     /// The pixel to change, in windows that are written out.
-    #[inline]
     fn pixel(&mut self, x: i32, y: i32) -> &mut u32 {
-        let (row, x) = (self.place(y), x as usize);
-        self.write_out(row, x);
-        if self.border[x] != self.border[x + 1] {
-            self.write_out(row, x + 1);
-        }
-        &mut self.pixels[row * self.width as usize + x]
+        self.get_ready(x, x, y);
+        &mut self.pixels[self.place(y) * self.width as usize + x as usize]
     }
 
     /// Makes windows one colour.
@@ -380,9 +375,30 @@ impl Pixels for Band<'_> {
     }
 
     #[inline]
-    fn blend(&mut self, x: i32, y: i32, _: Color, weight: i32) {
+    fn blend(&mut self, x: i32, y: i32, color: Color, weight: i32) {
+        self.get_ready(x, x, y);
+        self.blend_ready(x, y, color, weight);
+    }
+
+    #[inline]
+    fn get_ready(&mut self, x1: i32, x2: i32, y: i32) {
+        let row = self.place(y);
+        let marks = row * self.words;
+        // (the border at the start of a row lies in no window)
+        let first = usize::from(self.border[x1.max(1) as usize]);
+        let last = usize::from(self.border[x2 as usize + 1]);
+        for index in first..=last {
+            if self.marks[marks + index / 64] & 1 << (index % 64) == 0 {
+                self.write_out_window(row, index);
+            }
+        }
+    }
+
+    #[inline]
+    fn blend_ready(&mut self, x: i32, y: i32, _: Color, weight: i32) {
         let color = self.color;
-        let pixel = self.pixel(x, y);
+        let at = self.place(y) * self.width as usize + x as usize;
+        let pixel = &mut self.pixels[at];
         // all channels at once: (d * (256 - weight) + s * weight) >> 8 stays below 2^16 in each
         let apart = |pixel: u32| u64::from(pixel & 0x00ff_00ff) | u64::from(pixel & 0xff00) << 24;
         let sum = apart(*pixel) * (256 - weight) as u64 + apart(color) * weight as u64;
@@ -399,6 +415,10 @@ struct Window {
 }
 
 /// Shrinks rows, and sums them up.
+///
+/// Most windows have the colour that they had in the row above, and most pixels of the frame that of the
+/// pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long as it has one colour
+/// and had no other for the row of the frame above: it has no sum, and its pixel is that above.
 #[derive(Debug, Default)]
 struct Shrink {
     from: (usize, usize),
@@ -415,10 +435,18 @@ struct Shrink {
     /// reds, greens, blues. From row to row few change.
     colors: Vec<u32>,
     plain: Vec<u16>,
+    /// The row from which on that pixel is still to be added to the sums.
+    since: Vec<u16>,
     /// A narrow row: all its reds, greens, blues.
     narrow: Vec<u16>,
     /// What the rows so far add up to.
     sums: Vec<u16>,
+    /// A bit for each window that is not loose.
+    tight: Vec<u64>,
+    /// A bit for each window that has had more than one colour in the row of the frame so far.
+    mixed: Vec<u64>,
+    /// Whether each row of the frame is made of whole rows.
+    is_whole: bool,
     /// The next row of the surface, and of the frame.
     at: (usize, usize),
 }
@@ -429,11 +457,19 @@ impl Shrink {
         self.at = (0, 0);
         self.sums.clear();
         self.sums.resize(3 * to.0, 0);
+        self.since.clear();
+        self.since.resize(to.0, 0);
+        self.words = to.0 / 64 + 1;
+        self.tight.clear();
+        self.tight.resize(self.words, u64::MAX);
+        self.mixed.clear();
+        self.mixed.resize(self.words, 0);
         if (self.from, self.to) == (from, to) {
             return;
         }
         (self.from, self.to) = (from, to);
         (self.columns, self.rows) = (phases(from.0, to.0), phases(from.1, to.1));
+        self.is_whole = from.1.is_multiple_of(to.1);
         self.narrow.resize(3 * to.0, 0);
         self.windows.clear();
         // a border at an end of the row lies in no window
@@ -442,7 +478,6 @@ impl Shrink {
             self.windows.push(Window { first: phase.first as u16, last: phase.last as u16 });
             self.border[phase.first + 1..=phase.last].fill(i as u16);
         }
-        self.words = to.0 / 64 + 1;
         // black, which becomes black
         self.colors = vec![0; to.0];
         self.plain = vec![0; 3 * to.0];
@@ -450,82 +485,178 @@ impl Shrink {
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
     fn row(&mut self, flat: &[u32], pixels: &[u32], marks: &[u64], frame: &mut Frame) {
-        self.across(flat, pixels, marks);
         let (y, k) = self.at;
         self.at.0 += 1;
-        let Some(phase) = self.rows.get(k) else { return };
+        let Some(&phase) = self.rows.get(k) else { return };
+        self.change_colors(flat, &phase);
+        for (word, marks) in marks.iter().enumerate() {
+            self.mixed[word] |= marks;
+            let mut loose = marks & !self.tight[word];
+            while loose != 0 {
+                self.tighten(64 * word + loose.trailing_zeros() as usize, &phase);
+                loose &= loose - 1;
+            }
+        }
         if y < phase.last {
-            self.sums.iter_mut().zip(&self.narrow).for_each(|(sum, v)| *sum = sum.wrapping_add(*v));
+            let width = self.to.0;
+            each(marks, |window| {
+                let Some(columns) = self.columns.get(window) else { return };
+                for (channel, mean) in mean(columns, pixels).into_iter().enumerate() {
+                    let at = channel * width + window;
+                    // its plain pixel will be added in its place
+                    self.sums[at] = self.sums[at].wrapping_add(mean).wrapping_sub(self.plain[at]);
+                }
+            });
             return;
         }
         self.at.1 += 1;
-        let next = self.rows.get(k + 1).map_or(0, |next| next.first_share);
-        let (last_share, reciprocal) = (phase.last_share, phase.reciprocal);
-        let width = self.to.0;
+        if self.is_whole && k > 0 {
+            self.complete_tight(pixels, marks, &phase, frame);
+        } else {
+            let next_share = self.rows.get(k + 1).map_or(0, |next| next.first_share);
+            self.complete_all(pixels, marks, &phase, next_share, frame);
+        }
+        if self.is_whole {
+            std::mem::swap(&mut self.tight, &mut self.mixed);
+            self.mixed.fill(0);
+        }
+    }
+
+    /// Gives a loose window its sum, which is still to be made.
+    #[inline]
+    fn tighten(&mut self, window: usize, phase: &Phase) {
+        let (word, bit) = (window / 64, 1 << (window % 64));
+        if self.tight[word] & bit == 0 && window < self.to.0 {
+            self.tight[word] |= bit;
+            self.since[window] = phase.begin as u16;
+            for channel in 0..3 {
+                self.sums[channel * self.to.0 + window] = 0;
+            }
+        }
+    }
+
+    /// Takes over the colours of windows in a row, and adds to the sums what those were that change.
+    fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
+        const CHUNK: usize = 8;
+        let (width, y) = (self.to.0, self.at.0 as u16 - 1);
+        for (i, flat) in flat.chunks(CHUNK).enumerate() {
+            // (a comparison of slices calls a function of the C library)
+            let colors = &self.colors[CHUNK * i..][..flat.len()];
+            if colors.iter().zip(flat).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0 {
+                continue;
+            }
+            for (window, &flat) in (CHUNK * i..).zip(flat) {
+                if self.colors[window] == flat {
+                    continue;
+                }
+                self.tighten(window, phase);
+                self.mixed[window / 64] |= 1 << (window % 64);
+                self.colors[window] = flat;
+                let rows = y - std::mem::replace(&mut self.since[window], y);
+                let columns = &self.columns[window];
+                for (channel, value) in flat.to_le_bytes().into_iter().take(3).enumerate() {
+                    let at = channel * width + window;
+                    self.sums[at] = self.sums[at].wrapping_add(self.plain[at].wrapping_mul(rows));
+                    let value = u16::from(value);
+                    let whole = value.wrapping_mul((columns.last - columns.begin) as u16);
+                    self.plain[at] = columns.mean(value, whole, value).into();
+                }
+            }
+        }
+    }
+
+    /// Completes a row of the frame in which no window is loose. The last row of the surface has a share in the
+    /// next one.
+    fn complete_all(
+        &mut self,
+        pixels: &[u32],
+        marks: &[u64],
+        phase: &Phase,
+        next_share: u16,
+        frame: &mut Frame,
+    ) {
+        let (width, y) = (self.to.0, phase.last as u16);
+        for (sums, plain) in self.sums.chunks_exact_mut(width).zip(self.plain.chunks_exact(width)) {
+            for ((sum, plain), since) in sums.iter_mut().zip(plain).zip(&self.since) {
+                *sum = sum.wrapping_add(plain.wrapping_mul(y - since));
+            }
+        }
+        self.since.fill(y + 1);
+        self.narrow.copy_from_slice(&self.plain);
+        each(marks, |window| {
+            let Some(columns) = self.columns.get(window) else { return };
+            for (channel, mean) in mean(columns, pixels).into_iter().enumerate() {
+                self.narrow[channel * width + window] = mean;
+            }
+        });
         for (sum, v) in self.sums.iter_mut().zip(&mut self.narrow) {
-            let total = u32::from(sum.wrapping_add(part(*v, last_share)));
-            *sum = part(*v, next);
-            *v = ((total * u32::from(reciprocal)) >> 16) as u16;
+            let total = u32::from(sum.wrapping_add(part(*v, phase.last_share)));
+            *sum = part(*v, next_share);
+            *v = ((total * u32::from(phase.reciprocal)) >> 16) as u16;
         }
         let (reds, rest) = self.narrow.split_at(width);
         let (greens, blues) = rest.split_at(width);
-        let pixels = frame.pixels_mut()[k * width * RGB..].chunks_exact_mut(RGB);
-        for (((pixel, r), g), b) in pixels.zip(reds).zip(greens).zip(blues) {
+        let row = pixels::row(frame, self.at.1 - 1).chunks_exact_mut(RGB);
+        for (((pixel, r), g), b) in row.zip(reds).zip(greens).zip(blues) {
             pixel.copy_from_slice(&[*r as u8, *g as u8, *b as u8]);
         }
     }
 
-    /// Shrinks a row to `narrow`.
-    fn across(&mut self, flat: &[u32], row: &[u32], marks: &[u64]) {
-        const CHUNK: usize = 8;
-        let width = self.to.0;
-        for (i, (colors, flat)) in self.colors.chunks_mut(CHUNK).zip(flat.chunks(CHUNK)).enumerate() {
-            // (a comparison of slices calls a function of the C library)
-            if colors.iter().zip(flat).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0 {
-                continue;
+    /// Completes a row of the frame, of which the loose windows are as above.
+    fn complete_tight(&mut self, pixels: &[u32], marks: &[u64], phase: &Phase, frame: &mut Frame) {
+        let (width, y) = (self.to.0, phase.last as u16);
+        let start = (self.at.1 - 1) * width * RGB;
+        let (above, row) = frame.pixels_mut()[start - width * RGB..].split_at_mut(width * RGB);
+        row[..width * RGB].copy_from_slice(above);
+        each(&self.tight, |window| {
+            let Some(columns) = self.columns.get(window) else { return };
+            let is_marked = marks[window / 64] & 1 << (window % 64) != 0;
+            let places = [0, 1, 2].map(|channel| channel * width + window);
+            let values = if is_marked { mean(columns, pixels) } else { places.map(|at| self.plain[at]) };
+            let rows = y - std::mem::replace(&mut self.since[window], y + 1);
+            for ((pixel, at), v) in row[window * RGB..].iter_mut().zip(places).zip(values) {
+                let sum = self.sums[at].wrapping_add(self.plain[at].wrapping_mul(rows));
+                *pixel = phase.of(sum, v);
+                self.sums[at] = 0;
             }
-            for (k, (color, &flat)) in (CHUNK * i..).zip(colors.iter_mut().zip(flat)) {
-                if *color != flat {
-                    *color = flat;
-                    let phase = &self.columns[k];
-                    for (channel, value) in flat.to_le_bytes().into_iter().take(3).enumerate() {
-                        let value = u16::from(value);
-                        let whole = value.wrapping_mul((phase.last - phase.begin) as u16);
-                        self.plain[channel * width + k] = phase.mean(value, whole, value).into();
-                    }
-                }
-            }
-        }
-        self.narrow.copy_from_slice(&self.plain);
-        let (reds, rest) = self.narrow.split_at_mut(width);
-        let (greens, blues) = rest.split_at_mut(width);
-        for (word, mut bits) in marks.iter().copied().enumerate() {
-            while bits != 0 {
-                let k = 64 * word + bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                let Some(phase) = self.columns.get(k) else { break };
-                // two pixels at a time, each channel with room for a sum
-                let (mut red_blue, mut green) = (0_u64, 0_u64);
-                let mut pairs = row[phase.begin..phase.last].chunks_exact(2);
-                let mut add = |pixels: u64| {
-                    red_blue += pixels & 0x00ff_00ff_00ff_00ff;
-                    green += pixels >> 8 & 0x00ff_00ff_00ff_00ff;
-                };
-                pairs.by_ref().map(|pair| u64::from(pair[0]) | u64::from(pair[1]) << 32).for_each(&mut add);
-                if let [pixel] = *pairs.remainder() {
-                    red_blue += u64::from(pixel) & 0x00ff_00ff;
-                    green += u64::from(pixel) >> 8 & 0x00ff_00ff;
-                }
-                let (red_blue, green) =
-                    ((red_blue + (red_blue >> 32)) as u32, (green + (green >> 32)) as u32);
-                let (first, last) = (row[phase.first].to_le_bytes(), row[phase.last].to_le_bytes());
-                let mean = |channel: usize, sum: u32| {
-                    u16::from(phase.mean(first[channel].into(), sum as u16, last[channel].into()))
-                };
-                reds[k] = mean(0, red_blue & 0xffff);
-                greens[k] = mean(1, green & 0xffff);
-                blues[k] = mean(2, red_blue >> 16);
-            }
+        });
+    }
+}
+
+/// Calls `f` with the number of each bit that is set.
+#[inline]
+fn each(words: &[u64], mut f: impl FnMut(usize)) {
+    for (i, mut bits) in words.iter().copied().enumerate() {
+        while bits != 0 {
+            f(64 * i + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
         }
     }
+}
+
+/// The red, green and blue that a window of a row becomes.
+#[inline]
+fn mean(phase: &Phase, row: &[u32]) -> [u16; 3] {
+    // two pixels at a time, each channel with room for a sum
+    let (mut red_blue, mut green) = (0_u64, 0_u64);
+    let mut pairs = row[phase.begin..phase.last].chunks_exact(2);
+    let mut add = |pixels: u64| {
+        red_blue += pixels & 0x00ff_00ff_00ff_00ff;
+        green += pixels >> 8 & 0x00ff_00ff_00ff_00ff;
+    };
+    pairs.by_ref().map(|pair| u64::from(pair[0]) | u64::from(pair[1]) << 32).for_each(&mut add);
+    if let [pixel] = *pairs.remainder() {
+        add(pixel.into());
+    }
+    let (red_blue, green) = ((red_blue + (red_blue >> 32)) as u32, (green + (green >> 32)) as u32);
+    // red and blue side by side, as `Phase::mean` computes one of them
+    let apart = |red_blue: u32| (u64::from(red_blue) | u64::from(red_blue) << 16) & 0x0000_ffff_0000_ffff;
+    let part = |pixel: u32, share: u16| {
+        (apart(pixel & 0x00ff_00ff) * u64::from(share)) >> 14 & 0x0000_ffff_0000_ffff
+    };
+    let (first, last) = (row[phase.first], row[phase.last]);
+    let sum = part(first, phase.first_share) + apart(red_blue) + part(last, phase.last_share);
+    let red_blue = (sum & 0x0000_ffff_0000_ffff) * u64::from(phase.reciprocal);
+    let green = phase.mean(u16::from((first >> 8) as u8), green as u16, u16::from((last >> 8) as u8));
+    [u16::from((red_blue >> 16) as u8), green.into(), u16::from((red_blue >> 48) as u8)]
 }

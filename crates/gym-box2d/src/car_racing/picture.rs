@@ -6,7 +6,7 @@
 use std::f64::consts::SQRT_2;
 
 use gym_core::canvas::{Canvas, Color, Label, Point, Primitive};
-use gym_core::pygame::{self, UPRIGHT};
+use gym_core::pygame::{self, Rotation, UPRIGHT};
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Space};
 
@@ -92,24 +92,24 @@ pub(super) enum Scene {
 /// From the field to the window.
 struct View {
     zoom: f64,
-    angle: f64,
+    rotation: Rotation,
     translation: Point,
 }
 
 impl View {
     fn new(episode: &Episode) -> Self {
         let (world, hull) = (&episode.world, episode.car.hull);
-        let angle = -f64::from(world.angle(hull));
+        let rotation = Rotation::new(-f64::from(world.angle(hull)));
         // the camera comes near in the first second
         let zoom = 0.1 * SCALE * (1.0 - episode.t).max(0.0) + ZOOM * SCALE * episode.t.min(1.0);
         let position = world.position(hull);
         let scroll = [-f64::from(position.x) * zoom, -f64::from(position.y) * zoom];
-        let [x, y] = pygame::rotate_rad(scroll, angle);
-        Self { zoom, angle, translation: [WINDOW_W / 2.0 + x, WINDOW_H / 4.0 + y] }
+        let [x, y] = rotation.apply(scroll);
+        Self { zoom, rotation, translation: [WINDOW_W / 2.0 + x, WINDOW_H / 4.0 + y] }
     }
 
     fn apply(&self, point: Point) -> Point {
-        let [x, y] = pygame::rotate_rad(point, self.angle);
+        let [x, y] = self.rotation.apply(point);
         [x * self.zoom + self.translation[0], y * self.zoom + self.translation[1]]
     }
 

@@ -2,7 +2,7 @@
 
 use gym_core::canvas::{Color, Point};
 
-use super::{Edge, Edges, Pixels, whole};
+use super::{Edge, Edges, FEW, MANY, Pixels, whole};
 
 /// Lines `width` pixels wide between points; from the last to the first too, if closed.
 pub(super) fn lines(pixels: &mut impl Pixels, points: &[Point], closed: bool, width: u32, color: Color) {
@@ -48,7 +48,15 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     if let [a, b, c] = *points {
         return triangle(pixels, [a, b, c].map(whole), color);
     }
-    let edges = Edges::new(points);
+    if points.len() <= FEW {
+        fill::<FEW>(pixels, points, color);
+    } else {
+        fill::<MANY>(pixels, points, color);
+    }
+}
+
+fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    let edges = Edges::<MOST>::new(points);
     let (min, max) = (edges.min, edges.max);
     if min == max {
         let xs = || points.iter().map(|point| whole(*point)[0]);
@@ -57,16 +65,13 @@ pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
         }
         return;
     }
-    let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, before: usize| {
-        let cuts = (y1 <= y && y < y2) || (y == max && y == y2);
-        cuts.then(|| {
-            if x1 == x2 {
-                return x1; // the ground of BipedalWalker is made of upright edges
-            }
-            let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
-            // which way a cut is rounded depends on the order of the points
-            x1 + if before.is_multiple_of(2) { q.floor() } else { q.ceil() } as i32
-        })
+    let cut = |&Edge { x1, y1, x2, y2, .. }: &Edge, y: i32, before: usize| {
+        if x1 == x2 {
+            return x1; // the ground of BipedalWalker is made of upright edges
+        }
+        let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
+        // which way a cut is rounded depends on the order of the points
+        x1 + if before.is_multiple_of(2) { q.floor() } else { q.ceil() } as i32
     };
     edges.scan(pixels.rows(), cut, |a, b, y| pixels.hline(a, b, y, color));
     // level edges inside

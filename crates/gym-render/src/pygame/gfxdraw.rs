@@ -1,8 +1,10 @@
 //! `pygame.gfxdraw`: edges smoothed over two pixels, and plain insides.
 
+use std::ops::Range;
+
 use gym_core::canvas::{Color, Point};
 
-use super::{Edge, Edges, Pixels, whole};
+use super::{Edge, Edges, FEW, MANY, Pixels, whole};
 
 /// The smoothed outline of a polygon.
 pub(super) fn aapolygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
@@ -74,35 +76,54 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let (major, minor) = (dx.max(dy), dx.min(dy));
     // pygame's error term in 32 bits; at 45 degrees it runs over to 0, and moves at every step
     let step = u64::from(((minor << 16) / major) << 16);
-    let minor_at = |k: u32| if step == 0 { k as i32 } else { ((u64::from(k) * step) >> 32) as i32 };
+    let step = if step == 0 { 1 << 32 } else { step };
     // the first k at which the line has come so many pixels along the minor axis
-    let first_at = |minor: i32| match u64::try_from(minor) {
-        Err(_) => 0,
-        Ok(minor) if step == 0 => minor,
-        Ok(minor) => (minor << 32).div_ceil(step),
-    };
+    let first_at = |minor: i32| u64::try_from(minor).map_or(0, |minor| (minor << 32).div_ceil(step));
     let rows = pixels.rows();
     let (from, to) = (rows.start - ty, rows.end - ty);
     let steps = |from: u64, to: u64| (from.max(1) as u32).min(major)..(to.min(u64::from(major)) as u32);
+    let weights = |at: u64| {
+        let w = (at >> 24 & 0xff) as i32;
+        [(255 * (255 - w)) >> 8, (255 * w) >> 8]
+    };
     if dy > dx {
-        for k in steps(from.max(0) as u64, to.max(0) as u64) {
-            let w = ((u64::from(k) * step) >> 24 & 0xff) as i32;
-            let (x, y) = (tx + sx * minor_at(k), ty + k as i32);
-            pixels.blend(x, y, color, (255 * (255 - w)) >> 8);
+        let steps = steps(from.max(0) as u64, to.max(0) as u64);
+        let mut at = u64::from(steps.start) * step;
+        for k in steps {
+            let [near, far] = weights(at);
+            let (x, y) = (tx + sx * (at >> 32) as i32, ty + k as i32);
+            at += step;
             // clipping keeps the line on the surface, not its shade
             if x + sx >= 0 && x + sx < pixels.width() {
-                pixels.blend(x + sx, y, color, (255 * w) >> 8);
+                pixels.get_ready(x.min(x + sx), x.max(x + sx), y);
+                pixels.blend_ready(x, y, color, near);
+                pixels.blend_ready(x + sx, y, color, far);
+            } else {
+                pixels.blend(x, y, color, near);
             }
         }
-    } else {
-        for k in steps(first_at(from - 1), first_at(to)) {
-            let w = ((u64::from(k) * step) >> 24 & 0xff) as i32;
-            let (x, y) = (tx + sx * k as i32, ty + minor_at(k));
-            if y >= rows.start {
-                pixels.blend(x, y, color, (255 * (255 - w)) >> 8);
-            }
-            if y + 1 < rows.end {
-                pixels.blend(x, y + 1, color, (255 * w) >> 8);
+        return;
+    }
+    let Range { start: mut k, end } = steps(first_at(from - 1), first_at(to));
+    let mut at = u64::from(k) * step;
+    while k < end {
+        // as far as the line stays between two rows
+        let (minor, (first, start)) = (at >> 32, (k, at));
+        while k < end && at >> 32 == minor {
+            k += 1;
+            at += step;
+        }
+        let [x, last] = [first, k - 1].map(|k| tx + sx * k as i32);
+        let y = ty + minor as i32;
+        for (below, y) in [(0, y), (1, y + 1)] {
+            if rows.contains(&y) {
+                pixels.get_ready(x.min(last), x.max(last), y);
+                let (mut x, mut at) = (x, start);
+                for _ in first..k {
+                    pixels.blend_ready(x, y, color, weights(at)[below]);
+                    x += sx;
+                    at += step;
+                }
             }
         }
     }
@@ -110,16 +131,17 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
 
 /// The inside of a polygon. The outline belongs to it in part.
 pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
-    let edges = Edges::new(points);
-    let cut = |&Edge { x1, y1, x2, y2 }: &Edge, y: i32, _: usize| {
-        let cuts = (y1 <= y && y < y2) || (y == edges.max && y == y2);
-        cuts.then(|| {
-            if x1 == x2 {
-                return x1.wrapping_mul(65536);
-            }
-            let along = 65536_i32.wrapping_mul(y - y1) / (y2 - y1);
-            along.wrapping_mul(x2 - x1).wrapping_add(x1.wrapping_mul(65536))
-        })
+    if points.len() <= FEW {
+        fill::<FEW>(pixels, points, color);
+    } else {
+        fill::<MANY>(pixels, points, color);
+    }
+}
+
+fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    let edges = Edges::<MOST>::new(points);
+    let cut = |edge: &Edge, y: i32, _: usize| {
+        edge.share(y).wrapping_mul(edge.x2 - edge.x1).wrapping_add(edge.x1.wrapping_mul(65536))
     };
     let round = |v: i32| (v >> 16) + (v >> 15 & 1);
     edges.scan(pixels.rows(), cut, |a, b, y| {

@@ -52,6 +52,19 @@ pub(crate) trait Pixels {
         });
     }
 
+    /// Whoever gets pixels `x1..=x2` of a row ready may call [`blend_ready`](Self::blend_ready) on them, as long
+    /// as nothing else is drawn. All lie on the surface, in a row that is kept.
+    #[inline]
+    fn get_ready(&mut self, x1: i32, x2: i32, y: i32) {
+        let _ = (x1, x2, y);
+    }
+
+    /// [`blend`](Self::blend), of a pixel that is ready.
+    #[inline]
+    fn blend_ready(&mut self, x: i32, y: i32, color: Color, weight: i32) {
+        self.blend(x, y, color, weight);
+    }
+
     /// Whether a pixel lies on the surface, in a row that is kept.
     fn keeps(&self, x: i32, y: i32) -> bool {
         (0..self.width()).contains(&x) && self.rows().contains(&y)
@@ -129,32 +142,56 @@ struct Edge {
     y1: i32,
     x2: i32,
     y2: i32,
+    /// 2^47 / (y2 - y1), rounded up.
+    reciprocal: u64,
+}
+
+impl Edge {
+    /// From an upper to a lower end.
+    fn new([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> Self {
+        Self { x1, y1, x2, y2, reciprocal: (1_u64 << 47).div_ceil((y2 - y1) as u64) }
+    }
+
+    /// `65536 * (y - y1) / (y2 - y1)`, for a row of the edge.
+    #[inline]
+    fn share(&self, y: i32) -> i32 {
+        // The quotient of a number below 2^31 is exact: the reciprocal is too large by less than
+        // 1 / 2^47, and the divisor is below 2^16. Larger ones run over, as pygame's do.
+        let along = y - self.y1;
+        if along < 1 << 15 {
+            (((along as u64) << 16).wrapping_mul(self.reciprocal) >> 47) as i32
+        } else {
+            65536_i32.wrapping_mul(along) / (self.y2 - self.y1)
+        }
+    }
 }
 
 /// The edges of a polygon that are not level: from the last point to the first, from the first to the
 /// second, and so on. And its first and last row.
-struct Edges {
-    edges: [Edge; Self::MOST],
+struct Edges<const MOST: usize> {
+    edges: [Edge; MOST],
     count: usize,
     min: i32,
     max: i32,
 }
 
-impl Edges {
-    /// More than any polygon of an environment has; what is beyond them is left out.
-    const MOST: usize = 80;
+/// Most polygons have no more edges.
+const FEW: usize = 8;
+/// More than any polygon of an environment has; what is beyond them is left out.
+const MANY: usize = 80;
 
+impl<const MOST: usize> Edges<MOST> {
     fn new(points: &[Point]) -> Self {
-        let mut edges = Self { edges: [Edge::default(); Self::MOST], count: 0, min: i32::MAX, max: i32::MIN };
+        let mut edges = Self { edges: [Edge::default(); MOST], count: 0, min: i32::MAX, max: i32::MIN };
         let Some(last) = points.last() else { return edges };
         let mut p = whole(*last);
         for point in points {
             let q = whole(*point);
             edges.min = edges.min.min(q[1]);
             edges.max = edges.max.max(q[1]);
-            let ([x1, y1], [x2, y2]) = if p[1] < q[1] { (p, q) } else { (q, p) };
-            if y1 < y2 && edges.count < Self::MOST {
-                edges.edges[edges.count] = Edge { x1, y1, x2, y2 };
+            let (upper, lower) = if p[1] < q[1] { (p, q) } else { (q, p) };
+            if upper[1] < lower[1] && edges.count < MOST {
+                edges.edges[edges.count] = Edge::new(upper, lower);
                 edges.count += 1;
             }
             p = q;
@@ -163,28 +200,55 @@ impl Edges {
     }
 
     /// Shows `draw` the pairs of places between which each of these rows lies inside. `cut` tells where a row
-    /// cuts an edge, if it does, and how many cuts of the row came before.
+    /// cuts an edge, given how many cuts came before. A row cuts an edge from its upper end on, and the last
+    /// row of the polygon those too that end there.
+    #[inline]
     fn scan(
         &self,
         rows: Range<i32>,
-        cut: impl Fn(&Edge, i32, usize) -> Option<i32>,
+        cut: impl Fn(&Edge, i32, usize) -> i32,
         mut draw: impl FnMut(i32, i32, i32),
     ) {
-        let mut cuts = [0; Self::MOST];
-        for y in self.min.max(rows.start)..(self.max + 1).min(rows.end) {
+        let edges = &self.edges[..self.count];
+        let mut cuts = [0; MOST];
+        let mut y = self.min.max(rows.start);
+        let bottom = (self.max + 1).min(rows.end);
+        while y < bottom {
+            // between two ends of edges all rows cut the same ones
+            let mut cut_ones = [Edge::default(); MOST];
             let mut count = 0;
-            for edge in &self.edges[..self.count] {
-                if let Some(place) = cut(edge, y, count) {
-                    cuts[count] = place;
+            let mut next = bottom;
+            for edge in edges {
+                let cuts = (edge.y1 <= y && y < edge.y2) || (y == self.max && y == edge.y2);
+                if cuts {
+                    cut_ones[count] = *edge;
                     count += 1;
                 }
+                for end in [edge.y1, edge.y2] {
+                    if end > y {
+                        next = next.min(end);
+                    }
+                }
             }
-            if count == 2 {
-                draw(cuts[0].min(cuts[1]), cuts[0].max(cuts[1]), y);
+            if y < self.max {
+                next = next.min(self.max);
+            }
+            let cut_ones = &cut_ones[..count];
+            if let [a, b] = cut_ones {
+                for y in y..next {
+                    let (a, b) = (cut(a, y, 0), cut(b, y, 1));
+                    draw(a.min(b), a.max(b), y);
+                }
             } else {
-                cuts[..count].sort_unstable();
-                cuts[..count].chunks_exact(2).for_each(|pair| draw(pair[0], pair[1], y));
+                for y in y..next {
+                    for (i, edge) in cut_ones.iter().enumerate() {
+                        cuts[i] = cut(edge, y, i);
+                    }
+                    cuts[..count].sort_unstable();
+                    cuts[..count].chunks_exact(2).for_each(|pair| draw(pair[0], pair[1], y));
+                }
             }
+            y = next;
         }
     }
 }

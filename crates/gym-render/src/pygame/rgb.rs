@@ -19,11 +19,16 @@ pub(crate) struct RgbPixels<'a> {
     pub(crate) flipped: bool,
     /// The bytes of the last long run, if they are as they were left, and its colour.
     last: (Range<usize>, Color),
+    /// A short run, and its colour.
+    short: ([u8; SHORT], Option<Color>),
 }
+
+/// Bytes of the longest run that is not worth a look at the one before.
+const SHORT: usize = 32 * RGB;
 
 impl<'a> RgbPixels<'a> {
     pub(crate) fn new(frame: &'a mut Frame, left: i32, flipped: bool) -> Self {
-        Self { frame, left, flipped, last: (0..0, Color::BLACK) }
+        Self { frame, left, flipped, last: (0..0, Color::BLACK), short: ([0; SHORT], None) }
     }
 
     fn row(&mut self, y: i32) -> &mut [u8] {
@@ -46,19 +51,22 @@ impl Pixels for RgbPixels<'_> {
     }
 
     fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
-        /// Shorter runs are not worth a look at the one before.
-        const LONG: usize = 32 * RGB;
         let (x1, x2) = (x1 - self.left, x2 - self.left);
         if x2 < 0 {
             return;
         }
         let columns = x1.max(0) as usize..(x2 + 1) as usize;
         let bytes = columns.len() * RGB;
-        if bytes < LONG {
-            return pixels::fill_run(self.row(y), columns, color);
-        }
         let row = if self.flipped { self.height() - 1 - y } else { y } as usize;
         let start = (row * self.frame.width() as usize + columns.start) * RGB;
+        if bytes <= SHORT {
+            let (run, run_color) = &mut self.short;
+            if *run_color != Some(color) {
+                pixels::fill_run(run, 0..SHORT / RGB, color);
+                *run_color = Some(color);
+            }
+            return self.frame.pixels_mut()[start..start + bytes].copy_from_slice(&run[..bytes]);
+        }
         // polygons are made of runs that are much alike, and copies are fast
         let (last, last_color) = &self.last;
         if bytes <= last.len() && *last_color == color {

@@ -31,7 +31,13 @@ impl Phase {
     /// The mean, from the sum of the whole samples and those at the ends.
     #[inline(always)]
     pub(crate) fn mean(&self, first: u16, whole: u16, last: u16) -> u8 {
-        let sum = part(first, self.first_share).wrapping_add(whole).wrapping_add(part(last, self.last_share));
+        self.of(part(first, self.first_share).wrapping_add(whole), last)
+    }
+
+    /// The mean, from the sum of all but the sample at its end.
+    #[inline(always)]
+    pub(crate) fn of(&self, sum: u16, last: u16) -> u8 {
+        let sum = sum.wrapping_add(part(last, self.last_share));
         ((u32::from(sum) * u32::from(self.reciprocal)) >> 16) as u8
     }
 }

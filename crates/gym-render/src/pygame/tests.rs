@@ -1,7 +1,8 @@
 //! What pygame-ce 2.5.8 drew, with the same arguments: `tests/pygame`.
 
-use gym_core::canvas::{Color, Point, Primitive};
-use gym_core::render::Frame;
+use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::pygame::flipped;
+use gym_core::render::{Frame, Painter};
 use serde::Deserialize;
 use serde_json::Value as Json;
 
@@ -186,5 +187,81 @@ fn smoothscale_shrinks_as_pygame_did() {
             }
         }
         assert_eq!(crc32fast::hash(&scaled), crc32, "{w}x{h} to {w2}x{h2}, seed {seed}, blocks {blocks}");
+    }
+}
+
+/// The whole picture made smaller.
+fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
+    let [w, h, w2, h2] = [frame.width(), frame.height(), width, height].map(|side| side as usize);
+    let mut scaled = Frame::new(width, height);
+    for channel in 0..3 {
+        let at = |x: usize, y: usize| frame.pixels()[(y * w + x) * 3 + channel];
+        let narrow: Vec<Vec<u8>> = (0..h).map(|y| shrink(|x| at(x, y), w, w2)).collect();
+        for x in 0..w2 {
+            for (y, value) in shrink(|y| narrow[y][x], h, h2).into_iter().enumerate() {
+                scaled.pixels_mut()[(y * w2 + x) * 3 + channel] = value;
+            }
+        }
+    }
+    scaled
+}
+
+#[test]
+fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
+    let mut raster = crate::Raster::new();
+    for (seed, (from, to)) in (0..).zip([
+        ((250, 200), (150, 100)),
+        ((250, 200), (24, 24)),
+        ((64, 200), (63, 20)),
+        ((90, 90), (30, 30)),
+    ]) {
+        for picture in 0..12 {
+            let mut bytes = noise(97 * seed + picture);
+            let mut next = |range: f64| f64::from(bytes.next().unwrap_or_default()) / 255.0 * range;
+            let shapes: Vec<_> = (0..3 * picture)
+                .map(|_| {
+                    let points = [(); 4].map(|()| [next(2.0) - 0.5, next(2.0) - 0.5]);
+                    let scale = |[x, y]: Point| [x * f64::from(from.0), y * f64::from(from.1)];
+                    let color = [next(255.0), next(255.0), next(255.0)].map(|x| x as u8);
+                    (points.map(scale), color, next(4.0) as u32)
+                })
+                .collect();
+            let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {
+                for (points, [r, g, b], kind) in &shapes {
+                    let color = Color::rgb(*r, *g, *b);
+                    match kind {
+                        0 => paint(Primitive::Polygon(points), color),
+                        1 => paint(Primitive::Lines { points, closed: false, width: 2 }, color),
+                        _ => {
+                            paint(Primitive::AaPolygon(points), color);
+                            paint(Primitive::FilledPolygon(points), color);
+                        }
+                    }
+                }
+            };
+            let mut whole = Frame::new(from.0, from.1);
+            draw(&mut |primitive, color| paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color));
+            let mut frame = Frame::new(to.0, to.1);
+            let mut draw_in = |canvas: &mut dyn Canvas| {
+                canvas.push_smoothscaled(from, to);
+                canvas.push(flipped(f64::from(from.1)));
+                draw(&mut |primitive, color| canvas.pygame(primitive, color));
+                canvas.pop();
+                canvas.pop();
+            };
+            raster.paint(to, &mut draw_in, &mut frame);
+            assert!(frame == smoothscale(&whole, to), "{from:?} to {to:?}, picture {picture}");
+        }
+    }
+}
+
+#[test]
+fn places_of_edges_are_quotients() {
+    for length in (1..300).chain([1021, 4096, 29_999, 32_767, 60_000]) {
+        let edge = super::Edge::new([0, -30_000], [0, length - 30_000]);
+        for along in (0..=length).step_by(1 + length as usize / 300) {
+            let expected = 65536_i32.wrapping_mul(along) / length;
+            assert_eq!(edge.share(along - 30_000), expected, "{along} of {length}");
+        }
     }
 }

@@ -97,10 +97,9 @@ struct Evaluation {
 
 fn main() -> anyhow::Result<()> {
     let Arguments { command, training } = Arguments::parse();
-    // networks of this size are done before a second thread has woken up
-    rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(|| match command {
+    match command {
         Some(Command::Evaluate(evaluation)) => evaluate::evaluate(&evaluation),
         Some(Command::Export { checkpoint, policy }) => Policy::find(&checkpoint)?.write(&policy),
         None => train::train(&training),
-    })
+    }
 }

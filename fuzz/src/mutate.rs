@@ -1,9 +1,35 @@
 //! Inputs made of other inputs.
 
+use std::ops::Range;
+
 use gym::Generator;
 use serde_json::{Value as Json, json};
 
-/// Changes inputs at random, most of the time as JSON, so that they get past the parser.
+/// Numbers that formulas and checks may have overlooked.
+const NUMBERS: [&str; 20] = [
+    "0",
+    "-0",
+    "1",
+    "-1",
+    "2",
+    "0.5",
+    "1e-3",
+    "1e-9",
+    "1e-15",
+    "1e-160",
+    "5e-324",
+    "1e6",
+    "1e15",
+    "1e160",
+    "1e308",
+    "-1e308",
+    "1000",
+    "2147483648",
+    "90",
+    "nan",
+];
+
+/// Changes inputs at random, most of the time as JSON or XML, so that they get past the parser.
 #[derive(Debug)]
 pub struct Mutator {
     rng: Generator,
@@ -33,6 +59,16 @@ impl Mutator {
                 self.change(&mut json, &other);
             }
             return json.to_string().into_bytes();
+        }
+        if self.below(OF_BYTES) > 0
+            && input.starts_with(b"<")
+            && let (Ok(text), Ok(other)) = (str::from_utf8(input), str::from_utf8(other))
+        {
+            let mut text = text.to_owned();
+            for _ in 0..changes {
+                self.change_xml(&mut text, other);
+            }
+            return text.into_bytes();
         }
         let mut bytes = input.to_vec();
         for _ in 0..changes {
@@ -112,6 +148,50 @@ impl Mutator {
         }
     }
 
+    /// Changes an attribute, or lines, which nearly always hold whole elements.
+    fn change_xml(&mut self, text: &mut String, other: &str) {
+        let (own, others) = (attributes(text), attributes(other));
+        let choice = self.below(9);
+        if choice < 3 || own.is_empty() {
+            let from = if self.below(2) == 0 { text.as_str() } else { other };
+            let new = from.lines().nth(self.below(from.lines().count())).unwrap_or_default().to_owned();
+            let mut lines: Vec<&str> = text.lines().collect();
+            let i = self.below(lines.len());
+            match choice {
+                _ if lines.is_empty() => lines.push(&new),
+                0 => drop(lines.remove(i)),
+                1 => lines.insert(i, &new),
+                _ => lines[i] = &new,
+            }
+            *text = lines.join("\n");
+            return;
+        }
+        let [name, value] = own[self.below(own.len())].clone();
+        let taken = others.get(self.below(others.len())).cloned();
+        let taken = taken.map(|ranges| ranges.map(|range| &other[range]));
+        let mut words: Vec<&str> = text[value.clone()].split_whitespace().collect();
+        let i = self.below(words.len());
+        match (choice, taken) {
+            (3, _) => text.replace_range(name.start..value.end + 1, ""),
+            (4, Some([other_name, _])) => text.replace_range(name, other_name),
+            (5, Some([_, other_value])) => text.replace_range(value, other_value),
+            (6, Some([other_name, other_value])) => {
+                text.insert_str(name.start, &format!("{other_name}=\"{other_value}\" "));
+            }
+            _ => {
+                match self.below(8) {
+                    _ if words.is_empty() => words.push("1"),
+                    0 => drop(words.remove(i)),
+                    1 => words.insert(i, "0"),
+                    2 => words.iter_mut().for_each(|word| *word = "0"),
+                    _ => words[i] = NUMBERS[self.below(NUMBERS.len())],
+                }
+                let words = words.join(" ");
+                text.replace_range(value, &words);
+            }
+        }
+    }
+
     fn change_bytes(&mut self, bytes: &mut Vec<u8>, other: &[u8]) {
         let (i, j) = (self.below(bytes.len()), self.below(other.len()));
         match self.below(5) {
@@ -123,6 +203,23 @@ impl Mutator {
             _ => bytes.splice(i.., other.get(j..).unwrap_or_default().iter().copied()).for_each(drop),
         }
     }
+}
+
+/// Where the attributes of an XML text are: names, and values without their quotes.
+fn attributes(text: &str) -> Vec<[Range<usize>; 2]> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    while let Some(equals) = text[start..].find("=\"").map(|i| start + i) {
+        let value = equals + 2;
+        let Some(end) = text[value..].find('"').map(|i| value + i) else { break };
+        let before = text[..equals].rfind(|c: char| !c.is_ascii_alphanumeric()).map_or(0, |i| i + 1);
+        // the character before a name may take several bytes
+        if text.is_char_boundary(before) {
+            found.push([before..equals, value..end]);
+        }
+        start = end + 1;
+    }
+    found
 }
 
 /// How many nodes a document has.

@@ -77,7 +77,12 @@ pub fn mjcf(input: &[u8]) {
     let model = match gym::mujoco::Model::from_xml(text) {
         Ok(model) => model,
         Err(error) => {
-            assert!(error.to_string().len() > 10, "`{error}` does not say what to do");
+            let lines = 1 + text.matches('\n').count();
+            let gym::mujoco::Error::Mjcf { line, element, reason, .. } = &error else {
+                panic!("`{error}` does not say where")
+            };
+            assert!((1..=lines).contains(&(*line as usize)), "`{error}`: the text has {lines} lines");
+            assert!(!element.is_empty() && reason.len() > 10, "`{error}` does not say what to do");
             return;
         }
     };

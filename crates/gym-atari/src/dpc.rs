@@ -98,6 +98,6 @@ impl Dpc {
     /// A shift register, of which each access to the chip takes a step.
     fn next_random(&mut self) {
         let taps = self.random & 0b1011_1000;
-        self.random = self.random << 1 | u8::from(taps.count_ones() % 2 == 0);
+        self.random = self.random << 1 | u8::from(taps.count_ones().is_multiple_of(2));
     }
 }

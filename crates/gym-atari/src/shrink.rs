@@ -70,7 +70,7 @@ impl Shrink {
                 self.across.copy_within(start - columns..start, start);
             }
             // the numbers that cover something else than in the row above
-            let mut changed = usize::MAX..0;
+            let mut changed = 0..0;
             for (cell, pixels) in row.chunks(CELL).enumerate() {
                 let first = cell * CELL;
                 if above.get(first..first + pixels.len()) != Some(pixels) {

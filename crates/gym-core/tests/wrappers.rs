@@ -194,7 +194,7 @@ fn whole_numbers_are_normalized_too() {
     let mut expected = RunningMeanStd::new(1);
     for (i, number) in numbers.into_iter().enumerate() {
         let seen = if i == 0 { env.reset(0).unwrap() } else { env.step(&0).unwrap().observation };
-        expected.update(&Array::from([number as i64])).unwrap();
+        expected.update(&Array::from([number])).unwrap();
         assert_eq!(*env.statistics(), expected);
         let [mean, variance] = [expected.mean(), expected.variance()].map(|x| x.iter_f64().next().unwrap());
         let seen = seen.as_array().unwrap().iter_f64().next().unwrap();

@@ -84,7 +84,7 @@ fn compare(path: &Path, side: &str) -> Result<(), String> {
 fn all(kind: &str, side: &str) {
     let paths = recordings(kind);
     if std::env::var_os("GYM_REFERENCE").is_none() {
-        let expected = if kind == "steps" { 25 } else { 13 };
+        let expected = if kind == "steps" { 31 } else { 13 };
         assert_eq!(paths.len(), expected, "recordings of {kind}");
     }
     let failed: Vec<String> = paths.iter().filter_map(|path| compare(path, side).err()).collect();

@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gym_core::registry;
 use gym_core::trace::Trace;
 use gym_mujoco::simulated;
 use serde_json::{Value, json};
@@ -58,28 +59,68 @@ fn compare(path: &Path) -> Result<(usize, f64), String> {
     Ok((trace.events.len(), worst))
 }
 
-fn compare_all(folder: &Path) {
+/// The traces of a folder: their names hold the id of a task.
+fn traces(folder: &Path) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
         .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().contains("-v")))
+        .filter(|path| name(path).contains("-v"))
         .collect();
     paths.sort();
-    assert!(!paths.is_empty(), "{} has no traces", folder.display());
+    paths
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn compare_all(paths: &[PathBuf]) {
     let mut wrong = Vec::new();
-    for path in &paths {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    for path in paths {
         match compare(path) {
-            Ok((events, worst)) => println!("{name}: {events} events, {worst:.1e}"),
-            Err(error) => wrong.push(format!("{name}: {}", &error[..error.len().min(400)])),
+            Ok((events, worst)) => println!("{}: {events} events, {worst:.1e}", name(path)),
+            Err(error) => wrong.push(format!("{}: {}", name(path), &error[..error.len().min(400)])),
         }
     }
     assert!(wrong.is_empty(), "{} of {} differ:\n{}", wrong.len(), paths.len(), wrong.join("\n"));
 }
 
 #[test]
+fn every_id_repeats_the_beginning_of_a_recording() {
+    let paths = traces(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded"));
+    for registration in registry::all() {
+        let recorded = format!("{}.seed0.json", registration.id());
+        assert!(paths.iter().any(|path| name(path) == recorded), "{recorded} is missing");
+    }
+    compare_all(&paths);
+}
+
+#[test]
 fn all_recorded_episodes() {
     if let Some(folder) = std::env::var_os("GYM_REFERENCE") {
-        compare_all(&PathBuf::from(folder).join("traces_mujoco"));
+        let paths = traces(&PathBuf::from(folder).join("traces_mujoco"));
+        assert!(!paths.is_empty(), "there are no traces");
+        compare_all(&paths);
     }
+}
+
+#[test]
+fn a_trace_that_differs_is_found() {
+    let folder = std::env::temp_dir().join(format!("gym-mujoco-traces-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/Hopper-v5.seed0.json");
+    let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let differs = folder.join("Hopper-v5.json");
+    for (place, other) in [
+        ("/events/5/reward", json!(file["events"][5]["reward"].as_f64().unwrap() + 2e-9)),
+        ("/events/5/info/x_velocity", json!(null)),
+        ("/events/26/terminated", json!(false)),
+        ("/events/3/state/qvel/2", json!(0.5)),
+    ] {
+        let mut file = file.clone();
+        *file.pointer_mut(place).unwrap() = other;
+        std::fs::write(&differs, file.to_string()).unwrap();
+        assert!(compare(&differs).is_err(), "{place}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }

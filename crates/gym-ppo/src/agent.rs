@@ -3,16 +3,20 @@
 use std::f64::consts::{E, PI};
 use std::iter::zip;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use candle_core::{D, DType, Device, Tensor, Var, backprop::GradStore};
 use candle_nn::ops::log_softmax;
 use gym::{Array, Generator, Space, Value};
 
 use crate::adam::{Adam, StoredAdam};
+use crate::numbers::{self, Numbers};
 use crate::rollout::Batch;
 use crate::settings::Settings;
 
 type Result<T> = candle_core::Result<T>;
+
+/// The variables of an agent that decide its best actions come first: weights and bias of each layer of the policy.
+pub(crate) const POLICY_VARIABLES: usize = 6;
 
 /// Units of each hidden layer.
 const HIDDEN: usize = 64;
@@ -67,6 +71,19 @@ impl Agent {
     /// Continues from what was stored of an agent for the same spaces.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         self.optimizer.restore(stored)
+    }
+
+    /// Takes over the policy of an agent for the same spaces.
+    pub(crate) fn set_policy(&mut self, network: &[Numbers]) -> anyhow::Result<()> {
+        let given = network.len();
+        ensure!(
+            given == POLICY_VARIABLES,
+            "the policy has {given} lists of numbers: there are {POLICY_VARIABLES}"
+        );
+        for (variable, numbers) in zip(self.policy.variables(), network) {
+            variable.set(&numbers::tensor(numbers, &variable)?)?;
+        }
+        Ok(())
     }
 
     /// Draws an action for each observation, as a batch, and says how likely each was.

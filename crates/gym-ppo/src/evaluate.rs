@@ -1,41 +1,53 @@
-//! The evaluation of a saved policy: one environment, the best action each time, and the statistics of the
-//! training, which stay as they are.
+//! The evaluation of a policy: one environment, the best action each time, and the statistics of the training, which
+//! stay as they are.
 
 use anyhow::Context;
 use candle_core::{Device, Tensor};
 use gym::render::RenderMode;
 use gym::rendering::RecordVideo;
-use gym::vector::wrappers::NormalizeObservation;
 use gym::{BoxEnv, Env, Generator, Space, Wrap, builder, wrappers};
 
 use crate::Evaluation;
 use crate::agent::Agent;
-use crate::store::Checkpoint;
+use crate::policy::Policy;
 use crate::train::width;
 
 pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
-    let Evaluation { checkpoint: folder, episodes, seed, video } = evaluation;
-    let checkpoint =
-        Checkpoint::find(folder)?.with_context(|| format!("{}: no checkpoint", folder.display()))?;
-    let mut vector = checkpoint.spec.make()?;
-    vector.restore(&checkpoint.envs)?;
+    let Evaluation { policy, episodes, seed, video, size, frames } = evaluation;
+    let Policy { env: spec, normalization, network } = Policy::find(policy)?;
 
-    let env = builder(&checkpoint.spec.env.id).args(checkpoint.spec.env.kwargs.clone());
-    let env = env.render_mode(RenderMode::RgbArray).build()?;
-    let mut env = BoxEnv::new(RecordVideo::new(env, video)?.episode_trigger(|_| true));
+    let mut env = builder(&spec.id).args(spec.kwargs.clone());
+    if video.is_some() {
+        env = env.render_mode(RenderMode::RgbArray);
+    }
+    if let Some(size) = size {
+        let numbers = size
+            .split_once('x')
+            .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+        let (width, height) = numbers.with_context(|| format!("{size} is no size such as 320x200"))?;
+        env = env.render_size(width, height);
+    }
+    let mut env = env.build()?;
+    if let Some(folder) = video {
+        let recorded = RecordVideo::new(env, folder)?.episode_trigger(|_| true);
+        env = BoxEnv::new(match frames {
+            Some(frames) => recorded.video_length(*frames),
+            None => recorded,
+        });
+    }
     if matches!(env.action_space(), Space::Box(_)) {
         env = BoxEnv::new(env.clip_action()?);
     }
-    if let Some(trained) = vector.wrapper::<NormalizeObservation>() {
+    if let Some(statistics) = normalization {
         let mut normalized = wrappers::NormalizeObservation::new(env)?;
-        normalized.set_statistics(trained.statistics().clone())?;
+        normalized.set_statistics(statistics)?;
         normalized.update_running_mean(false);
         env = BoxEnv::new(normalized);
     }
 
     let mut agent =
         Agent::new(width(&env.observation_space())?, &env.action_space(), &mut Generator::from(0))?;
-    agent.restore(&checkpoint.agent)?;
+    agent.set_policy(&network)?;
     let mut returns = Vec::new();
     for episode in 0..*episodes {
         let mut observation = env.reset(seed + episode)?;
@@ -55,11 +67,15 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         returns.push(total);
     }
     env.close();
-    let mean = returns.iter().sum::<f64>() / returns.len().max(1) as f64;
+    let n = returns.len().max(1) as f64;
+    let mean = returns.iter().sum::<f64>() / n;
+    let deviation = (returns.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
     println!(
-        "{}: mean return {mean:.1} over {episodes} episodes; videos: {}",
-        checkpoint.spec.env.id,
-        video.display()
+        "{}: mean return {mean:.1}, standard deviation {deviation:.1}, over {episodes} episodes",
+        spec.id
     );
+    if let Some(folder) = video {
+        println!("videos: {}", folder.display());
+    }
     Ok(())
 }

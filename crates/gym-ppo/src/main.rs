@@ -4,6 +4,7 @@
 //! cargo run --release -p gym-ppo -- CartPole-v1
 //! cargo run --release -p gym-ppo -- Pendulum-v1 --steps 300000 --checkpoint runs/pendulum
 //! cargo run --release -p gym-ppo -- evaluate runs/pendulum --video videos
+//! cargo run --release -p gym-ppo -- export runs/pendulum pendulum.json
 //! ```
 //!
 //! Trains until the mean return of the last 100 episodes reaches the environment's threshold, shows how
@@ -14,6 +15,7 @@ mod adam;
 mod agent;
 mod evaluate;
 mod numbers;
+mod policy;
 mod rollout;
 mod settings;
 mod store;
@@ -22,6 +24,8 @@ mod train;
 use std::path::PathBuf;
 
 use clap::Parser;
+
+use crate::policy::Policy;
 
 #[derive(Parser)]
 #[command(about = "Trains an agent by proximal policy optimization", args_conflicts_with_subcommands = true)]
@@ -34,8 +38,15 @@ struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Plays a saved policy in one environment and records a video.
+    /// Plays a saved policy in one environment, and records videos where it is told to.
     Evaluate(Evaluation),
+    /// Writes the policy of a checkpoint to a file of its own, which `evaluate` takes too.
+    Export {
+        /// The folder of the checkpoint.
+        checkpoint: PathBuf,
+        /// The file, as JSON.
+        policy: PathBuf,
+    },
 }
 
 #[derive(clap::Args)]
@@ -58,27 +69,37 @@ struct Training {
     /// Rounds of learning between two checkpoints.
     #[arg(long, default_value_t = 10)]
     save_every: u64,
+    /// A setting in place of the task's own, such as `learning_rate=1e-3`; may be repeated.
+    #[arg(long, value_name = "NAME=NUMBER")]
+    set: Vec<String>,
 }
 
 #[derive(clap::Args)]
 struct Evaluation {
-    /// The folder of the checkpoint.
-    checkpoint: PathBuf,
+    /// The folder of a checkpoint, or the file of a policy.
+    policy: PathBuf,
     /// How many episodes are played.
     #[arg(long, default_value_t = 10)]
     episodes: u64,
     /// Seeds the first episode; the next ones have this plus 1, plus 2, ...
     #[arg(long, default_value_t = 1_000_000)]
     seed: u64,
-    /// A folder for the videos, one of each episode.
-    #[arg(long, default_value = "target/ppo-videos")]
-    video: PathBuf,
+    /// A folder for videos, one of each episode.
+    #[arg(long)]
+    video: Option<PathBuf>,
+    /// The width and height of the videos, such as `320x200`; the environment's own if it is absent.
+    #[arg(long, requires = "video")]
+    size: Option<String>,
+    /// The length of each video; whole episodes if it is absent.
+    #[arg(long, requires = "video")]
+    frames: Option<u64>,
 }
 
 fn main() -> anyhow::Result<()> {
     let Arguments { command, training } = Arguments::parse();
     match command {
         Some(Command::Evaluate(evaluation)) => evaluate::evaluate(&evaluation),
+        Some(Command::Export { checkpoint, policy }) => Policy::find(&checkpoint)?.write(&policy),
         None => train::train(&training),
     }
 }

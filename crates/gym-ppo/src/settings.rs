@@ -1,6 +1,8 @@
 //! What the algorithm leaves open.
 
+use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
@@ -64,6 +66,36 @@ impl Settings {
         if id.starts_with("Pendulum") {
             return Self { learning_rate: 1e-3, discount: 0.9, ..continuous };
         }
+        if id.starts_with("Hopper") {
+            // without a little entropy it learns to stand
+            return Self { entropy_coefficient: 0.002, ..continuous };
+        }
+        if id.starts_with("Swimmer") {
+            // a stroke pays much later
+            return Self { discount: 0.9999, ..continuous };
+        }
         continuous
+    }
+
+    /// These settings, but for those that are given as `NAME=NUMBER`.
+    pub(crate) fn with(&self, given: &[String]) -> Result<Self> {
+        let mut all = serde_json::to_value(self)?;
+        for text in given {
+            let (name, value) = text.split_once('=').with_context(|| format!("{text} is not NAME=NUMBER"))?;
+            let known: Vec<&str> =
+                all.as_object().into_iter().flat_map(|all| all.keys()).map(String::as_str).collect();
+            let known = known.join(", ");
+            let setting =
+                all.get_mut(name).with_context(|| format!("no setting is {name}: there are {known}"))?;
+            *setting = serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
+        }
+        let settings: Self =
+            serde_json::from_value(all).context("a setting has a value that it cannot have")?;
+        let Self { envs, steps, minibatch, epochs, .. } = settings;
+        ensure!(
+            [envs, steps, minibatch, epochs].iter().all(|n| *n > 0),
+            "a setting that counts is at least 1"
+        );
+        Ok(settings)
     }
 }

@@ -64,9 +64,9 @@ impl Run {
         Ok(Self { spec, settings, envs, agent, rollout, rng, seed, steps: 0, returns: Vec::new() })
     }
 
-    fn start(id: &str, seed: u64) -> anyhow::Result<Self> {
+    fn start(id: &str, seed: u64, set: &[String]) -> anyhow::Result<Self> {
         let continuous = matches!(gym::Env::action_space(&gym::make(id)?), Space::Box(_));
-        let settings = Settings::of(id, continuous);
+        let settings = Settings::of(id, continuous).with(set)?;
         let mut run = Self::new(spec(id, &settings, continuous)?, settings, seed)?;
         run.rollout.reset(&mut *run.envs, seed)?;
         Ok(run)
@@ -118,7 +118,7 @@ impl Run {
 }
 
 pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
-    let Training { id, seed, steps, plot, checkpoint: folder, save_every } = training;
+    let Training { id, seed, steps, plot, checkpoint: folder, save_every, set } = training;
     let found = folder.as_deref().map(Checkpoint::find).transpose()?.flatten();
     let mut run = match found {
         Some(checkpoint) => {
@@ -130,7 +130,7 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
             println!("resumes after {} steps", checkpoint.steps);
             Run::resume(checkpoint)?
         }
-        None => Run::start(id, *seed)?,
+        None => Run::start(id, *seed, set)?,
     };
     let threshold = run.spec.env.reward_threshold.unwrap_or(f64::INFINITY);
     let solved = |run: &Run| matches!(run.recent(), (mean, WINDOW) if mean >= threshold);

@@ -24,6 +24,7 @@ mod replay;
 mod run;
 mod selection;
 mod soak;
+mod trained;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -5,6 +5,7 @@ use gym::{BoxEnv, Env, Error, Result, Value};
 
 #[cfg(feature = "families")]
 use crate::heuristic::controller;
+use crate::trained;
 
 /// Chooses the action for an observation; `None` for what is no observation of the environment.
 pub(crate) type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
@@ -21,6 +22,8 @@ pub(crate) enum Policy {
     Random,
     /// A simple good policy: rules by hand, or the best policy of a transition table.
     Heuristic,
+    /// A network that `gym-ppo` trained, from `docs/policies`.
+    Trained,
 }
 
 /// One episode, summed up.
@@ -37,10 +40,13 @@ pub(crate) struct Episode {
 }
 
 impl Policy {
-    /// The heuristic, for an environment that has one.
+    /// The heuristic, for an environment that has one, or else a trained policy.
     #[cfg(feature = "families")]
-    pub(crate) fn good(env: &BoxEnv) -> Option<Self> {
-        crate::heuristic::controller(env).map(|_| Self::Heuristic)
+    pub(crate) fn good(env: &BoxEnv) -> Result<Option<Self>> {
+        if crate::heuristic::controller(env).is_some() {
+            return Ok(Some(Self::Heuristic));
+        }
+        Ok(trained::controller(env)?.map(|_| Self::Trained))
     }
 
     /// What acts in an episode from `seed`.
@@ -52,6 +58,9 @@ impl Policy {
             }
             Self::Heuristic => controller(env).ok_or_else(|| {
                 Error::argument("--policy", format!("{env} has no heuristic: play it at random"))
+            }),
+            Self::Trained => trained::controller(env)?.ok_or_else(|| {
+                Error::argument("--policy", format!("no policy for {env} is stored: play it at random"))
             }),
         }
     }

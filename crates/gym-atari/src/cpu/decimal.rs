@@ -12,7 +12,7 @@ fn from_digits(byte: u8) -> i16 {
 
 /// The two lowest digits of a number.
 fn to_digits(number: u8) -> u8 {
-    (number / 10 % 10) << 4 | number % 10
+    ((number / 10 % 10) << 4) | (number % 10)
 }
 
 impl Cpu {

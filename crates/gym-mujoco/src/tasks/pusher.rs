@@ -49,7 +49,7 @@ pub struct Config {
 
 impl TaskArguments for Config {
     fn defaults(version: u8) -> Self {
-        let camera = CameraConfig::at([0.25, -0.15, -0.2], 2.1, 130.0, -38.0);
+        let camera = CameraConfig::at([0.4, -0.32, -0.15], 1.95, -112.0, -40.0);
         Self {
             common: Common::new(if version >= 5 { "pusher_v5.xml" } else { "pusher.xml" }, 5, camera),
             reward_near_weight: 0.5,

@@ -214,7 +214,9 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     let median = |k: usize| {
         let mut numbers: Vec<f64> = data.geom_xpos.iter().map(|pos| pos[k]).collect();
         numbers.sort_by(f64::total_cmp);
-        numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
+        let middle = |n: usize| numbers.get(n / 2).copied().unwrap_or(0.0);
+        // of an even number of geoms the mean of both in the middle, as numpy has it
+        (middle(numbers.len().saturating_sub(1)) + middle(numbers.len())) / 2.0
     };
     let config = Free {
         distance: config.distance.unwrap_or(model.stat.extent),

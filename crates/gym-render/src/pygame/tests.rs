@@ -197,8 +197,9 @@ fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
     for channel in 0..3 {
         let at = |x: usize, y: usize| frame.pixels()[(y * w + x) * 3 + channel];
         let narrow: Vec<Vec<u8>> = (0..h).map(|y| shrink(|x| at(x, y), w, w2)).collect();
-        for x in 0..w2 {
-            for (y, value) in shrink(|y| narrow[y][x], h, h2).into_iter().enumerate() {
+        let columns = (0..w2).map(|x| shrink(|y| narrow[y][x], h, h2));
+        for (x, column) in columns.enumerate() {
+            for (y, value) in column.into_iter().enumerate() {
                 scaled.pixels_mut()[(y * w2 + x) * 3 + channel] = value;
             }
         }

@@ -30,7 +30,7 @@ pub(super) fn gif(page: &Page) -> Result<Document> {
     drawn(&format!("docs/environments/images/{}.gif", page.name), |path| {
         let mut video = GifWriter::create(path, env.metadata().render_fps / every)?;
         let mut states = 0;
-        let policy = Policy::good(&env).unwrap_or(Policy::Random);
+        let policy = Policy::good(&env)?.unwrap_or(Policy::Random);
         for seed in seeds.clone() {
             policy.play(&mut env, seed, |env| {
                 if states % every == 0 && states / every < *frames {

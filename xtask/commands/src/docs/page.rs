@@ -169,12 +169,17 @@ impl Page {
             section("Versions", versions);
         }
         section("Differences from Gymnasium", docs.differences.as_deref().unwrap_or(NO_DIFFERENCE));
-        let good = match heuristic.is_empty() {
-            true => String::new(),
-            false => format!(
-                " The good policy {heuristic}. To play it: `cargo xtask run {} --policy heuristic`.",
-                clip.id
-            ),
+        let play = |policy: &str| format!("To play it: `cargo xtask run {} --policy {policy}`.", clip.id);
+        let good = if !heuristic.is_empty() {
+            format!(" The good policy {heuristic}. {}", play("heuristic"))
+        } else if crate::trained::is_stored(clip.id) {
+            format!(
+                " The good policy is a network that [`gym-ppo`](../training.md) trained and \
+                 [this file](../policies/{name}.json) holds. {}",
+                play("trained")
+            )
+        } else {
+            String::new()
         };
         let returns = format!(
             "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
@@ -335,11 +340,11 @@ fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result
     let mut text = "| id | random policy | steps | good policy | steps |\n|---|---|---|---|---|\n".to_owned();
     for entry in registrations {
         let id = entry.id();
-        let Some(Measured { random, heuristic }) = returns.get(id) else {
+        let Some(Measured { random, good }) = returns.get(id) else {
             text += &format!("| `{id}` | not measured | - | - | - |\n");
             continue;
         };
-        let good = heuristic.as_ref().map_or("- | -".into(), cells);
+        let good = good.as_ref().map_or("- | -".into(), cells);
         text += &format!("| `{id}` | {} | {good} |\n", cells(random));
     }
     Ok(text)

@@ -23,7 +23,7 @@ pub(super) struct Measured {
     pub(super) random: Summary,
     /// Of environments that have a good policy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) heuristic: Option<Summary>,
+    pub(super) good: Option<Summary>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -47,9 +47,9 @@ pub(super) fn measure() -> Result<Returns> {
             let spec = registration.spec()?;
             let measured = Measured {
                 random: summary(&spec, Policy::Random)?,
-                heuristic: Policy::good(&spec.make()?).map(|policy| summary(&spec, policy)).transpose()?,
+                good: Policy::good(&spec.make()?)?.map(|policy| summary(&spec, policy)).transpose()?,
             };
-            let good = measured.heuristic.as_ref().map_or(f64::NAN, |good| good.mean);
+            let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
             eprintln!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
             Ok((spec.id, measured))
         })

@@ -1,0 +1,59 @@
+//! What a training leaves behind: a policy in a small file, which plays wherever its environment is.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use gym::statistics::RunningMeanStd;
+use gym::vector::wrappers::NormalizeObservation;
+use gym::{EnvSpec, file};
+use serde::{Deserialize, Serialize};
+
+use crate::agent::POLICY_VARIABLES;
+use crate::numbers::Numbers;
+use crate::store::Checkpoint;
+
+/// A trained policy, without what it takes to train on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Policy {
+    /// The environment that it was trained on.
+    pub(crate) env: EnvSpec,
+    /// Of its observations, where it was trained on normalized ones.
+    pub(crate) normalization: Option<RunningMeanStd>,
+    /// Weights, inputs by outputs, and bias of each layer of the policy's network.
+    pub(crate) network: Vec<Numbers>,
+}
+
+impl Policy {
+    /// The policy of a training.
+    pub(crate) fn of(checkpoint: &Checkpoint) -> Result<Self> {
+        let mut vector = checkpoint.spec.make()?;
+        vector.restore(&checkpoint.envs)?;
+        let normalization =
+            vector.wrapper::<NormalizeObservation>().map(|wrapper| wrapper.statistics().clone());
+        let network = checkpoint.agent.variables.iter().take(POLICY_VARIABLES).cloned().collect();
+        Ok(Self { env: checkpoint.spec.env.clone(), normalization, network })
+    }
+
+    /// The policy of a checkpoint's folder, or one in a file.
+    pub(crate) fn find(path: &Path) -> Result<Self> {
+        if path.is_dir() || !path.exists() {
+            let checkpoint = Checkpoint::find(path)?;
+            return Self::of(&checkpoint.with_context(|| format!("{}: no checkpoint", path.display()))?);
+        }
+        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        serde_json::from_str(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Writes the policy to a file, with a line for each layer.
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
+        let lines: Vec<String> = self.network.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
+        let text = format!(
+            "{{\"env\": {},\n\"normalization\": {},\n\"network\": [\n{}\n]}}\n",
+            serde_json::to_string(&self.env)?,
+            serde_json::to_string(&self.normalization)?,
+            lines.join(",\n")
+        );
+        file::write(path, text.as_bytes())?;
+        Ok(())
+    }
+}

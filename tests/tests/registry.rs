@@ -63,6 +63,12 @@ fn near_names_of_namespaces() {
 }
 
 #[test]
+fn an_old_version_points_to_the_newest() {
+    let error = gym::make("LunarLander-v1").unwrap_err();
+    assert!(matches!(&error, Error::DeprecatedVersion { latest, .. } if latest == "LunarLander-v3"), "{error}");
+}
+
+#[test]
 fn runtime_registration() {
     let lake = || Registration::dynamic::<FrozenLake>("runtime/Lake-v0").kwargs(r#"{"is_slippery": false}"#);
     registry::register(lake().max_episode_steps(9)).unwrap();

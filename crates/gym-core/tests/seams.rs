@@ -131,6 +131,11 @@ fn nothing_opens_a_closed_environment() {
     assert!(closed(env.reset(0).map(drop)));
     assert!(closed(env.step(&Value::Int(0)).map(drop)));
     assert!(closed(env.render().map(drop)));
+    // nor one of its own type, whose episode is gone
+    let mut env = Stateful::<Budget>::new(Config::default()).unwrap();
+    env.reset(0).unwrap();
+    env.close();
+    assert!(env.step(&0).is_err());
     // and none that is open is closed by what it restores
     let mut env = OrderEnforcing::new(Stateful::<Budget>::new(Config::default()).unwrap());
     env.reset(0).unwrap();

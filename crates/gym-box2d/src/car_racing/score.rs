@@ -248,6 +248,13 @@ mod tests {
     }
 
     #[test]
+    fn grey_levels_are_read_from_both_digits() {
+        let text = boxes().replacen("\"-\": [13, \"ffff", "\"-\": [13, \"a17f", 1);
+        let (width, levels) = &ScoreGlyphs::parse(&text).unwrap().glyphs[0];
+        assert_eq!((*width, &levels[..3]), (13, &[0xa1, 0x7f, 0xff][..]));
+    }
+
+    #[test]
     fn text_lies_where_the_font_puts_it() {
         #[derive(Default)]
         struct Extent(Option<[f64; 2]>);

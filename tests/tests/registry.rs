@@ -65,7 +65,10 @@ fn near_names_of_namespaces() {
 #[test]
 fn an_old_version_points_to_the_newest() {
     let error = gym::make("LunarLander-v1").unwrap_err();
-    assert!(matches!(&error, Error::DeprecatedVersion { latest, .. } if latest == "LunarLander-v3"), "{error}");
+    assert!(
+        matches!(&error, Error::DeprecatedVersion { latest, .. } if latest == "LunarLander-v3"),
+        "{error}"
+    );
 }
 
 #[test]

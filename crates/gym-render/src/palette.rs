@@ -1,5 +1,6 @@
 //! Exact colour tables of a GIF.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
 
 use color_quant::NeuQuant;
@@ -11,8 +12,10 @@ pub(crate) type Rgb = [u8; 3];
 pub(crate) const ENTRIES: usize = 256;
 /// The entry that leaves a pixel as it was; it is never a colour.
 pub(crate) const TRANSPARENT: u8 = 0;
-/// How many pixels a reduced colour table is trained on, about.
-const SAMPLE: usize = 24_000;
+/// How many colours a reduced colour table keeps as they are.
+const COMMON: usize = 128;
+/// How many colours the rest of it is trained on, about.
+const LESSONS: usize = 6000;
 
 /// Up to 255 colours in the order of their first use, numbered from 1.
 #[derive(Clone, Debug)]
@@ -102,19 +105,32 @@ impl Palette {
         Some(entry)
     }
 
-    /// A palette of 255 colours near those of the pixels, and the pixels in its entries.
+    /// A palette of 255 colours near those of the pixels, and the pixels in its entries: the commonest colours
+    /// as they are, and such as are near to the others, of which a rare one counts as much as any.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
-        let rgba = |[r, g, b]: Rgb| [r, g, b, 255];
-        let sample: Vec<u8> = pixels.iter().flatten().copied().flat_map(rgba).collect();
-        // One in so many pixels, 1 to 30.
-        let factor = (pixels.len() / SAMPLE).clamp(1, 30) as i32;
-        let network = NeuQuant::new(factor, ENTRIES - 1, &sample);
+        let mut counts = HashMap::<Rgb, usize>::new();
+        for color in pixels.iter().flatten() {
+            *counts.entry(*color).or_default() += 1;
+        }
+        let mut colors: Vec<(Rgb, usize)> = counts.into_iter().collect();
+        colors.sort_unstable_by_key(|&(color, count)| (Reverse(count), color));
+        let (common, rare) = colors.split_at(COMMON.min(colors.len()));
         let mut palette = Self::new();
+        for (color, _) in common {
+            palette.entry(*color);
+        }
+        let first = palette.table.len();
+        let rgba = |[r, g, b]: Rgb| [r, g, b, 255];
+        // a network learns little from few colours unless they come again
+        let lessons = rare.iter().cycle().take(rare.len().max(LESSONS));
+        let sample: Vec<u8> = lessons.flat_map(|(color, _)| rgba(*color)).collect();
+        let factor = (rare.len() / LESSONS).clamp(1, 30) as i32;
+        let network = NeuQuant::new(factor, ENTRIES - first, &sample);
         palette.table.extend(network.color_map_rgb().as_chunks().0);
         entries.clear();
         entries.extend(pixels.iter().map(|pixel| {
             pixel.map_or(TRANSPARENT, |color| {
-                *palette.index.entry(color).or_insert_with(|| network.index_of(&rgba(color)) as u8 + 1)
+                *palette.index.entry(color).or_insert_with(|| (first + network.index_of(&rgba(color))) as u8)
             })
         }));
         palette
@@ -181,6 +197,27 @@ mod tests {
         let near = shades.iter().flatten().find(|color| !reduced.table.contains(color)).unwrap();
         reduced.offer(&[TRANSPARENT], [*near].iter(), &mut choices);
         assert_eq!(choices, [[TRANSPARENT; 2]]);
+    }
+
+    /// What a pole uncovers: a few pixels of a sky whose rows have a colour each, beside many of the pole's own.
+    #[test]
+    fn rare_colours_are_near_and_common_ones_stay() {
+        let sky = (0..150_u8).map(|y| [90 + y / 2, 140 + y / 2, 190 + y / 4]);
+        let pole = (0..200_u8).map(|x| [x / 8, 170 - x / 2, 160 - x / 3]);
+        let pole = pole.flat_map(|color| [Some(color); 30]);
+        let pixels: Vec<_> = sky.map(Some).chain(pole).collect();
+        let mut entries = Vec::new();
+        let palette = Palette::reduce(&pixels, &mut entries);
+        let distance = |(pixel, entry): (&Option<Rgb>, &u8)| {
+            let near = palette.table[usize::from(*entry)];
+            pixel.map_or(0, |color| color.iter().zip(near).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0))
+        };
+        let worst = |range: std::ops::Range<usize>| {
+            pixels[range.clone()].iter().zip(&entries[range]).map(distance).max().unwrap_or(0)
+        };
+        assert!(worst(0..150) <= 4, "{}", worst(0..150));
+        let exact = pixels.iter().zip(&entries).filter(|pair| distance(*pair) == 0).count();
+        assert!(exact >= 30 * COMMON, "{exact}");
     }
 
     #[test]

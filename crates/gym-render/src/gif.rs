@@ -1,14 +1,15 @@
 //! Animations as GIF files, frame by frame, in bounded memory.
 //!
 //! The file stays small and its colours exact as far as the format allows:
-//! - Each picture holds only the rectangle that changed. In it a pixel that did not change is transparent or
-//!   has its colour again, whichever makes longer phrases (see [`lzw`](crate::lzw)). A frame that changes
+//! - Each picture holds only the rectangle that changed. In it the pixels that did not change are
+//!   transparent or have their colours again, whichever takes fewer bytes. A frame that changes
 //!   nothing prolongs the one before.
 //! - All pictures share one table of 255 colours, which grows with the colours that appear. It
 //!   stands at the start of the file and is written last.
 //! - A picture whose new colours no longer fit brings a table of its own, and only one that has
 //!   more than 255 colours itself is reduced to similar ones.
 
+use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -19,7 +20,6 @@ use gym_core::render::Frame;
 use gym_core::{Error, Result};
 
 use crate::changes::changed;
-use crate::lzw::{Choice, Lzw};
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
 use crate::stream::{Format, Stream};
 
@@ -121,11 +121,10 @@ struct Animation<W: Write + Seek> {
     since: u64,
     /// What is on the screen before it; `None` before the first picture.
     shown: Option<Frame>,
-    lzw: Lzw,
     /// Buffers for the rectangle being written.
     pixels: Vec<Option<Rgb>>,
     entries: Vec<u8>,
-    choices: Vec<Choice>,
+    opaque: Vec<u8>,
 }
 
 impl Format for Animation<AtomicFile> {
@@ -159,10 +158,9 @@ impl<W: Write + Seek> Animation<W> {
             pending: frame.clone(),
             since: 0,
             shown: None,
-            lzw: Lzw::default(),
             pixels: Vec::new(),
             entries: Vec::new(),
-            choices: Vec::new(),
+            opaque: Vec::new(),
         })
     }
 
@@ -206,9 +204,19 @@ impl<W: Write + Seek> Animation<W> {
         self.pixels.clear();
         gather(self.shown.as_ref(), &self.pending, columns.clone(), rows.clone(), &mut self.pixels);
         let mut own = self.table();
-        let palette = own.as_mut().unwrap_or(&mut self.palette);
-        palette.offer(&self.entries, colors(&self.pending, columns.clone(), rows.clone()), &mut self.choices);
-        let mut picture = picture(&mut self.lzw, &self.choices);
+        let mut picture = compressed(&self.entries);
+        let mut filled = own.clone();
+        let palette = filled.as_mut().unwrap_or(&mut self.palette);
+        let colors = colors(&self.pending, columns.clone(), rows.clone());
+        if palette.fill(&self.entries, colors, &mut self.opaque) {
+            let opaque = compressed(&self.opaque);
+            let size = |picture: &gif::Frame<'_>, own: &Option<Palette>| {
+                picture.buffer.len() + own.as_ref().map_or(0, Palette::size)
+            };
+            if size(&opaque, &filled) < size(&picture, &own) {
+                (picture, own) = (opaque, filled);
+            }
+        }
         (picture.left, picture.top) = (columns.start as u16, rows.start as u16);
         (picture.width, picture.height) = (columns.len() as u16, rows.len() as u16);
         picture.palette = own.map(|palette| palette.bytes().to_vec());
@@ -221,7 +229,7 @@ impl<W: Write + Seek> Animation<W> {
                 return Ok(());
             }
             // Longer than a delay can be: a transparent pixel follows.
-            picture = self::picture(&mut self.lzw, &[[TRANSPARENT; 2]]);
+            picture = compressed(&[TRANSPARENT]);
             (picture.width, picture.height) = (1, 1);
         }
     }
@@ -248,10 +256,12 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
     }
 }
 
-/// A picture of these pixels, not yet placed.
-fn picture(lzw: &mut Lzw, pixels: &[Choice]) -> gif::Frame<'static> {
-    let buffer = lzw.compress(pixels).into();
-    gif::Frame { transparent: Some(TRANSPARENT), buffer, ..gif::Frame::default() }
+/// A picture of these entries, not yet placed.
+fn compressed(entries: &[u8]) -> gif::Frame<'_> {
+    let buffer = Cow::Borrowed(entries);
+    let mut picture = gif::Frame { transparent: Some(TRANSPARENT), buffer, ..gif::Frame::default() };
+    picture.make_lzw_pre_encoded();
+    picture
 }
 
 /// The colours in a rectangle, row by row.
@@ -423,9 +433,10 @@ mod tests {
         ];
         let pictures = decode(&encode(10, &frames));
         pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
-        let own: Vec<_> = pictures.iter().map(|picture| picture.own_table).collect();
-        assert_eq!(own, [false, false, false, false, true, true]);
-        assert!(!pictures[1].transparent && pictures[5].transparent);
+        let seen: Vec<_> = pictures.iter().map(|picture| (picture.own_table, picture.transparent)).collect();
+        let expected =
+            [(false, false), (false, false), (false, true), (false, false), (true, false), (true, true)];
+        assert_eq!(seen, expected);
     }
 
     #[test]

@@ -36,7 +36,6 @@ mod changes;
 mod font;
 mod gif;
 mod inline;
-mod lzw;
 mod mp4;
 mod number;
 mod outline;

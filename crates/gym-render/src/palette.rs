@@ -34,6 +34,11 @@ impl Palette {
         self.table.as_flattened()
     }
 
+    /// The bytes that the colour table takes in a file, where its entries are a power of two.
+    pub(crate) fn size(&self) -> usize {
+        self.table.len().max(2).next_power_of_two() * 3
+    }
+
     /// Translates pixels into entries, `None` into [`TRANSPARENT`], and adds new colours. Returns
     /// false, and adds none, if there is no room for all of them.
     pub(crate) fn translate(&mut self, pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> bool {
@@ -54,38 +59,30 @@ impl Palette {
         true
     }
 
-    /// Leaves what each pixel may be, given the entries of those that changed and all their colours: its entry,
-    /// or [`TRANSPARENT`] and, if the palette has it, the true colour. Colours are added as long as the
-    /// table takes no more bytes.
-    pub(crate) fn offer<'a>(
+    /// Replaces [`TRANSPARENT`] by the entries of the pixels' true colours, and adds missing ones.
+    /// Returns false, and adds none, if there is no room for all of them, a reduced palette has only
+    /// one that is near, or nothing is transparent.
+    pub(crate) fn fill<'a>(
         &mut self,
         entries: &[u8],
         colors: impl Iterator<Item = &'a Rgb>,
-        choices: &mut Vec<[u8; 2]>,
-    ) {
-        let room = self.room();
-        choices.clear();
+        filled: &mut Vec<u8>,
+    ) -> bool {
+        let known = self.table.len();
+        filled.clear();
         let mut last = (None, TRANSPARENT);
         for (&entry, color) in entries.iter().zip(colors) {
-            if entry != TRANSPARENT {
-                choices.push([entry; 2]);
-                continue;
+            if entry == TRANSPARENT && last.0 != Some(color) {
+                let found = self.entry(*color).filter(|entry| self.table[usize::from(*entry)] == *color);
+                let Some(entry) = found else {
+                    self.forget(known);
+                    return false;
+                };
+                last = (Some(color), entry);
             }
-            if last.0 != Some(color) {
-                let known = self.index.get(color).copied();
-                // (of a reduced palette, the entry may be a colour that is only near)
-                let known = known.filter(|entry| self.table[usize::from(*entry)] == *color);
-                let found =
-                    if known.is_none() && self.table.len() < room { self.entry(*color) } else { known };
-                last = (Some(color), found.unwrap_or(TRANSPARENT));
-            }
-            choices.push([TRANSPARENT, last.1]);
+            filled.push(if entry == TRANSPARENT { last.1 } else { entry });
         }
-    }
-
-    /// The entries of the colour table in a file: a power of two.
-    fn room(&self) -> usize {
-        self.table.len().max(2).next_power_of_two()
+        last.0.is_some()
     }
 
     /// Removes the colours added last, so that this many entries stay.
@@ -170,33 +167,31 @@ mod tests {
     }
 
     #[test]
-    fn unchanged_pixels_may_have_their_true_colours() {
+    fn transparent_pixels_take_their_true_colours() {
         let mut palette = Palette::new();
         let mut entries = Vec::new();
         let colors = [[9, 9, 9], [0, 0, 0], [9, 9, 9], [9, 9, 9]];
         assert!(palette.translate(&[Some(colors[0]), Some(colors[1]), None, None], &mut entries));
-        let mut choices = Vec::new();
-        palette.offer(&entries, colors.iter(), &mut choices);
-        assert_eq!(choices, [[1, 1], [2, 2], [TRANSPARENT, 1], [TRANSPARENT, 1]]);
-        // a fourth entry takes no bytes, a fifth would
-        palette.offer(&[TRANSPARENT; 2], [[7, 7, 7], [8, 8, 8]].iter(), &mut choices);
-        assert_eq!(choices, [[TRANSPARENT, 3], [TRANSPARENT; 2]]);
-        assert_eq!(palette.bytes().len(), 4 * 3);
+        let mut filled = Vec::new();
+        assert!(palette.fill(&entries, colors.iter(), &mut filled));
+        assert_eq!(filled, [1, 2, 1, 1]);
+        assert!(palette.fill(&[1, TRANSPARENT], [[9, 9, 9], [7, 7, 7]].iter(), &mut filled));
+        assert_eq!((&filled[..], palette.bytes().len()), (&[1, 3][..], 4 * 3));
+        assert!(!palette.fill(&[1, 2], colors.iter(), &mut filled), "nothing is transparent");
     }
 
     #[test]
-    fn unchanged_pixels_stay_where_a_palette_lacks_their_colours() {
-        let (mut entries, mut choices) = (Vec::new(), Vec::new());
+    fn transparent_pixels_stay_where_a_palette_lacks_their_colours() {
+        let (mut entries, mut filled) = (Vec::new(), Vec::new());
         let mut full = Palette::new();
-        assert!(full.translate(&shades(0..255), &mut entries));
-        full.offer(&[TRANSPARENT], [[7, 7, 7]].iter(), &mut choices);
-        assert_eq!((&choices[..], full.bytes().len()), (&[[TRANSPARENT; 2]][..], 256 * 3));
+        assert!(full.translate(&shades(0..254), &mut entries));
+        assert!(!full.fill(&[TRANSPARENT; 2], [[7, 7, 7], [8, 8, 8]].iter(), &mut filled));
+        assert_eq!(full.bytes().len(), 255 * 3);
 
         let shades: Vec<_> = (0..64).flat_map(|r| (0..64).map(move |g| Some([r * 4, g * 4, 0]))).collect();
         let mut reduced = Palette::reduce(&shades, &mut entries);
         let near = shades.iter().flatten().find(|color| !reduced.table.contains(color)).unwrap();
-        reduced.offer(&[TRANSPARENT], [*near].iter(), &mut choices);
-        assert_eq!(choices, [[TRANSPARENT; 2]]);
+        assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
     /// What a pole uncovers: a few pixels of a sky whose rows have a colour each, beside many of the pole's own.

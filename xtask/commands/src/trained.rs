@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use gym::statistics::RunningMeanStd;
+use gym::wrappers::NormalizeObservation;
 use gym::{Array, BoxEnv, Env, EnvSpec, Error, Result, Space, Value};
 use serde::Deserialize;
 
@@ -10,8 +11,6 @@ use crate::policy::Controller;
 
 /// Where they are, from the root of the workspace.
 const FOLDER: &str = "docs/policies";
-/// As `NormalizeObservation` adds to a variance.
-const EPSILON: f64 = 1e-8;
 
 #[derive(Deserialize)]
 struct Stored {
@@ -83,8 +82,10 @@ pub(crate) fn controller(env: &BoxEnv) -> Result<Option<Controller>> {
         let x = match &moments {
             Some((mean, variance)) => {
                 let moments = mean.iter().zip(variance);
-                let normalized =
-                    seen.iter_f64().zip(moments).map(|(x, (m, v))| (x - m) / (v + EPSILON).sqrt());
+                let normalized = seen
+                    .iter_f64()
+                    .zip(moments)
+                    .map(|(x, (m, v))| (x - m) / (v + NormalizeObservation::<BoxEnv>::EPSILON).sqrt());
                 normalized.map(|x| x as f32).collect()
             }
             None => seen.iter_f64().map(|x| x as f32).collect(),

@@ -240,7 +240,7 @@ pub(super) const PAGES: [Page; 23] = [
         module: "mujoco::tasks::ant",
         actions: None,
         heuristic: "",
-        clip: Clip { id: "Ant-v5", seeds: 0..2, every: 2, frames: 50, size: (200, 200) },
+        clip: Clip { id: "Ant-v5", seeds: 0..2, every: 2, frames: 40, size: (200, 200) },
     },
     Page {
         name: "humanoid",
@@ -260,6 +260,6 @@ pub(super) const PAGES: [Page; 23] = [
         module: "mujoco::tasks::humanoid_standup",
         actions: None,
         heuristic: "",
-        clip: Clip { id: "HumanoidStandup-v5", seeds: 0..2, every: 3, frames: 50, size: (200, 200) },
+        clip: Clip { id: "HumanoidStandup-v5", seeds: 0..2, every: 3, frames: 40, size: (200, 200) },
     },
 ];

@@ -119,6 +119,10 @@ impl Plugin {
              [profile.quick]\n\
              inherits = \"dev\"\n\
              debug = false\n\
+             debug-assertions = false\n\
+             incremental = false\n\
+             overflow-checks = false\n\
+             panic = \"abort\"\n\
              {patch}"
         )
     }

@@ -1,6 +1,10 @@
 //! `cargo xtask demo`: the main job over every linked environment.
 
+use std::iter;
+use std::panic::resume_unwind;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
@@ -35,23 +39,45 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
-    let mut table = Vec::new();
-    for registration in registrations {
-        let spec = registration.spec()?;
-        let id = spec.id.clone();
-        bar.set_message(id.clone());
-        let episodes = play(spec, arguments, &bar)?;
-        table.push(format!("{id:28} {}", summary(&episodes)));
-        let runs = [("random policy".to_owned(), episodes)];
-        for extension in ["svg", "png"] {
-            let path = arguments.out.join(format!("{}.{extension}", crate::file_stem(&id)));
-            plots::write(&path, &id, &runs)?;
-        }
-    }
+    let workers = thread::available_parallelism().map_or(1, usize::from);
+    // whoever is free takes the next one: some take a hundred times as long as others
+    let waiting = Mutex::new(registrations.iter().enumerate());
+    let work = || {
+        let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+        iter::from_fn(next)
+            .map(|(i, registration)| Ok((i, show(registration.spec()?, arguments, &bar)?)))
+            .collect::<Result<Vec<_>>>()
+    };
+    let rows = thread::scope(|scope| {
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        handles
+            .into_iter()
+            .map(|handle| handle.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect::<Result<Vec<_>>>()
+    })?;
+    let mut rows: Vec<_> = rows.into_iter().flatten().collect();
+    rows.sort_unstable();
     bar.finish_and_clear();
-    println!("Random policy, {} episodes each: mean [min, max]\n{}", arguments.episodes, table.join("\n"));
+    println!("Random policy, {} episodes each: mean [min, max]", arguments.episodes);
+    for (_, row) in rows {
+        println!("{row}");
+    }
     println!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display());
     Ok(())
+}
+
+/// Plays one environment, writes its files, and gives its row of the table.
+fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
+    let id = spec.id.clone();
+    bar.set_message(id.clone());
+    let episodes = play(spec, arguments, bar)?;
+    let row = format!("{id:28} {}", summary(&episodes));
+    let runs = [("random policy".to_owned(), episodes)];
+    for extension in ["svg", "png"] {
+        let path = arguments.out.join(format!("{}.{extension}", crate::file_stem(&id)));
+        plots::write(&path, &id, &runs)?;
+    }
+    Ok(row)
 }
 
 /// Plays the episodes of one environment and records the first ones.

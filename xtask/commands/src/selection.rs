@@ -30,17 +30,25 @@ impl Selection {
                 )));
             }
         }
-        let (needy, all): (Vec<_>, Vec<_>) =
+        let (mut needy, all): (Vec<_>, Vec<_>) =
             all.into_iter().partition(|registration| registration.requirement().is_some());
+        needy.sort_by(|a, b| a.crate_name().cmp(b.crate_name()));
         for group in needy.chunk_by(|a, b| a.crate_name() == b.crate_name()) {
-            let what = group[0].requirement().unwrap_or_default();
-            let there = if group[0].missing().is_none() { "they are there" } else { "they are missing" };
-            eprintln!(
-                "{}: {} ids need {what}, and {there}; name an id to use it",
-                group[0].crate_name(),
-                group.len()
-            );
+            eprintln!("{}", left_out(group));
         }
         Ok(all)
+    }
+}
+
+/// Says that environments of one crate are left out, because they need what no crate brings.
+fn left_out(group: &[Registration]) -> String {
+    let needed = group[0].requirement().unwrap_or_default();
+    let there = if group[0].missing().is_some() { " (not found here)" } else { "" };
+    match group {
+        [one] => format!("left out {}: it needs {needed}{there}; name the id to use it", one.id()),
+        _ => {
+            let (n, name) = (group.len(), group[0].crate_name());
+            format!("left out {n} ids of {name}: they need {needed}{there}; name an id to use it")
+        }
     }
 }

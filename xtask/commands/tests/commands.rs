@@ -31,6 +31,10 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
+fn first_word(line: &str) -> &str {
+    line.split_whitespace().next().unwrap_or_default()
+}
+
 fn json(path: &std::path::Path) -> Json {
     serde_json::from_slice(&std::fs::read(path).expect("the file")).expect("JSON")
 }
@@ -38,13 +42,30 @@ fn json(path: &std::path::Path) -> Json {
 #[test]
 fn list() {
     assert!(prints(&["list"]).contains("CartPole-v1"));
-    assert!(prints(&["list", "--long"]).contains("Discrete(500)"));
+    let long = prints(&["list", "--long"]);
+    let row = |id: &str| {
+        let line = long.lines().find(|line| line.split_whitespace().next() == Some(id)).expect(id);
+        line.split_whitespace().skip(1).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(row("Taxi-v4"), "limit 200 threshold 8 Discrete(6) -> Discrete(500)");
+    assert_eq!(
+        row("Reacher-v4"),
+        "limit 50 threshold -3.75 Box(-1.0, 1.0, (2,), float32) -> Box(-inf, inf, (11,), float64)"
+    );
+    assert_eq!(row("CliffWalking-v1"), "limit none threshold none Discrete(4) -> Discrete(48)");
 }
 
 #[test]
 fn demo() {
     let out = folder("demo");
-    let table = prints(&["demo", "--episodes", "2", "--max-frames", "4", "--out", out.to_str().unwrap()]);
+    let output = xtask(&["demo", "--episodes", "2", "--max-frames", "4", "--out", out.to_str().unwrap()]);
+    let [table, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"));
+    assert!(output.status.success(), "{said}");
+    let ids: Vec<_> = table.lines().filter(|line| line.contains(" return ")).map(first_word).collect();
+    assert!(ids.is_sorted() && ids.len() > 40, "one row for each, in the order of the registry: {ids:?}");
+    // what needs more than crates is left out, and told once for each crate
+    assert_eq!(said.matches("ids of gym-atari: they need ROMs").count(), 1, "{said}");
+    assert_eq!(said.matches("left out GymV26Environment-v0: it needs").count(), 1, "{said}");
     for id in ["CartPole-v1", "Taxi-v4", "CliffWalking-v0", "Blackjack-v1"] {
         assert!(table.contains(id), "{table}");
         for extension in ["gif", "svg", "png"] {
@@ -92,6 +113,7 @@ fn replay_compares_and_writes() {
     let text = std::fs::read_to_string(answers.join("trace.json")).unwrap();
     assert!(text.contains(seed), "the seed keeps its digits: {text}");
     assert_eq!(json(&answers.join("trace.json"))["note"], "kept");
+    assert_eq!(text.matches("\"events\"").count(), 1, "{text}");
     prints(&["replay", answers.join("trace.json").to_str().unwrap()]);
 
     std::fs::write(&trace, recorded.replace(r#""observation": 1"#, r#""observation": 4"#)).unwrap();
@@ -138,7 +160,7 @@ fn heuristics_beat_chance() {
 #[test]
 fn new_refuses_bad_names_and_leaves_nothing() {
     let parent = folder("new-refused");
-    for name in ["", "1a", "My_envs", "a-b", "a b", "gym_core", "test", "../x", "a/b"] {
+    for name in ["", "1a", "My_envs", "a-b", "a b", "gym_core", "test", "../x", "a/b", &"a".repeat(65)] {
         let path = parent.join("x");
         assert!(fails(&["new", "--path", path.to_str().unwrap(), "--", name]).contains("NAME"), "{name:?}");
     }
@@ -157,6 +179,13 @@ fn new_refuses_bad_names_and_leaves_nothing() {
 fn soak_has_flat_memory() {
     let text = prints(&["soak", "CartPole-v1", "Taxi-v4", "LunarLander-v3", "--steps", "60000"]);
     assert!(text.contains("60000 steps of 3 environments with flat memory"), "{text}");
+    for line in text.lines().take(3) {
+        // 20,000 steps of each: an episode takes some twenty of CartPole, and at most 200 of Taxi
+        let words: Vec<_> = line.split_whitespace().collect();
+        let episodes: u64 = words[3].parse().expect(line);
+        assert_eq!((words[1], words[4]), ("20000", "episodes,"), "{line}");
+        assert!((99..2000).contains(&episodes), "{line}");
+    }
 }
 
 #[test]
@@ -205,6 +234,44 @@ fn run_prints_how_episodes_end() {
     let number = |row: usize| pendulums[row][1].parse::<f64>().unwrap();
     let mean: f64 = pendulums[3][1].parse().unwrap();
     assert!((mean - (number(1) + number(2)) / 2.0).abs() < 0.01, "{pendulums:?}");
+    let [low, high] = [number(1).min(number(2)), number(1).max(number(2))];
+    assert_eq!(pendulums[3][2..4], [format!("[{low:.1},"), format!("{high:.1}]")], "{pendulums:?}");
+    // where every return is positive the smallest is not 0
+    let [one, other] = [1, 2].map(|row| poles[row][1].parse::<f64>().unwrap());
+    assert_eq!(poles[3][2], format!("[{:.1},", one.min(other)), "{poles:?}");
+}
+
+/// What a command is asked for reaches the environment, the policy and the file.
+#[test]
+fn gif_follows_its_options() {
+    let out = folder("gif");
+    let record = |name: &str, options: &[&str]| {
+        let path = out.join(name);
+        let text = prints(&[&["gif", "CartPole-v1", "--out", path.to_str().unwrap()], options].concat());
+        let frames = text.rsplit(": ").next().and_then(|frames| frames.split_whitespace().next());
+        (frames.unwrap().parse::<u64>().unwrap(), std::fs::read(path).unwrap())
+    };
+    let length = {
+        let file = out.join("episode.json");
+        prints(&["run", "CartPole-v1", "--seeds", "0..1", "--json", file.to_str().unwrap()]);
+        json(&file)[0]["length"].as_u64().unwrap()
+    };
+    let (frames, plain) = record("plain.gif", &[]);
+    assert_eq!(frames, length + 1, "a frame after the reset and after each step, the last one too");
+    assert_eq!(record("cut.gif", &["--max-frames", "3"]).0, 3);
+    for options in
+        [["--seed", "1"], ["--policy", "heuristic"], ["--kwargs", r#"{"sutton_barto_reward": true}"#]]
+    {
+        let (_, other) = record("other.gif", &options);
+        // the reward is in no picture
+        assert_eq!(other == plain, options[0] == "--kwargs", "{options:?}");
+    }
+    let lake = |kwargs: &str| {
+        let path = out.join("lake.gif");
+        prints(&["gif", "FrozenLake-v1", "--kwargs", kwargs, "--out", path.to_str().unwrap()]);
+        std::fs::read(path).unwrap()
+    };
+    assert_ne!(lake("{}"), lake(r#"{"map_name": "8x8"}"#));
 }
 
 /// One trace that differs is enough, beside others that do not.
@@ -221,5 +288,6 @@ fn replay_fails_if_one_trace_does() {
         let error = fails(&["replay", order[0], order[1]]);
         assert!(error.contains("1 of 2 traces failed"), "{error}");
     }
+    assert!(fails(&["replay", bad, good, bad]).contains("2 of 3 traces failed"));
     prints(&["replay", good]);
 }

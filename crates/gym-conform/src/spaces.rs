@@ -1,8 +1,8 @@
 //! Checks of the observation and the action space.
 
-use crate::subject::{Subject, carry_on};
-use crate::verdict::{Verdict, broken};
-use gym_core::{Env, Space};
+use crate::subject::{Subject, tour};
+use crate::verdict::{Trouble, Verdict, broken};
+use gym_core::{BoxEnv, Env, Space};
 
 /// The longest side of an action that counts as normalised.
 const NORMAL: f64 = 1.0;
@@ -82,20 +82,59 @@ pub(crate) fn action_normalised(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
+    let spaces = |env: &BoxEnv| [env.observation_space(), env.action_space()];
     let mut env = subject.make()?;
-    let spaces = [env.observation_space(), env.action_space()];
-    let same = |now: [Space; 2], when: &str| {
+    let first = spaces(&env);
+    let verdict = tour(&mut env, 0, 20, |env, step| {
         let parts = ["the observation space", "the action space"];
-        for ((part, before), now) in parts.into_iter().zip(&spaces).zip(&now) {
-            if before != now {
-                return broken(format!("{part} is {before} at first and {now} {when}"));
+        for ((part, before), now) in parts.into_iter().zip(&first).zip(spaces(env)) {
+            if *before != now {
+                return broken(format!("{part} is {before} at first and {now} after step {step}"));
             }
         }
         Ok(())
-    };
-    env.reset(0)?;
-    same([env.observation_space(), env.action_space()], "after reset")?;
-    // steps that fail have a check of their own
-    let _ = carry_on(&mut env, 0, 20);
-    same([env.observation_space(), env.action_space()], "after some steps")
+    });
+    match verdict {
+        // steps that fail have a check of their own
+        Err(Trouble::Error(_)) => Ok(()),
+        verdict => verdict,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_core::spaces::{DictSpace, GraphSpace, OneOfSpace, SequenceSpace, TupleSpace};
+
+    use super::*;
+
+    #[test]
+    fn every_space_within_is_visited() {
+        let two = || Space::discrete(2);
+        let line = || Space::boxed([0.0], [1.0]);
+        let graph = GraphSpace::new(line(), Some(two())).unwrap();
+        let dict =
+            DictSpace::new([("a", two()), ("b", OneOfSpace::new([two(), line()]).unwrap().into())]).unwrap();
+        let tuple = TupleSpace::new([two(), SequenceSpace::new(dict).into(), graph.into()]);
+        let mut places = Vec::new();
+        let visited = within("it", &tuple.into(), &mut |place, _| {
+            places.push(place.to_owned());
+            Ok(())
+        });
+        assert!(visited.is_ok());
+        let item = "each item of it[1]";
+        let expected = [
+            "it".to_owned(),
+            "it[0]".to_owned(),
+            "it[1]".to_owned(),
+            item.to_owned(),
+            format!("{item}[\"a\"]"),
+            format!("{item}[\"b\"]"),
+            format!("{item}[\"b\"][0]"),
+            format!("{item}[\"b\"][1]"),
+            "it[2]".to_owned(),
+            "each node of it[2]".to_owned(),
+            "each edge of it[2]".to_owned(),
+        ];
+        assert_eq!(places, expected);
+    }
 }

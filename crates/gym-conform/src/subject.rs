@@ -62,8 +62,9 @@ impl<'a> Subject<'a> {
     /// A fresh environment without a time limit, if it can be told apart: what is in its snapshots is its own.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
+            // what is wrapped may need the limit
             Some(spec) if self.registration.is_some() => {
-                EnvSpec { max_episode_steps: None, ..spec.clone() }.make()
+                EnvSpec { max_episode_steps: None, ..spec.clone() }.make().or_else(|_| self.make())
             }
             _ => self.make(),
         }

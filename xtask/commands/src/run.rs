@@ -68,15 +68,20 @@ fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode
     for seed in seeds {
         let mut env = spec.make()?;
         let episode = policy.play(&mut env, seed, |_| Ok(()))?;
-        let ended = match (episode.terminated, episode.truncated) {
-            (true, true) => "terminated and truncated",
-            (true, false) => "terminated",
-            _ => "truncated",
-        };
+        let ended = ending(episode.terminated, episode.truncated);
         println!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length);
         episodes.push(episode);
     }
     Ok(episodes)
+}
+
+/// How an episode ended, in words.
+fn ending(terminated: bool, truncated: bool) -> &'static str {
+    match (terminated, truncated) {
+        (true, true) => "terminated and truncated",
+        (true, false) => "terminated",
+        _ => "truncated",
+    }
 }
 
 /// Means and ranges, in one line.
@@ -91,4 +96,16 @@ pub(crate) fn summary(episodes: &[Episode]) -> String {
     let returns = statistics(|episode| episode.episode_return);
     let lengths = statistics(|episode| episode.length as f64);
     format!("return {returns} length {lengths}").trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endings_are_told_apart() {
+        assert_eq!(ending(true, false), "terminated");
+        assert_eq!(ending(false, true), "truncated");
+        assert_eq!(ending(true, true), "terminated and truncated");
+    }
 }

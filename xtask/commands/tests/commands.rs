@@ -86,7 +86,8 @@ fn run_writes_episodes() {
     assert_eq!(episodes[0]["seed"], 3);
     assert_eq!(episodes[0]["length"], 200);
     assert_eq!((&episodes[0]["terminated"], &episodes[0]["truncated"]), (&false.into(), &true.into()));
-    assert!(episodes[0]["return"].as_f64().unwrap() < episodes[0]["last_reward"].as_f64().unwrap());
+    let [sum, last] = ["return", "last_reward"].map(|name| episodes[0][name].as_f64().unwrap());
+    assert!(sum < last && last < 0.0, "every reward is a cost: {sum}, {last}");
     assert_eq!(episodes[0]["last_observation"].as_array().unwrap().len(), 3);
     let again = folder("run-again").join("episodes.json");
     let path = again.to_str().unwrap();
@@ -272,6 +273,33 @@ fn gif_follows_its_options() {
         std::fs::read(path).unwrap()
     };
     assert_ne!(lake("{}"), lake(r#"{"map_name": "8x8"}"#));
+}
+
+/// Where nothing else is random, the actions are.
+#[test]
+fn run_draws_other_actions_from_other_seeds() {
+    let lake = r#"{"is_slippery": false}"#;
+    let text = prints(&["run", "FrozenLake-v1", "--kwargs", lake, "--seeds", "0..8"]);
+    let lengths = text.lines().skip(1).take(8).map(|line| line.split_whitespace().nth(2));
+    assert!(lengths.collect::<std::collections::BTreeSet<_>>().len() > 2, "{text}");
+}
+
+/// The state of a MuJoCo task stands beside its observation.
+#[test]
+fn replay_writes_the_state() {
+    let out = folder("replay-state");
+    let recorded = r#"{"id": "InvertedPendulum-v5", "events": [
+        {"reset": {"seed": 1, "options": null}, "observation": [0, 0, 0, 0], "state": {"qpos": [0, 0], "qvel": [0, 0]}}
+    ]}"#;
+    let trace = out.join("trace.json");
+    std::fs::write(&trace, recorded).unwrap();
+    let answers = out.join("answers");
+    prints(&["replay", "--out", answers.to_str().unwrap(), trace.to_str().unwrap()]);
+    let answer = &json(&answers.join("trace.json"))["events"][0];
+    let numbers = |json: &Json| json.as_array().unwrap().clone();
+    let state = [numbers(&answer["state"]["qpos"]), numbers(&answer["state"]["qvel"])].concat();
+    assert_eq!(state, numbers(&answer["observation"]), "two positions, two velocities");
+    assert_ne!(state[0], state[2]);
 }
 
 /// One trace that differs is enough, beside others that do not.

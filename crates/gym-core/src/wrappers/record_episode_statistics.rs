@@ -121,10 +121,11 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
         let outcome = self.env.step_into(action, observation)?;
         let record = &mut self.record;
         record.episode_return += outcome.reward;
-        record.length += 1;
+        // a snapshot may hold any number
+        record.length = record.length.saturating_add(1);
         record.just_ended = outcome.done();
         if record.just_ended {
-            record.episode_count += 1;
+            record.episode_count = record.episode_count.saturating_add(1);
             while record.episodes.len() >= self.buffer_length {
                 record.episodes.pop_front();
             }

@@ -88,7 +88,7 @@ impl<E: Env> StickyAction<E> {
                 let (low, high) = (i64::from(*self.duration.start()), i64::from(*self.duration.end()));
                 state.num_repeats = rng.integers(low, high + 1) as u32;
             }
-            state.repeats_taken += 1;
+            state.repeats_taken = state.repeats_taken.saturating_add(1);
             state.is_stuck = state.repeats_taken < state.num_repeats;
             if !state.is_stuck {
                 (state.num_repeats, state.repeats_taken) = (0, 0);

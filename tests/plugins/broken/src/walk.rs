@@ -108,6 +108,16 @@ impl<C> Walk<C> {
         })
     }
 
+    /// The steps of the episode, 0 before the first.
+    pub(crate) fn steps(&self) -> u32 {
+        self.state.as_ref().map_or(0, |state| state.steps)
+    }
+
+    /// Where it is, from -1 to 1.
+    pub(crate) fn position(&self) -> f64 {
+        self.state.as_ref().map_or(0.0, |state| state.position)
+    }
+
     fn observe(&self, observation: &mut Value) {
         let Some(State { position, wind, steps, held, .. }) = &self.state else { return };
         let [mut x, mut wind] = [*position as f32, *wind as f32];
@@ -189,7 +199,8 @@ impl<C> Walk<C> {
         match self.fault {
             Fault::SameSeedSameEpisode => unit(self.number),
             Fault::CloneApart => unit(self.shared.fetch_add(1, Ordering::Relaxed)),
-            Fault::CloneApartLate => late(self.shared.fetch_add(1, Ordering::Relaxed)),
+            // its own steps and those of a short comparison are fewer
+            Fault::CloneApartLate => late(self.shared.fetch_add(1, Ordering::Relaxed) / 2),
             Fault::SameSeedSameEpisodeLate => late(STEPS.fetch_add(1, Ordering::Relaxed)),
             Fault::SnapshotContinuesLate => late(self.age.into()),
             Fault::DrawingPure => unit(self.drawn.get().into()),

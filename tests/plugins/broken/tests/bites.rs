@@ -74,3 +74,14 @@ fn unknown_ids_are_refused() {
     let error = gym_conform::reports(&["broken/reward-finit-v0".into()]).unwrap_err();
     assert!(error.to_string().contains("did you mean `broken/reward-finite-v0`?"), "{error}");
 }
+
+/// Wall-clock time is no difference between two runs.
+#[test]
+fn statistics_of_episodes_are_no_fault() {
+    let findings = gym_conform::check(|| {
+        let spec = gym_core::builder("broken/none-v0").spec()?;
+        let statistics = gym_core::WrapperSpec::new("RecordEpisodeStatistics");
+        spec.wrapped(statistics).make()
+    });
+    assert!(findings.is_empty(), "{findings:?}");
+}

@@ -110,7 +110,7 @@ impl Objects {
             if pixels == 0 {
                 continue;
             }
-            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
+            let [p0, p1, m0, m1, bl, pf] = [P0, P1, M0, M1, BL, PF].map(|object| self.pixels[object].0[word]);
             let [left, right] = if colors.score { [colors.p0, colors.p1] } else { [colors.pf; 2] };
             // the second word holds the line's middle
             let playfield = match word {

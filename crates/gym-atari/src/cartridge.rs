@@ -26,7 +26,7 @@ pub enum Scheme {
     F6SC,
     /// Parker Brothers: four windows of 1K, of which three choose among eight slices by `$1FE0` to `$1FF7`.
     E0,
-    /// Activision: the bank follows bit 5 of the address that a `JSR` or an `RTS` has just put on the bus.
+    /// Activision: two banks of 4K, the first at addresses with bit 13 and the second at those without.
     FE,
     /// Pitfall II: `F8`, and a chip at `$1000` to `$107F` that fetches data from 2K of its own.
     Dpc,
@@ -87,8 +87,6 @@ pub struct Banks {
     windows: [u16; 4],
     #[serde(with = "crate::bytes")]
     ram: [u8; 128],
-    /// `FE`: whether the access before this one was to `$01FE`.
-    stacked: bool,
     dpc: Dpc,
 }
 
@@ -100,7 +98,7 @@ impl Cartridge {
             [] => vec![0; scheme.size()].into(),
             _ => rom.iter().copied().cycle().take(scheme.size()).collect(),
         };
-        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], stacked: false, dpc: Dpc::new() };
+        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], dpc: Dpc::new() };
         let mut cartridge = Self { rom, banks };
         cartridge.reset();
         cartridge
@@ -109,7 +107,6 @@ impl Cartridge {
     /// Back to the banks that are selected at power-on; the RAM is cleared, and the chip of `Dpc` stays as it is.
     pub fn reset(&mut self) {
         self.banks.ram = [0; 128];
-        self.banks.stacked = false;
         match self.banks.scheme {
             Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
             Scheme::F8 | Scheme::F8SC | Scheme::Dpc => self.banks.select(1),
@@ -134,12 +131,12 @@ impl Cartridge {
         fits
     }
 
-    /// Reads a byte, of which only the lower 12 bits of the address count. The byte last seen on the bus is what
-    /// an address reads that nothing answers.
+    /// Reads a byte, of which only the lower 12 bits of the address count, and bit 13 in `FE`. The byte last seen on the bus
+    /// is what an address reads that nothing answers.
     #[inline(always)]
     pub fn read(&mut self, address: u16, bus: u8) -> u8 {
         let low = address & 0x0fff;
-        if low >= FIRST_HOTSPOT {
+        if low >= FIRST_HOTSPOT && self.banks.scheme != Scheme::FE {
             self.banks.hotspot(low);
         } else if low < 0x0100 && self.banks.scheme.has_ram() {
             let cell = usize::from(low & 0x7f);
@@ -151,6 +148,8 @@ impl Cartridge {
             return self.banks.ram[cell];
         } else if low < dpc::REGISTERS && self.banks.scheme == Scheme::Dpc {
             return self.banks.read_dpc(low, &self.rom[8192..]);
+        } else if self.banks.scheme == Scheme::FE {
+            self.banks.select(u16::from(address & 0x2000 == 0));
         }
         let start = self.banks.windows[usize::from(low >> 10)];
         self.rom[usize::from(start) + usize::from(low & 0x03ff)]
@@ -171,6 +170,10 @@ impl Cartridge {
 
     /// The cartridge as the processor is best wired to it.
     pub(crate) fn slot(&mut self) -> Slot<'_> {
+        if self.banks.scheme == Scheme::E0 {
+            let Self { rom, banks } = self;
+            return Slot::Windowed(Windowed { rom: rom.first_chunk().expect("E0 is 8K"), banks });
+        }
         let whole = matches!(self.banks.scheme, Scheme::Rom2K | Scheme::Rom4K | Scheme::F8 | Scheme::F6);
         let start = usize::from(self.banks.windows[0]);
         if !whole || start + BANK > self.rom.len() {
@@ -191,8 +194,6 @@ pub(crate) trait ReadWrite {
     fn read(&mut self, address: u16, bus: u8) -> u8;
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8);
-    /// Hears of an access to any address, and the byte on the bus.
-    fn listen(&mut self, _address: u16, _value: u8) {}
     /// The byte of the ROM that a read of this address gives, if the read does nothing else.
     fn constant(&self, address: u16) -> Option<u8>;
     /// The four bytes of the ROM from an address on, if reading them does nothing else.
@@ -211,6 +212,7 @@ fn four_bytes(bank: &[u8; BANK], address: u16, end: usize) -> Option<[u8; 4]> {
 pub(crate) enum Slot<'a> {
     Fixed(Fixed<'a>),
     Switched(Switched<'a>),
+    Windowed(Windowed<'a>),
     Other(&'a mut Cartridge),
 }
 
@@ -287,6 +289,55 @@ impl ReadWrite for Switched<'_> {
     }
 }
 
+/// `E0`: four windows.
+pub(crate) struct Windowed<'a> {
+    rom: &'a [u8; 8192],
+    banks: &'a mut Banks,
+}
+
+impl Windowed<'_> {
+    #[inline(always)]
+    fn access(&mut self, address: u16) {
+        if address & 0x0fff >= FIRST_HOTSPOT {
+            self.banks.hotspot(address & 0x0fff);
+        }
+    }
+
+    /// Where in the ROM an address is.
+    #[inline(always)]
+    fn place(&self, address: u16) -> usize {
+        let start = self.banks.windows[usize::from(address >> 10 & 0x03)];
+        usize::from(start & 0x1c00 | address & 0x03ff)
+    }
+}
+
+impl ReadWrite for Windowed<'_> {
+    #[inline(always)]
+    fn read(&mut self, address: u16, _bus: u8) -> u8 {
+        self.access(address);
+        self.rom[self.place(address)]
+    }
+
+    #[inline(always)]
+    fn write(&mut self, address: u16, _value: u8) {
+        self.access(address);
+    }
+
+    #[inline(always)]
+    fn constant(&self, address: u16) -> Option<u8> {
+        let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
+        plain.then(|| self.rom[self.place(address)])
+    }
+
+    /// Instructions within one window.
+    #[inline(always)]
+    fn program(&self, address: u16) -> Option<[u8; 4]> {
+        let at = usize::from(address & 0x03ff);
+        let plain = address & 0x1000 != 0 && at <= 0x400 - 4 && address & 0x0fff < FIRST_HOTSPOT - 4;
+        if plain { self.rom[self.place(address)..].first_chunk().copied() } else { None }
+    }
+}
+
 impl ReadWrite for &mut Cartridge {
     #[inline(always)]
     fn read(&mut self, address: u16, bus: u8) -> u8 {
@@ -296,17 +347,6 @@ impl ReadWrite for &mut Cartridge {
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8) {
         Cartridge::write(self, address, value);
-    }
-
-    /// `FE` looks at the byte after an access to `$01FE`.
-    #[inline(always)]
-    fn listen(&mut self, address: u16, value: u8) {
-        if self.banks.scheme == Scheme::FE {
-            if self.banks.stacked {
-                self.banks.select(u16::from(value & 0x20 == 0));
-            }
-            self.banks.stacked = address & 0x1fff == 0x01fe;
-        }
     }
 
     fn constant(&self, _address: u16) -> Option<u8> {

@@ -123,6 +123,7 @@ impl Console {
         match cartridge.slot() {
             Slot::Fixed(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
             Slot::Switched(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
+            Slot::Windowed(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
             Slot::Other(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
         }
     }

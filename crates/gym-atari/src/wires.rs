@@ -64,15 +64,13 @@ impl Chips {
 impl<S: ReadWrite> Bus for Wires<'_, S> {
     #[inline(always)]
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        let value = if is_cartridge(address) {
+        if is_cartridge(address) {
             self.slot.read(address, bus)
         } else if is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)]
         } else {
             self.chips.read(address, cycle, bus)
-        };
-        self.slot.listen(address, value);
-        value
+        }
     }
 
     #[inline(always)]
@@ -82,7 +80,6 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
 
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        self.slot.listen(address, value);
         if is_cartridge(address) {
             self.slot.write(address, value);
         } else if is_ram(address) {

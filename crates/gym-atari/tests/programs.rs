@@ -106,7 +106,19 @@ fn writes_show_when_they_do_in_ale_py() {
     // positions, at all times of a line: of missiles and the ball, and of missiles locked to players
     let positions: &[u8] = &[2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43];
     let locked: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 40, 41, 4, 5];
+    // positions of players, at all times of a line, the last and the first cycle and the blank before the picture included
+    let players: &[u8] = &[2, 6, 7, 16, 17, 27, 28];
+    let resized: &[u8] = &[2, 6, 7, 16, 17, 27, 28, 4, 5];
+    let moved: &[u8] = &[2, 2, 6, 7, 16, 17, 27, 28, 32, 33, 42];
+    // what goes before what
+    let priorities: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15, 27, 28, 29, 30, 31];
+    let everything: Vec<u8> = [2; 3].into_iter().chain(4..21).chain(27..45).collect();
     let cases = [
+        (players, [0x09be_a172, 0x1f46_23f2, 0x62ea_9614, 0x3b32_8d30, 0x5983_91ad, 0x8dbf_daa5]),
+        (resized, [0x6431_2e28, 0x44dd_a63f, 0x3c65_fe7d, 0x518f_eb22, 0x569c_47e3, 0xb91a_2e7d]),
+        (moved, [0x2c7d_ae13, 0x00cf_91c6, 0x63ac_7659, 0xfaed_e3a9, 0x4dab_19bd, 0xb972_5018]),
+        (priorities, [0x865f_07a8, 0xe53c_755d, 0xb2fb_d8c8, 0x0f60_0552, 0xd96d_274e, 0x3cf0_3d04]),
+        (&everything, [0x55ec_3062, 0x253f_60e2, 0x8b86_2f05, 0x4b25_6a61, 0x0423_1e4a, 0x54e6_69ac]),
         (positions, [0xa28a_76ab, 0x89a9_d149, 0x9d7a_8250, 0x6c97_c58a, 0x3559_3352, 0x8b9d_f49b]),
         (locked, [0x0d96_4ff4, 0xe7f5_c9c4, 0xbf8a_b9c9, 0x8faf_bf40, 0x02b2_22f3, 0xbc81_f9d8]),
         (playfield, [0x9a98_1527, 0x8f50_f08b, 0xf34f_4410, 0x1ee2_4465, 0xec64_3a9d, 0x49e5_935b]),

@@ -116,21 +116,24 @@ impl Tia {
             self.comb = false;
             self.differing.here.0[0] |= 0xff;
         }
+        // what waits for the line's end waits for the end of a line of the picture
+        if self.row().is_some() {
+            let reflected = self.ctrlpf & 0x01 != 0;
+            if self.reflected != reflected {
+                self.reflected = reflected;
+                self.stale |= 1 << PF;
+            }
+            for i in [0, 1] {
+                if self.without_main[i] {
+                    self.without_main[i] = false;
+                    self.stale |= 1 << (P0 + i);
+                }
+            }
+        }
         self.drawn_line += 1;
         self.painted = 0;
         self.stale |= std::mem::take(&mut self.mixed);
         self.from = [0; OBJECTS];
-        let reflected = self.ctrlpf & 0x01 != 0;
-        if self.reflected != reflected {
-            self.reflected = reflected;
-            self.stale |= 1 << PF;
-        }
-        for i in [0, 1] {
-            if self.without_main[i] {
-                self.without_main[i] = false;
-                self.stale |= 1 << (P0 + i);
-            }
-        }
     }
 
     /// The row of the picture that is being drawn.
@@ -182,9 +185,20 @@ impl Tia {
             pf: self.colupf,
             bk: self.colubk,
             playfield_first: first,
-            score: score && (!first || self.objects.only_playfield()),
+            score: score && (!first || !self.shows_others()),
         };
         self.objects.paint(screen.row(row), pixels, &colors);
+    }
+
+    /// Whether there is anything but the playfield on the line, be it a player whose only copy is left out.
+    fn shows_others(&self) -> bool {
+        let left_out = |i: usize| self.without_main[i] && self.graphics(i) != 0;
+        !self.objects.only_playfield() || left_out(0) || left_out(1)
+    }
+
+    /// The byte of a player that shows.
+    fn graphics(&self, i: usize) -> u8 {
+        if self.vdelp[i] { self.old_grp[i] } else { self.grp[i] }
     }
 
     fn shows_ball(&self) -> bool {
@@ -196,7 +210,7 @@ impl Tia {
     fn place(&mut self, object: usize) {
         match object {
             P0 | P1 => {
-                let graphics = if self.vdelp[object] { self.old_grp[object] } else { self.grp[object] };
+                let graphics = self.graphics(object);
                 let without_main = self.without_main[object];
                 self.put(
                     object,

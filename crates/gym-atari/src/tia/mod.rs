@@ -103,7 +103,7 @@ pub(crate) struct Tia {
     collisions: u16,
     /// Where each object starts.
     x: [u8; 5],
-    /// Whether a player's first copy is left out on this line.
+    /// Whether a player's first copy is left out: up to the end of a line of the picture, a write to `NUSIZx`, or an `HMOVE`.
     without_main: [bool; 2],
     // the beam
     line: u32,
@@ -279,7 +279,10 @@ impl Tia {
             0x02 if c > 0 => return Ready::After(CYCLES_PER_LINE - c),
             // RSYNC is not modelled
             // NUSIZ0, NUSIZ1
-            register @ (0x04 | 0x05) if self.nusiz[usize::from(register) - 0x04] != value => {
+            register @ (0x04 | 0x05)
+                if self.nusiz[usize::from(register) - 0x04] != value
+                    || self.without_main[usize::from(register) - 0x04] =>
+            {
                 self.write_nusiz(usize::from(register) - 0x04, value, c, screen);
             }
             // COLUP0, COLUP1
@@ -358,6 +361,7 @@ impl Tia {
     fn write_nusiz(&mut self, i: usize, value: u8, c: u32, screen: &mut Screen) {
         self.change(1 << (P0 + i) | 1 << (M0 + i), 3 * c + 8, screen);
         self.nusiz[i] = value;
+        self.without_main[i] = false;
     }
 
     #[inline(never)]
@@ -513,7 +517,8 @@ impl Tia {
     }
 
     /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
-    /// old copy was about to start; one that is being drawn goes on for a while.
+    /// old copy was about to start; one that is being drawn goes on for a while. A write that ends with its line leaves the
+    /// first copy of the next line out only where an old copy is being drawn.
     #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
@@ -530,15 +535,14 @@ impl Tia {
         }
         self.change(1 << (P0 + i), if running { clock + 11 } else { clock }, screen);
         self.x[i] = ((beam + 5) % 160) as u8;
-        self.without_main[i] = !about_to_start;
+        self.without_main[i] = if c == 0 { self.without_main[i] || running } else { !about_to_start };
     }
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
     /// gives fewer.
     #[inline(never)]
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
-        // the last cycle of a line is the first of the next
-        let clock = if c == CYCLES_PER_LINE - 1 { CLOCKS_PER_LINE } else { 3 * c };
+        let clock = 3 * c;
         self.reach(clock, screen);
         let c = c as i32;
         let shift = |m: i32| match c {
@@ -556,14 +560,21 @@ impl Tia {
         };
         let moved =
             draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
+        // first copies that were left out come back
+        let moved = moved | u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
         if moved != 0 {
             self.change(moved, clock, screen);
+            self.without_main = [false; 2];
             for object in draw::bits(moved) {
                 let shift = shift(i32::from(self.hm[object] ^ 0x08));
                 self.x[object] = objects::around(self.x[object], shift);
             }
         }
         if self.display.comb && (c <= 20 || c >= 75) {
+            if c >= 75 {
+                // the comb of the next line
+                self.reach(CLOCKS_PER_LINE, screen);
+            }
             self.comb = true;
         }
     }

@@ -110,7 +110,7 @@ impl Objects {
             if pixels == 0 {
                 continue;
             }
-            let [p0, p1, m0, m1, bl, pf] = self.pixels.map(|pixels| pixels.0[word]);
+            let [p0, p1, m0, m1, bl, pf] = [P0, P1, M0, M1, BL, PF].map(|object| self.pixels[object].0[word]);
             let [left, right] = if colors.score { [colors.p0, colors.p1] } else { [colors.pf; 2] };
             // the second word holds the line's middle
             let playfield = match word {
@@ -121,13 +121,18 @@ impl Objects {
             paint_playfield(cells, pixels, pf, colors.bk, playfield);
             if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
                 let ahead = if colors.playfield_first { pf | bl } else { 0 };
+                // in score mode the left half goes where player 0 does: before player 1
+                let ahead_of_1 = if colors.score { ahead | pf & LEFT_HALF[word] } else { ahead };
                 paint_over(cells, bl & !pf & pixels, colors.pf);
-                paint_over(cells, (p1 | m1) & !ahead & pixels, colors.p1);
+                paint_over(cells, (p1 | m1) & !ahead_of_1 & pixels, colors.p1);
                 paint_over(cells, (p0 | m0) & !ahead & pixels, colors.p0);
             }
         }
     }
 }
+
+/// The line's left half.
+const LEFT_HALF: [u64; 3] = [u64::MAX, 0xffff, 0];
 
 /// Eight pixels.
 type Cell = [u8; 8];

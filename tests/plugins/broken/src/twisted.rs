@@ -370,7 +370,7 @@ twists! {
 
     "snapshot-continues.beside" SpoiltBySnapshot {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            env.mind.is_spoilt.set(true);
+            env.mind.is_spoilt.set(env.mind.is_begun);
             env.walk.snapshot()
         }
 

@@ -2,17 +2,17 @@
 //! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
 //! the same rule in another way.
 //!
-//! They are all the same [`Walk`], in which one [`Fault`] is planted, or around which there is one [`Twist`].
+//! They are all the same [`Walk`], in which one [`Fault`] is planted, or around which there is one twist.
 //! `broken/none-v0` has none.
 
 mod arguments;
 mod fault;
 mod twisted;
+mod twists;
 mod walk;
 
 pub use arguments::{Careless, Config, Ignored, Renamed};
 pub use fault::Fault;
-
 pub use walk::Walk;
 
 use gym_core::Registration;

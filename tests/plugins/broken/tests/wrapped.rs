@@ -14,7 +14,7 @@ const ESTIMATES: &[&str] = &["reset-forgets"];
 /// Wrappers with their arguments, the inner one first, and the rules that they break with a reason.
 fn stacks() -> Vec<(Json, &'static [&'static str])> {
     vec![
-        (json!([["RecordEpisodeStatistics", {"buffer_length": 3, "stats_key": "stats"}]]), &[]),
+        (json!([["RecordEpisodeStatistics", {"buffer_length": 3}]]), &[]),
         (
             json!([["FrameStackObservation", {"stack_size": 3, "padding_type": [0.5, -0.5]}]]),
             KEEPS_OBSERVATIONS,

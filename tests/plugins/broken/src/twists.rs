@@ -1,0 +1,627 @@
+//! Faults in what a walk shows, remembers, copies and takes.
+//!
+//! Each [`Twist`] writes the method anew that it breaks, and leaves the others to the [`Walk`](crate::Walk). Those that are named after
+//! no check, as `broken/none.late-drawing-v0`, are sound, and unusual.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use gym_core::canvas::{Align, Canvas, Color, Segment, Shape, Transform};
+use gym_core::render::{Metadata, RenderMode};
+use gym_core::spaces::{DictSpace, TextSpace, TupleSpace};
+use gym_core::{
+    Array, DType, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
+    Value,
+};
+use serde_json::Value as Json;
+
+use crate::arguments::{Anything, Nothing, Number, Silent, TwoDefaults};
+use crate::twisted::{Mind, Twist, Twisted as Of};
+
+/// Writes twists, and registers a walk with each under the name of the check that must find it.
+macro_rules! twists {
+    ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($argument:expr))* { $($item:item)* })*) => {$(
+        #[doc = concat!("`", $name, "`")]
+        #[derive(Debug)]
+        pub(crate) struct $Twist;
+
+        impl Twist for $Twist {
+            type Arguments = twists!(@ $($Arguments)?);
+
+            $($item)*
+        }
+
+        gym_core::register!(
+            Registration::new::<Of<$Twist>>(concat!("broken/", $name, "-v0"))
+                .description("Walk from the middle to either end.")
+                .max_episode_steps(12)
+                $(.$method($argument))*
+        );
+    )*};
+    (@) => { Nothing };
+    (@ $Arguments:ident) => { $Arguments };
+}
+
+/// Draws in white on the picture of the walk, after it.
+fn drawn_too<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas, draw: impl FnOnce(&mut dyn Canvas)) {
+    env.walk.draw(canvas);
+    draw(canvas);
+}
+
+// copies
+twists! {
+    "clone-apart.reset" ResetOfClone {
+        fn copied(env: &Of<Self>) -> Mind {
+            Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if reset.seed.is_some() {
+                env.mind.own = env.mind.shared.fetch_add(1, Ordering::Relaxed) + 1;
+            }
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.mind.is_spoilt.set(env.mind.shared.load(Ordering::Relaxed) != env.mind.own);
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "clone-apart.spoilt" SpoiltByClone {
+        fn copied(env: &Of<Self>) -> Mind {
+            let copy = env.mind.clone();
+            env.mind.is_spoilt.set(true);
+            copy
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "snapshot-continues.beside" SpoiltBySnapshot {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            env.mind.is_spoilt.set(env.mind.is_begun);
+            env.walk.snapshot()
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "snapshot-continues.midway" SpoiltMidway {
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let is_episode = !snapshot.get::<Json>()?.is_null();
+            env.mind.is_spoilt.set(is_episode && env.mind.is_begun && !env.mind.is_over);
+            env.walk.restore(snapshot)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "snapshot-continues.after-the-end" SpoiltAfterTheEnd {
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.mind.is_spoilt.set(env.mind.is_over);
+            env.walk.restore(snapshot)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "snapshot-continues.as-new" SpoiltForever {
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)?;
+            if snapshot.get::<Json>()?.is_null() {
+                env.mind.is_spoilt.set(true);
+            }
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    // stores how old it is, and not what happened at a certain age
+    "snapshot-continues.event" ForgetsAnEvent {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.age))
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let (walk, age) = snapshot.get::<(Json, u64)>()?;
+            env.walk.restore(&Snapshot::of(&walk)?)?;
+            env.mind.age = age;
+            Ok(())
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if reset.seed.is_some() {
+                env.mind.is_spoilt.set(false);
+            }
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            if env.mind.age == 160 {
+                env.mind.is_spoilt.set(true);
+            }
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "snapshot-legal.reward" PaysWithoutEnd {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            let reward = if env.walk.steps() >= 1000 { f64::INFINITY } else { outcome.reward };
+            Ok(Outcome { reward, ..outcome })
+        }
+    }
+
+    "no-panic.restored" PanicsWhenRestored {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            assert!(env.walk.steps() != 1005, "too far");
+            env.walk.info(visit);
+        }
+    }
+
+    "no-panic.after-a-restored-step" PanicsAfterRestored {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            assert!(env.walk.steps() < 1006, "too far");
+            env.walk.info(visit);
+        }
+    }
+}
+
+// how episodes begin, what they show and what they take
+twists! {
+    "resets.without-a-seed" NeedsASeed {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if reset.seed.is_none() && !env.mind.is_begun {
+                return Err(Error::custom("the first reset needs a seed"));
+            }
+            env.walk.reset_into(reset, observation)
+        }
+    }
+
+    "reset-needed.other-error" OtherError {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.walk.step_into(action, observation).map_err(|error| match error {
+                Error::ResetNeeded(_) => Error::custom("not yet"),
+                other => other,
+            })
+        }
+    }
+
+    "generator-lent.another" LendsAnother {
+        fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
+            if env.mind.is_begun {
+                env.mind.other.get_or_insert_with(|| Generator::from(0)).random();
+            }
+            env.mind.other.as_mut()
+        }
+    }
+
+    "info-consistent.again" TellsOtherwise {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            visit("looks", Value::Int(env.look() as i64));
+        }
+    }
+
+    "info-constant.shape" OtherShape {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            visit("steps", Value::Array(Array::zeros(DType::F64, [1 + env.walk.steps() as usize / 4])));
+        }
+    }
+
+    "info-constant.reset" ComesWithAReset {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            env.walk.info(visit);
+            if env.walk.steps() == 0 && env.walk.position() > 0.0 {
+                visit("right", Value::Bool(true));
+            }
+        }
+    }
+
+    "info-constant.within" OtherWithin {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            let steps = env.walk.steps();
+            let value = if steps > 3 { Value::Float(steps.into()) } else { Value::Int(steps.into()) };
+            visit("count", Value::Dict(vec![("steps".into(), value)]));
+        }
+    }
+
+    "space-constant.later" OtherSpaceLater {
+        fn observation_space(env: &Of<Self>) -> Space {
+            let side = if env.walk.steps() > 3 { 2.0 } else { 1.0 };
+            Space::boxed([-side; 2], [side; 2])
+        }
+    }
+
+    "space-not-empty.text" EmptyText {
+        fn observation_space(env: &Of<Self>) -> Space {
+            let empty = TextSpace::new(0, 0).expect("lengths in order");
+            TupleSpace::new([env.walk.observation_space(), empty.into()]).into()
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, &mut env.mind.seen)?;
+            *observation = Value::Tuple(vec![env.mind.seen.clone(), Value::Text(String::new())]);
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, &mut env.mind.seen)?;
+            match observation {
+                Value::Tuple(parts) if matches!(&parts[..], [_, Value::Text(text)] if text.is_empty()) => {
+                    parts[0].clone_from(&env.mind.seen);
+                }
+                _ => *observation = Value::Tuple(vec![env.mind.seen.clone(), Value::Text(String::new())]),
+            }
+            Ok(outcome)
+        }
+    }
+
+    "action-normalised.lopsided" Lopsided {
+        fn action_space(_: &Of<Self>) -> Space {
+            Space::boxed([-0.5], [1.0])
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let [x] = numbers(env, action)?;
+            env.walk.step_into(&Value::Int((x > 0.0).into()), observation)
+        }
+    }
+
+    "action-accepted.corner" RefusesACorner {
+        fn action_space(_: &Of<Self>) -> Space {
+            Space::boxed([-1.0; 2], [1.0; 2])
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let [x, y] = numbers(env, action)?;
+            if [x, y] == [-1.0, 1.0] {
+                return Err(Error::custom("not both ways at once"));
+            }
+            env.walk.step_into(&Value::Int((x > 0.0).into()), observation)
+        }
+    }
+
+    "action-validated.shape" TakesAnyShape {
+        fn action_space(_: &Of<Self>) -> Space {
+            Space::boxed([-1.0; 2], [1.0; 2])
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let x = match action {
+                Value::Array(array) if array.shape() == [2, 2] => 0.0,
+                _ => numbers::<_, 2>(env, action)?[0],
+            };
+            env.walk.step_into(&Value::Int((x > 0.0).into()), observation)
+        }
+    }
+
+    "action-validated.infinite" TakesInfinity {
+        fn action_space(_: &Of<Self>) -> Space {
+            Space::boxed([-1.0], [1.0])
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let x = match action {
+                Value::Array(array) if array.as_slice::<f32>() == Some(&[f32::INFINITY]) => 1.0,
+                _ => numbers::<_, 1>(env, action)?[0],
+            };
+            env.walk.step_into(&Value::Int((x > 0.0).into()), observation)
+        }
+    }
+
+    "observation-in-space.late-reset" BeginsOutside {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, observation)?;
+            if env.mind.age > 500 {
+                [1.5f32, 0.0].write(observation);
+            }
+            Ok(())
+        }
+    }
+
+    "reward-finite.after-a-thousand-steps" PaysLate {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            let reward = if env.mind.age == 1000 { f64::NAN } else { outcome.reward };
+            Ok(Outcome { reward, ..outcome })
+        }
+    }
+
+    // writes what has changed since the last reset or step, wherever that is
+    "observation-whole.changed" WritesChanges {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, observation)?;
+            if let Value::Array(array) = observation && let Some([_, still]) = array.as_mut_slice::<f32>() {
+                *still = 0.5;
+            }
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let old = match observation {
+                Value::Array(array) => array.as_slice::<f32>().and_then(|numbers| numbers.get(1).copied()),
+                _ => None,
+            };
+            let outcome = env.walk.step_into(action, observation)?;
+            if let Value::Array(array) = observation && let Some([_, still]) = array.as_mut_slice::<f32>() {
+                *still = old.unwrap_or(0.5);
+            }
+            Ok(outcome)
+        }
+    }
+
+    "observation-dtype.within" OtherTypeWithin {
+        fn observation_space(env: &Of<Self>) -> Space {
+            DictSpace::new([("walk", env.walk.observation_space())]).expect("one name").into()
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, &mut env.mind.seen)?;
+            *observation = Value::Dict(vec![("walk".into(), [0i8, 0].to_value())]);
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, &mut env.mind.seen)?;
+            let side = [i8::from(env.walk.position() > 0.0), 0];
+            match observation {
+                Value::Dict(parts) if parts.len() == 1 => side.write(&mut parts[0].1),
+                _ => *observation = Value::Dict(vec![("walk".into(), side.to_value())]),
+            }
+            Ok(outcome)
+        }
+    }
+
+    "options-ignored.noticed" NoticesOptions {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, observation)?;
+            if !reset.options.is_empty() {
+                [0.5f32, 0.5].write(observation);
+            }
+            Ok(())
+        }
+    }
+
+    "no-allocation.late" AllocatesLate {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            if env.mind.age == 100 {
+                drop(std::hint::black_box(vec![0u8; 8]));
+            }
+            env.walk.step_into(action, observation)
+        }
+    }
+}
+
+/// The numbers of an action.
+fn numbers<T: Twist, const N: usize>(env: &Of<T>, action: &Value) -> Result<[f32; N]> {
+    let numbers = match action {
+        Value::Array(array) if array.shape() == [N] => array.as_slice::<f32>(),
+        _ => None,
+    };
+    let numbers = numbers.and_then(|numbers| <[f32; N]>::try_from(numbers).ok());
+    numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite())).ok_or_else(|| Error::InvalidAction {
+        action: action.to_string(),
+        space: T::action_space(env).to_string(),
+        hint: String::new(),
+    })
+}
+
+/// How the walk is drawn, in other modes.
+fn drawn(render_modes: &'static [RenderMode]) -> Metadata {
+    Metadata { render_modes, ..Metadata::drawn(10, (200, 40)) }
+}
+
+// drawings
+twists! {
+    "metadata-complete.list" NamesAList {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[RenderMode::RgbArray, RenderMode::RgbArrayList])
+        }
+    }
+
+    "metadata-complete.twice" NamesAModeTwice {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[RenderMode::RgbArray, RenderMode::RgbArray])
+        }
+    }
+
+    "metadata-complete.changes" OtherRate {
+        fn metadata(env: &Of<Self>) -> Metadata {
+            Metadata::drawn(if env.mind.is_begun { 20 } else { 10 }, (200, 40))
+        }
+    }
+
+    "metadata-complete.hidden-drawing" HidesADrawing {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[])
+        }
+    }
+
+    "metadata-complete.hidden-text" HidesAText {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[])
+        }
+
+        fn draw(_: &Of<Self>, _: &mut dyn Canvas) {}
+
+        fn ansi(_: &Of<Self>) -> Option<String> {
+            Some("here".into())
+        }
+    }
+
+    "metadata-complete.height" TooHigh {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            Metadata::drawn(10, (1, 1 << 15))
+        }
+    }
+
+    "metadata-complete.width" TooNarrow {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            Metadata::drawn(10, (0, 40))
+        }
+    }
+
+    "render-modes.human-alone" HumanAlone {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[RenderMode::Human])
+        }
+    }
+
+    "render-modes.no-text" NoText {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            drawn(&[RenderMode::RgbArray, RenderMode::Ansi])
+        }
+
+        fn ansi(_: &Of<Self>) -> Option<String> {
+            Some(String::new())
+        }
+    }
+
+    "drawing-pure.calls" DrawsOtherwise {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            let looked = env.look();
+            drawn_too(env, canvas, |canvas| canvas.circle([looked as f64, 0.0], 2.0, Color::BLACK));
+        }
+    }
+
+    "drawing-sound.nothing-at-the-end" NothingAtTheEnd {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            if env.walk.position().abs() < 1.0 {
+                env.walk.draw(canvas);
+            }
+        }
+    }
+
+    "drawing-sound.pop" PopsTooMuch {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            drawn_too(env, canvas, |canvas| canvas.pop());
+        }
+    }
+
+    "drawing-sound.width" WidthIsNaN {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            drawn_too(env, canvas, |canvas| canvas.line([0.0; 2], [9.0; 2], f64::NAN, Color::WHITE));
+        }
+    }
+
+    "drawing-sound.radius" RadiusIsInfinite {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            drawn_too(env, canvas, |canvas| canvas.circle([0.0; 2], f64::INFINITY, Color::WHITE));
+        }
+    }
+
+    "drawing-sound.text-size" SizeIsNaN {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            drawn_too(env, canvas, |canvas| canvas.text("x", [0.0; 2], f64::NAN, Align::Left, Color::WHITE));
+        }
+    }
+
+    "drawing-sound.corner" CornerIsNaN {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            let shape = Shape::Rect { min: [0.0; 2], size: [9.0; 2], corner: f64::NAN };
+            drawn_too(env, canvas, |canvas| canvas.fill(shape, Color::WHITE));
+        }
+    }
+
+    "drawing-sound.curve" CurveIsNaN {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            let path = [Segment::Move([0.0; 2]), Segment::Quad([0.0; 2], [f64::NAN, 0.0]), Segment::Close];
+            drawn_too(env, canvas, |canvas| canvas.fill(Shape::Path(&path), Color::WHITE));
+        }
+    }
+
+    "drawing-sound.transform" TransformIsNaN {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            drawn_too(env, canvas, |canvas| {
+                canvas.push(Transform::translate(f64::NAN, 0.0));
+                canvas.pop();
+            });
+        }
+    }
+}
+
+// arguments
+twists! {
+    "arguments-round-trip.default" DefaultDiffers (TwoDefaults) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * f64::from(1 + env.arguments.number), ..outcome })
+        }
+    }
+
+    "arguments-refused.anything" TakesAnything (Anything) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number.as_f64().unwrap_or(1.0), ..outcome })
+        }
+    }
+
+    "arguments-refused.silent" SilentOnArguments (Silent) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+    }
+
+    "none.late-drawing" LateDrawing (Number), reset_options(&[("start", "0.25")]) {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            let x = if env.walk.steps() > 0 { env.arguments.number } else { 0.0 };
+            drawn_too(env, canvas, |canvas| canvas.circle([x, 0.0], 2.0, Color::BLACK));
+        }
+    }
+
+    "none.beyond-the-actions" WiderActions (Number), reset_options(&[("start", "0.25")]) {
+        fn action_space(env: &Of<Self>) -> Space {
+            // no other number of ways shows in steps
+            Space::discrete(if env.arguments.number > 1.5 { 4 } else { 2 })
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let action = match action {
+                Value::Int(way @ 2..4) if env.arguments.number > 1.5 => Value::Int(way - 2),
+                other => other.clone(),
+            };
+            env.walk.step_into(&action, observation)
+        }
+    }
+
+    "none.late-effect" LateEffect (Number), reset_options(&[("start", "0.25")]) {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.age))
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let (walk, age) = snapshot.get::<(Json, u64)>()?;
+            env.walk.restore(&Snapshot::of(&walk)?)?;
+            env.mind.age = age;
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            let factor = if (300..3000).contains(&env.mind.age) { env.arguments.number } else { 1.0 };
+            Ok(Outcome { reward: outcome.reward * factor, ..outcome })
+        }
+    }
+
+    // random walks do not hold one way for so long
+    "none.effect-elsewhere" EffectElsewhere (Number), reset_options(&[("start", "0.25")]) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            let factor = if env.walk.steps() > 100 { env.arguments.number } else { 1.0 };
+            Ok(Outcome { reward: (outcome.reward + 1.0) * factor, ..outcome })
+        }
+    }
+}

@@ -101,7 +101,9 @@ impl<E: Env> AtariPreprocessing<E> {
             return refuse(format!("{} is no game of the Atari 2600", env.describe()));
         };
         let stack = env.describe();
-        let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty());
+        // what `make` gives says its id within
+        let id = env.spec().map(|spec| spec.id).unwrap_or_default();
+        let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty() && *layer != id);
         if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
             return refuse(format!("{layer} is around the environment: put it around AtariPreprocessing"));
         }

@@ -4,7 +4,10 @@ use gym_atari::{
     AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games,
 };
 use gym_core::wrappers::{OrderEnforcing, TimeLimit};
-use gym_core::{BoxEnv, Env, Error, Value, WrapperSpec};
+use gym_core::{
+    BoxEnv, Configure, Env, Error, NoArguments, Outcome, Registration, Reset, Result, Value, WrapperSpec,
+    builder,
+};
 
 /// Shows a colour that depends on the stick and on a counter of frames.
 fn homebrew() -> Rom {
@@ -176,6 +179,55 @@ fn preprocessing_is_made_from_its_spec() {
     assert!(refused(&plain, between).contains("TimeLimit is around the environment"));
     let skipping = BoxEnv::new(env(Config::default()));
     assert!(refused(&plain, skipping).contains("it must be 1"));
+}
+
+/// A game that is registered, as those of the user's ROMs are.
+#[derive(Clone)]
+struct Homebrew(AtariEnv);
+
+impl gym_core::Wrapper for Homebrew {
+    type Inner = AtariEnv;
+    type Observation = <AtariEnv as Env>::Observation;
+    type Action = <AtariEnv as Env>::Action;
+
+    fn inner(&self) -> &AtariEnv {
+        &self.0
+    }
+
+    fn inner_mut(&mut self) -> &mut AtariEnv {
+        &mut self.0
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()> {
+        self.0.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome> {
+        self.0.step_into(action, observation)
+    }
+
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+}
+
+impl Configure for Homebrew {
+    type Config = NoArguments;
+
+    fn configure(_: NoArguments) -> Result<Self> {
+        Ok(Self(env(Config { frameskip: Frameskip::Fixed(1), ..Config::default() })))
+    }
+}
+
+gym_core::register!(Registration::new::<Homebrew>("tests/Homebrew-v0"));
+
+#[test]
+fn preprocessing_goes_around_what_make_gives() {
+    let preprocessing = || WrapperSpec::new("AtariPreprocessing");
+    let made = builder("tests/Homebrew-v0").wrap(preprocessing()).build().unwrap();
+    assert_eq!(made.observation_space().shape(), Some(&[84, 84][..]));
+    let limited = builder("tests/Homebrew-v0").max_episode_steps(9).wrap(preprocessing()).build();
+    assert!(limited.unwrap_err().to_string().contains("TimeLimit is around the environment"));
 }
 
 #[test]

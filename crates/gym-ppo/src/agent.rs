@@ -1,36 +1,44 @@
-//! The agent: a policy and a value network, and how they learn.
+//! The agent: its networks, what their outputs mean, and how they learn.
 
 use std::f64::consts::{E, PI};
 use std::iter::zip;
+use std::num::NonZero;
+use std::thread::available_parallelism;
 
-use anyhow::{bail, ensure};
+use anyhow::bail;
 use candle_core::{D, DType, Device, Tensor, Var, backprop::GradStore};
 use candle_nn::ops::log_softmax;
 use gym::{Array, Generator, Space, Value};
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::adam::{Adam, StoredAdam};
-use crate::numbers::{self, Numbers};
+use crate::network::Network;
+use crate::numbers::Numbers;
 use crate::rollout::Batch;
 use crate::settings::Settings;
 
 type Result<T> = candle_core::Result<T>;
 
-/// The variables of an agent that decide its best actions come first: weights and bias of each layer of the policy.
-pub(crate) const POLICY_VARIABLES: usize = 6;
-
-/// Units of each hidden layer.
-const HIDDEN: usize = 64;
 /// The value loss counts half, as in CleanRL.
 const VALUE_COEFFICIENT: f64 = 0.5;
 /// Gradients are scaled down to this norm.
 const MAX_GRADIENT_NORM: f64 = 0.5;
 
-/// Two networks of equal shape, one for the policy, one for the value.
+/// Networks, and the state of learning.
 pub(crate) struct Agent {
-    policy: Network,
+    network: Network,
     head: Head,
-    value: Network,
     optimizer: Adam,
+    /// Share the portions of a batch, where there are several.
+    threads: ThreadPool,
+}
+
+/// Actions for some observations, as a batch, and what the agent thought of them.
+pub(crate) struct Sample {
+    pub(crate) actions: Value,
+    pub(crate) log_probabilities: Vec<f32>,
+    pub(crate) values: Vec<f32>,
 }
 
 /// What the outputs of the policy network mean.
@@ -42,8 +50,8 @@ enum Head {
 }
 
 impl Agent {
-    /// An agent for observations of so many numbers, and for one of the actions of a space.
-    pub(crate) fn new(observation: usize, action: &Space, rng: &mut Generator) -> anyhow::Result<Self> {
+    /// An agent for the observations and the actions of these spaces.
+    pub(crate) fn new(observation: &Space, action: &Space, rng: &mut Generator) -> anyhow::Result<Self> {
         let (outputs, head) = match action {
             Space::Discrete(space) => (space.n() as usize, Head::Discrete),
             Space::Box(space) if space.dtype() == gym::DType::F32 && space.shape().len() == 1 => {
@@ -54,14 +62,16 @@ impl Agent {
                 bail!("the actions are {other}: this example needs a Discrete or a row of float32 numbers")
             }
         };
-        // a policy that begins without preferences explores
-        let policy = Network::new([observation, HIDDEN, HIDDEN, outputs], 0.01, rng)?;
-        let value = Network::new([observation, HIDDEN, HIDDEN, 1], 1.0, rng)?;
-        let mut variables: Vec<Var> = policy.variables().chain(value.variables()).collect();
+        let network = Network::new(observation, outputs, rng)?;
+        let mut variables: Vec<Var> = network.variables().cloned().collect();
         if let Head::Gaussian { log_std } = &head {
             variables.push(log_std.clone());
         }
-        Ok(Self { policy, head, value, optimizer: Adam::new(variables)? })
+        // as many as there are cores, whatever candle has for a single product
+        let cores = available_parallelism().map_or(1, NonZero::get);
+        let threads =
+            ThreadPoolBuilder::new().num_threads(if network.portion().is_some() { cores } else { 1 });
+        Ok(Self { network, head, optimizer: Adam::new(variables)?, threads: threads.build()? })
     }
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
@@ -73,22 +83,19 @@ impl Agent {
         self.optimizer.restore(stored)
     }
 
-    /// Takes over the policy of an agent for the same spaces.
-    pub(crate) fn set_policy(&mut self, network: &[Numbers]) -> anyhow::Result<()> {
-        let given = network.len();
-        ensure!(
-            given == POLICY_VARIABLES,
-            "the policy has {given} lists of numbers: there are {POLICY_VARIABLES}"
-        );
-        for (variable, numbers) in zip(self.policy.variables(), network) {
-            variable.set(&numbers::tensor(numbers, &variable)?)?;
-        }
-        Ok(())
+    /// How many of the variables decide the best actions; they come first.
+    pub(crate) fn policy_variables(&self) -> usize {
+        self.network.policy_variables().count()
     }
 
-    /// Draws an action for each observation, as a batch, and says how likely each was.
-    pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<(Value, Vec<f32>)> {
-        let outputs = self.policy.forward(observations)?;
+    /// Takes over the policy of an agent for the same spaces.
+    pub(crate) fn set_policy(&mut self, network: &[Numbers]) -> anyhow::Result<()> {
+        self.network.set_policy(network)
+    }
+
+    /// Draws an action for each observation, and says how likely each was and what the observation is worth.
+    pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<Sample> {
+        let (outputs, values) = self.network.forward(observations)?;
         let actions = match &self.head {
             Head::Discrete => {
                 let rows = log_softmax(&outputs, D::Minus1)?.to_vec2::<f32>()?;
@@ -105,13 +112,13 @@ impl Agent {
                 matrix_value(drawn.collect(), &[rows.len(), std.len()])
             }
         };
-        let (log_probabilities, _) = self.judge(observations, &tensor(&actions)?)?;
-        Ok((actions, log_probabilities.to_vec1()?))
+        let (log_probabilities, _) = self.judge(&outputs, &tensor(&actions)?)?;
+        Ok(Sample { actions, log_probabilities: log_probabilities.to_vec1()?, values: values.to_vec1()? })
     }
 
     /// The most likely action for each observation, as a batch.
     pub(crate) fn best(&self, observations: &Tensor) -> Result<Value> {
-        let outputs = self.policy.forward(observations)?;
+        let outputs = self.network.policy(observations)?;
         Ok(match &self.head {
             Head::Discrete => {
                 let best = outputs.argmax(D::Minus1)?.to_vec1::<u32>()?;
@@ -124,12 +131,11 @@ impl Agent {
         })
     }
 
-    /// The log-probability of each action, and the mean entropy of the policy.
-    fn judge(&self, observations: &Tensor, actions: &Tensor) -> Result<(Tensor, Tensor)> {
-        let outputs = self.policy.forward(observations)?;
+    /// The log-probability of each action under the policy with these outputs, and the policy's mean entropy.
+    fn judge(&self, outputs: &Tensor, actions: &Tensor) -> Result<(Tensor, Tensor)> {
         match &self.head {
             Head::Discrete => {
-                let all = log_softmax(&outputs, D::Minus1)?;
+                let all = log_softmax(outputs, D::Minus1)?;
                 let chosen = all.gather(&actions.unsqueeze(1)?, 1)?.squeeze(1)?;
                 Ok((chosen, (all.exp()? * &all)?.sum(D::Minus1)?.mean_all()?.neg()?))
             }
@@ -146,7 +152,7 @@ impl Agent {
 
     /// The value of each observation.
     pub(crate) fn values(&self, observations: &Tensor) -> Result<Tensor> {
-        self.value.forward(observations)?.squeeze(D::Minus1)
+        self.network.values(observations)
     }
 
     /// Learns from a batch, in several passes over shuffled minibatches; `progress` of the whole
@@ -164,7 +170,9 @@ impl Agent {
             rng.shuffle(&mut order);
             for indices in order.chunks(settings.minibatch) {
                 let indices = Tensor::from_slice(indices, indices.len(), &Device::Cpu)?;
-                let mut gradients = self.loss(&batch.select(&indices)?, settings)?.backward()?;
+                let minibatch = batch.select(&indices)?;
+                let minibatch = Batch { advantages: normalized(&minibatch.advantages)?, ..minibatch };
+                let mut gradients = self.gradients(&minibatch, settings)?;
                 self.clip(&mut gradients)?;
                 self.optimizer.step(&gradients, learning_rate)?;
             }
@@ -172,14 +180,44 @@ impl Agent {
         Ok(())
     }
 
-    /// Schulman et al. (2017), equation 9, to be made small.
-    fn loss(&self, batch: &Batch, settings: &Settings) -> Result<Tensor> {
-        let (chosen, entropy) = self.judge(&batch.observations, &batch.actions)?;
+    /// The gradients of the loss, summed over portions of the batch, which the threads share. Portions and the order of
+    /// the sum do not depend on the number of threads.
+    fn gradients(&self, batch: &Batch, settings: &Settings) -> Result<GradStore> {
+        let len = batch.len();
+        let portion = self.network.portion().unwrap_or(len);
+        if len <= portion {
+            return self.network.gradients(&batch.observations, |outputs, values| {
+                self.loss(batch, outputs, values, settings)
+            });
+        }
+        let starts: Vec<usize> = (0..len).step_by(portion).collect();
+        let portion_gradients = |start| {
+            let batch = batch.narrow(start, portion.min(len - start))?;
+            let share = batch.len() as f64 / len as f64;
+            self.network.gradients(&batch.observations, |outputs, values| {
+                self.loss(&batch, outputs, values, settings)? * share
+            })
+        };
+        let portions = || starts.into_par_iter().map(portion_gradients).collect::<Result<Vec<_>>>();
+        let mut portions = self.threads.install(portions)?.into_iter();
+        let mut sum = portions.next().expect("a batch is not empty");
+        for gradients in portions {
+            for variable in &self.optimizer.variables {
+                if let (Some(one), Some(other)) = (sum.remove(variable), gradients.get(variable)) {
+                    sum.insert(variable, (one + other)?);
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Schulman et al. (2017), equation 9, to be made small. The advantages of the batch are normalized.
+    fn loss(&self, batch: &Batch, outputs: &Tensor, values: &Tensor, settings: &Settings) -> Result<Tensor> {
+        let (chosen, entropy) = self.judge(outputs, &batch.actions)?;
         let ratio = (chosen - &batch.log_probabilities)?.exp()?;
-        let advantages = normalized(&batch.advantages)?;
         let clipped = ratio.clamp(1.0 - settings.clip, 1.0 + settings.clip)?;
-        let surrogate = (ratio * &advantages)?.minimum(&(clipped * &advantages)?)?.mean_all()?;
-        let value_loss = (self.values(&batch.observations)? - &batch.returns)?.sqr()?.mean_all()?;
+        let surrogate = (ratio * &batch.advantages)?.minimum(&(clipped * &batch.advantages)?)?.mean_all()?;
+        let value_loss = (values - &batch.returns)?.sqr()?.mean_all()?;
         (value_loss * VALUE_COEFFICIENT)? - surrogate - (entropy * settings.entropy_coefficient)?
     }
 
@@ -203,14 +241,18 @@ impl Agent {
     }
 }
 
-/// Rows of numbers, or a number for each row, as a tensor.
-pub(crate) fn tensor(batch: &Value) -> Result<Tensor> {
-    let refuse = || candle_core::Error::Msg(format!("{batch} is no batch of float32 or int64 numbers"));
-    let array = batch.as_array().ok_or_else(refuse)?;
-    match (array.as_slice::<f32>(), array.as_slice::<i64>()) {
-        (Some(numbers), _) => Tensor::from_slice(numbers, array.shape(), &Device::Cpu),
-        (_, Some(numbers)) => Tensor::from_slice(numbers, array.shape(), &Device::Cpu),
-        _ => Err(refuse()),
+/// The numbers of a value as a tensor of the same shape and type.
+pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
+    let refuse =
+        || candle_core::Error::Msg(format!("{value} is no array of float32, int64 or uint8 numbers"));
+    let array = value.as_array().ok_or_else(refuse)?;
+    let shape = array.shape();
+    if let Some(numbers) = array.as_slice::<f32>() {
+        Tensor::from_slice(numbers, shape, &Device::Cpu)
+    } else if let Some(numbers) = array.as_slice::<i64>() {
+        Tensor::from_slice(numbers, shape, &Device::Cpu)
+    } else {
+        Tensor::from_slice(array.as_slice::<u8>().ok_or_else(refuse)?, shape, &Device::Cpu)
     }
 }
 
@@ -235,38 +277,4 @@ fn normalized(x: &Tensor) -> Result<Tensor> {
     let x = x.broadcast_sub(&x.mean_all()?)?;
     let deviation = (x.sqr()?.mean_all()?.sqrt()? + 1e-8)?;
     x.broadcast_div(&deviation)
-}
-
-/// Three linear layers with tanh between them.
-struct Network {
-    layers: [(Var, Var); 3],
-}
-
-impl Network {
-    fn new(sizes: [usize; 4], last_gain: f64, rng: &mut Generator) -> Result<Self> {
-        let mut layer = |i: usize, gain: f64| {
-            let (inputs, outputs) = (sizes[i], sizes[i + 1]);
-            let scale = gain / (inputs as f64).sqrt();
-            let weights: Vec<f32> = (0..inputs * outputs).map(|_| rng.normal(0.0, scale) as f32).collect();
-            let weights = Tensor::from_vec(weights, (inputs, outputs), &Device::Cpu)?;
-            let bias = Tensor::zeros(outputs, DType::F32, &Device::Cpu)?;
-            Ok::<_, candle_core::Error>((Var::from_tensor(&weights)?, Var::from_tensor(&bias)?))
-        };
-        let gain = 2f64.sqrt();
-        Ok(Self { layers: [layer(0, gain)?, layer(1, gain)?, layer(2, last_gain)?] })
-    }
-
-    fn forward(&self, x: &Tensor) -> Result<Tensor> {
-        let apply = |x: &Tensor, (weights, bias): &(Var, Var)| {
-            x.matmul(weights.as_tensor())?.broadcast_add(bias.as_tensor())
-        };
-        let [first, second, last] = &self.layers;
-        let x = apply(x, first)?.tanh()?;
-        let x = apply(&x, second)?.tanh()?;
-        apply(&x, last)
-    }
-
-    fn variables(&self) -> impl Iterator<Item = Var> + '_ {
-        self.layers.iter().flat_map(|(weights, bias)| [weights.clone(), bias.clone()])
-    }
 }

@@ -2,21 +2,20 @@
 //! stay as they are.
 
 use anyhow::Context;
-use candle_core::{Device, Tensor};
+use gym::registry::EnvBuilder;
 use gym::render::RenderMode;
 use gym::rendering::RecordVideo;
-use gym::{BoxEnv, Env, Generator, Space, Wrap, builder, wrappers};
+use gym::{BoxEnv, Env, Generator, Space, Wrap, wrappers};
 
 use crate::Evaluation;
-use crate::agent::Agent;
+use crate::agent::{Agent, tensor};
 use crate::policy::Policy;
-use crate::train::width;
 
 pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
     let Evaluation { policy, episodes, seed, video, size, frames } = evaluation;
     let Policy { env: spec, normalization, network } = Policy::find(policy)?;
 
-    let mut env = builder(&spec.id).args(spec.kwargs.clone());
+    let mut env = EnvBuilder::from_spec(spec.clone());
     if video.is_some() {
         env = env.render_mode(RenderMode::RgbArray);
     }
@@ -45,16 +44,14 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         env = BoxEnv::new(normalized);
     }
 
-    let mut agent =
-        Agent::new(width(&env.observation_space())?, &env.action_space(), &mut Generator::from(0))?;
+    let mut agent = Agent::new(&env.observation_space(), &env.action_space(), &mut Generator::from(0))?;
     agent.set_policy(&network)?;
     let mut returns = Vec::new();
     for episode in 0..*episodes {
         let mut observation = env.reset(seed + episode)?;
         let mut total = 0.0;
         loop {
-            let numbers = observation.as_slice::<f32>().context("observations of float32")?;
-            let actions = agent.best(&Tensor::from_slice(numbers, (1, numbers.len()), &Device::Cpu)?)?;
+            let actions = agent.best(&tensor(&observation)?.unsqueeze(0)?)?;
             let action = env.action_space().iterate(&actions)?.next().context("an action")?;
             let step = env.step(&action)?;
             total += step.reward;

@@ -3,6 +3,7 @@
 //! ```text
 //! cargo run --release -p gym-ppo -- CartPole-v1
 //! cargo run --release -p gym-ppo -- Pendulum-v1 --steps 300000 --checkpoint runs/pendulum
+//! RAYON_NUM_THREADS=1 cargo run --release -p gym-ppo -- ALE/Pong-v5 --checkpoint runs/pong
 //! cargo run --release -p gym-ppo -- evaluate runs/pendulum --video videos
 //! cargo run --release -p gym-ppo -- export runs/pendulum pendulum.json
 //! ```
@@ -13,7 +14,9 @@
 
 mod adam;
 mod agent;
+mod convolution;
 mod evaluate;
+mod network;
 mod numbers;
 mod policy;
 mod rollout;
@@ -51,7 +54,7 @@ enum Command {
 
 #[derive(clap::Args)]
 struct Training {
-    /// An environment that observes a row of numbers, with a few discrete actions or a row of numbers.
+    /// An environment that observes a row of numbers or pictures, with a few discrete actions or a row of numbers.
     #[arg(default_value = "CartPole-v1")]
     id: String,
     /// Seeds the environments and the agent.

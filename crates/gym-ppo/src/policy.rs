@@ -5,10 +5,10 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use gym::statistics::RunningMeanStd;
 use gym::vector::wrappers::NormalizeObservation;
-use gym::{EnvSpec, file};
+use gym::{EnvSpec, Generator, file};
 use serde::{Deserialize, Serialize};
 
-use crate::agent::POLICY_VARIABLES;
+use crate::agent::Agent;
 use crate::numbers::Numbers;
 use crate::store::Checkpoint;
 
@@ -30,7 +30,9 @@ impl Policy {
         vector.restore(&checkpoint.envs)?;
         let normalization =
             vector.wrapper::<NormalizeObservation>().map(|wrapper| wrapper.statistics().clone());
-        let network = checkpoint.agent.variables.iter().take(POLICY_VARIABLES).cloned().collect();
+        let (observation, action) = (vector.single_observation_space(), vector.single_action_space());
+        let count = Agent::new(&observation, &action, &mut Generator::from(0))?.policy_variables();
+        let network = checkpoint.agent.variables.iter().take(count).cloned().collect();
         Ok(Self { env: checkpoint.spec.env.clone(), normalization, network })
     }
 

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use candle_core::{Device, Tensor};
 use gym::vector::{Columns, VectorEnv};
-use gym::{Array, Generator, Value};
+use gym::{Array, DType, Generator, Value};
 
-use crate::agent::{Agent, tensor};
+use crate::agent::{Agent, Sample, tensor};
 use crate::numbers::Numbers;
 use crate::settings::Settings;
 
@@ -37,7 +37,15 @@ impl Batch {
     }
 
     pub(crate) fn select(&self, indices: &Tensor) -> candle_core::Result<Self> {
-        let select = |tensor: &Tensor| tensor.index_select(indices, 0);
+        self.map(|tensor| tensor.index_select(indices, 0))
+    }
+
+    /// Some consecutive rows.
+    pub(crate) fn narrow(&self, start: usize, len: usize) -> candle_core::Result<Self> {
+        self.map(|tensor| tensor.narrow(0, start, len))
+    }
+
+    fn map(&self, select: impl Fn(&Tensor) -> candle_core::Result<Tensor>) -> candle_core::Result<Self> {
         Ok(Self {
             observations: select(&self.observations)?,
             actions: select(&self.actions)?,
@@ -73,15 +81,20 @@ impl Rollout {
 
     /// The observations that the next actions answer.
     pub(crate) fn observations(&mut self) -> Numbers {
-        self.last_columns().observations.as_slice().map(<[f32]>::to_vec).unwrap_or_default()
+        let numbers = self.last_columns().observations.as_array().map(Array::iter_f64);
+        numbers.into_iter().flatten().map(|x| x as f32).collect()
     }
 
     /// Goes on from observations of a checkpoint.
     pub(crate) fn set_observations(&mut self, numbers: &[f32]) -> anyhow::Result<()> {
         let Value::Array(array) = &mut self.last_columns().observations else {
-            anyhow::bail!("this example needs rows of float32 numbers for observations");
+            anyhow::bail!("this example needs arrays for observations");
         };
-        *array = Array::from(numbers.to_vec()).reshape(array.shape())?;
+        *array = match array.dtype() {
+            DType::U8 => Array::from(numbers.iter().map(|x| *x as u8).collect::<Vec<_>>()),
+            _ => Array::from(numbers.to_vec()),
+        }
+        .reshape(array.shape())?;
         Ok(())
     }
 
@@ -98,16 +111,17 @@ impl Rollout {
         // go on from where the last rollout ended
         self.columns.swap(0, steps);
         for t in 0..steps {
-            let observations = matrix(&self.columns[t].observations)?;
-            (self.actions[t], self.log_probabilities[t]) = agent.sample(&observations, rng)?;
-            self.values[t] = agent.values(&observations)?.to_vec1()?;
+            let Sample { actions, log_probabilities, values } =
+                agent.sample(&tensor(&self.columns[t].observations)?, rng)?;
+            (self.actions[t], self.log_probabilities[t], self.values[t]) =
+                (actions, log_probabilities, values);
 
             let started = Instant::now();
             envs.step_into(&self.actions[t], &mut self.columns[t + 1])?;
             self.env_time += started.elapsed();
             each(envs);
         }
-        self.values[steps] = agent.values(&matrix(&self.columns[steps].observations)?)?.to_vec1()?;
+        self.values[steps] = agent.values(&tensor(&self.columns[steps].observations)?)?.to_vec1()?;
         Ok(())
     }
 
@@ -123,7 +137,7 @@ impl Rollout {
         for t in (0..steps).rev() {
             let Columns { rewards, terminated, truncated, final_observations, .. } = &self.columns[t + 1];
             let cut_off = (0..n).any(|i| truncated[i] && !terminated[i]);
-            let last = if cut_off { agent.values(&matrix(final_observations)?)?.to_vec1()? } else { vec![] };
+            let last = if cut_off { agent.values(&tensor(final_observations)?)?.to_vec1()? } else { vec![] };
             for i in 0..n {
                 let next = match (terminated[i], truncated[i]) {
                     (true, _) => 0.0,
@@ -140,21 +154,15 @@ impl Rollout {
         let rows = |rows: &[Vec<f32>]| Tensor::new(rows.concat(), &Device::Cpu);
         let advantages = rows(&advantages)?;
         let returns = (&advantages + rows(&self.values[..steps])?)?;
-        let observations = self.columns[..steps].iter().map(|columns| matrix(&columns.observations));
+        let observations = self.columns[..steps].iter().map(|columns| tensor(&columns.observations));
+        let observations = observations.collect::<candle_core::Result<Vec<_>>>()?;
         let actions = self.actions.iter().map(tensor).collect::<candle_core::Result<Vec<_>>>()?;
         Ok(Batch {
-            observations: Tensor::cat(&observations.collect::<anyhow::Result<Vec<_>>>()?, 0)?,
+            observations: Tensor::cat(&observations, 0)?,
             actions: Tensor::cat(&actions, 0)?,
             log_probabilities: rows(&self.log_probabilities)?,
             advantages,
             returns,
         })
     }
-}
-
-/// A column of observations as a matrix, a row per environment.
-fn matrix(observations: &Value) -> anyhow::Result<Tensor> {
-    let matrix = tensor(observations)?;
-    anyhow::ensure!(matrix.dims().len() == 2, "this example needs rows of float32 numbers for observations");
-    Ok(matrix)
 }

@@ -1,8 +1,33 @@
 //! What the algorithm leaves open.
 
 use anyhow::{Context, Result, ensure};
+use gym::atari::AtariEnv;
+use gym::{BoxEnv, Env, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+/// What kind of task an environment is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Task {
+    /// Numbers to see and a few actions to choose from.
+    Discrete,
+    /// Numbers to see and numbers to choose.
+    Continuous,
+    /// A game of the Atari 2600.
+    Atari,
+}
+
+impl Task {
+    pub(crate) fn of(env: &BoxEnv) -> Self {
+        if env.unwrapped::<AtariEnv>().is_some() {
+            return Self::Atari;
+        }
+        match env.action_space() {
+            Space::Box(_) => Self::Continuous,
+            _ => Self::Discrete,
+        }
+    }
+}
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
@@ -22,8 +47,8 @@ pub(crate) struct Settings {
 
 impl Settings {
     /// Settings found good for a task. Those of CartPole, LunarLander and Pendulum follow RL Baselines3 Zoo,
-    /// those of other continuous actions CleanRL's `ppo_continuous_action.py`.
-    pub(crate) fn of(id: &str, continuous: bool) -> Self {
+    /// those of other continuous actions CleanRL's `ppo_continuous_action.py`, and those of Atari its `ppo_atari.py`.
+    pub(crate) fn of(id: &str, task: Task) -> Self {
         let lander = Self {
             envs: 16,
             steps: 1024,
@@ -48,8 +73,23 @@ impl Settings {
                 ..lander
             };
         }
-        if !continuous {
-            return lander;
+        match task {
+            Task::Discrete => return lander,
+            Task::Atari => {
+                return Self {
+                    envs: 8,
+                    steps: 128,
+                    minibatch: 256,
+                    epochs: 4,
+                    learning_rate: 2.5e-4,
+                    discount: 0.99,
+                    gae_lambda: 0.95,
+                    clip: 0.1,
+                    entropy_coefficient: 0.01,
+                    normalize: false,
+                };
+            }
+            Task::Continuous => {}
         }
         let continuous = Self {
             envs: 8,

@@ -5,40 +5,47 @@ use std::time::Instant;
 use anyhow::{Context, ensure};
 use gym::rendering::Plot;
 use gym::vector::wrappers::RecordEpisodeStatistics;
-use gym::vector::{Autoreset, VectorEnv, VectorSpec};
-use gym::{Generator, Space, WrapperSpec, builder};
+use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
+use gym::{Generator, WrapperSpec, builder};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Training;
 use crate::agent::Agent;
 use crate::rollout::Rollout;
-use crate::settings::Settings;
+use crate::settings::{Settings, Task};
 use crate::store::Checkpoint;
 
 /// Episodes whose mean return decides whether the task is solved.
 const WINDOW: usize = 100;
+/// Pictures of a game that the agent sees at once: one does not show where things move.
+const FRAMES: usize = 4;
+/// Lines that a whole training writes on how it goes.
+const LINES: u64 = 40;
 
-/// The vector of a task: its wrappers record the returns as they are, and normalize what the agent gets.
-fn spec(id: &str, settings: &Settings, continuous: bool) -> gym::Result<VectorSpec> {
-    let spec = builder(id).vector(settings.envs).autoreset(Autoreset::SameStep).spec()?;
+/// The vector of a task: its wrappers record the returns as they are, and change what the agent gets.
+fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
+    let mut env = builder(id);
+    if task == Task::Atari {
+        env = env.arg("frameskip", 1).wrap(WrapperSpec::new("AtariPreprocessing"));
+        env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", FRAMES));
+    }
+    let mut vector = env.vector(settings.envs).autoreset(Autoreset::SameStep);
+    if task == Task::Atari {
+        vector = vector.kind(VectorKind::Async);
+    }
     let mut wrappers = vec![WrapperSpec::new("RecordEpisodeStatistics")];
-    if continuous {
+    if task == Task::Continuous {
         wrappers.push(WrapperSpec::new("ClipAction"));
     }
     if settings.normalize {
         wrappers.push(WrapperSpec::new("NormalizeObservation"));
         wrappers.push(WrapperSpec::new("NormalizeReward").arg("gamma", f64::from(settings.discount)));
-        wrappers.push(WrapperSpec::new("ClipReward").arg("min_reward", -10.0).arg("max_reward", 10.0));
     }
-    Ok(wrappers.into_iter().fold(spec, VectorSpec::wrapped))
-}
-
-/// The numbers of an observation.
-pub(crate) fn width(space: &Space) -> anyhow::Result<usize> {
-    match space.shape() {
-        Some([width]) => Ok(*width),
-        _ => anyhow::bail!("the observations are {space}: this example needs rows of numbers"),
+    let bound = if task == Task::Atari { Some(1.0) } else { settings.normalize.then_some(10.0) };
+    if let Some(bound) = bound {
+        wrappers.push(WrapperSpec::new("ClipReward").arg("min_reward", -bound).arg("max_reward", bound));
     }
+    Ok(wrappers.into_iter().fold(vector.spec()?, VectorSpec::wrapped))
 }
 
 /// A training as it stands between two rounds of learning.
@@ -58,16 +65,15 @@ impl Run {
     fn new(spec: VectorSpec, settings: Settings, seed: u64) -> anyhow::Result<Self> {
         let envs = spec.make()?;
         let mut rng = Generator::from(seed);
-        let width = width(&envs.single_observation_space())?;
-        let agent = Agent::new(width, &envs.single_action_space(), &mut rng)?;
+        let agent = Agent::new(&envs.single_observation_space(), &envs.single_action_space(), &mut rng)?;
         let rollout = Rollout::new(&*envs, settings.steps)?;
         Ok(Self { spec, settings, envs, agent, rollout, rng, seed, steps: 0, returns: Vec::new() })
     }
 
     fn start(id: &str, seed: u64, set: &[String]) -> anyhow::Result<Self> {
-        let continuous = matches!(gym::Env::action_space(&gym::make(id)?), Space::Box(_));
-        let settings = Settings::of(id, continuous).with(set)?;
-        let mut run = Self::new(spec(id, &settings, continuous)?, settings, seed)?;
+        let task = Task::of(&gym::make(id)?);
+        let settings = Settings::of(id, task).with(set)?;
+        let mut run = Self::new(spec(id, &settings, task)?, settings, seed)?;
         run.rollout.reset(&mut *run.envs, seed)?;
         Ok(run)
     }
@@ -144,11 +150,18 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         if run.steps >= *steps || solved(&run) {
             break;
         }
+        let before_round = run.steps;
         run.round(*steps)?;
         if let Some(folder) = folder
             && round.is_multiple_of((*save_every).max(1))
         {
             run.checkpoint()?.write(folder)?;
+        }
+        if run.steps * LINES / steps > before_round * LINES / steps {
+            let (seconds, (mean, window)) = (started.elapsed().as_secs(), run.recent());
+            bar.suspend(|| {
+                println!("{} steps, {seconds} s: mean return {mean:.1} over {window} episodes", run.steps);
+            });
         }
         bar.set_position(run.steps);
         bar.set_message(format!("{} episodes, mean return {:.1}", run.returns.len(), run.recent().0));
@@ -178,4 +191,87 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         .with_context(|| format!("the plot {}", plot.display()))?;
     println!("returns: {}", plot.display());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use gym::spaces::BoxSpace;
+    use gym::{Array, DType, Dynamics, NoArguments, Registration, Reset, Space, Stateful, Transition};
+
+    use super::*;
+
+    const SIDE: usize = 28;
+
+    gym::discrete! {
+        /// What a picture shows.
+        enum Answer { Lying, Standing }
+    }
+
+    /// A bar somewhere in a picture: does it lie or stand?
+    #[derive(Clone, Debug)]
+    struct Bars;
+
+    impl Dynamics for Bars {
+        type Config = NoArguments;
+        type State = (bool, usize);
+        type Observation = Array;
+        type Action = Answer;
+        const NAME: &'static str = "Bars";
+
+        fn new(_: NoArguments) -> gym::Result<Self> {
+            Ok(Self)
+        }
+        fn config(&self) -> &NoArguments {
+            &NoArguments {}
+        }
+        fn observation_space(&self) -> Space {
+            Space::Box(BoxSpace::uniform(0.0, 255.0, [1, SIDE, SIDE], DType::U8).unwrap())
+        }
+        fn action_space(&self) -> Space {
+            Answer::space()
+        }
+        fn start(&self, _reset: &Reset, rng: &mut Generator) -> gym::Result<(bool, usize)> {
+            Ok((rng.random() < 0.5, rng.integers(4, SIDE as i64 - 6) as usize))
+        }
+        fn transition(
+            &self,
+            bar: &(bool, usize),
+            action: &Answer,
+            _rng: &mut Generator,
+        ) -> gym::Result<Transition<(bool, usize)>> {
+            let right = bar.0 == (*action == Answer::Standing);
+            Ok(Transition { state: *bar, reward: if right { 1.0 } else { 0.0 }, terminated: true })
+        }
+        fn observe(&self, (standing, place): &(bool, usize)) -> Array {
+            let pixel = |i: usize| {
+                let across = if *standing { i % SIDE } else { i / SIDE };
+                if (*place..place + 2).contains(&across) { 255u8 } else { 40 }
+            };
+            Array::from((0..SIDE * SIDE).map(pixel).collect::<Vec<_>>()).reshape([1, SIDE, SIDE]).unwrap()
+        }
+        fn is_valid(&self, (_, place): &(bool, usize)) -> bool {
+            *place < SIDE - 2
+        }
+    }
+
+    gym::register!(Registration::new::<Stateful<Bars>>("gym_ppo/Bars-v0"));
+
+    #[test]
+    fn pictures_are_told_apart_and_a_training_on_them_resumes() {
+        let set = ["envs=8", "steps=16", "minibatch=64", "learning_rate=1e-3"].map(str::to_owned);
+        let mut run = Run::start("gym_ppo/Bars-v0", 1, &set).unwrap();
+        let total = 128 * 24;
+        for _ in 0..20 {
+            run.round(total).unwrap();
+        }
+        assert!(run.recent().0 > 0.95, "{:?}", run.recent());
+
+        let text = serde_json::to_string(&run.checkpoint().unwrap()).unwrap();
+        let mut resumed = Run::resume(serde_json::from_str(&text).unwrap()).unwrap();
+        for run in [&mut run, &mut resumed] {
+            run.round(total).unwrap();
+        }
+        assert!(resumed.agent.store().unwrap() == run.agent.store().unwrap());
+        assert_eq!(resumed.returns, run.returns);
+    }
 }

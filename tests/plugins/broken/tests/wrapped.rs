@@ -8,6 +8,8 @@ use serde_json::{Value as Json, json};
 
 /// Kept observations are restored as they were shown, and not every environment shows elements of its space alone.
 const KEEPS_OBSERVATIONS: &[&str] = &["snapshot-legal"];
+/// A count of steps is restored as it was stored, beside the count of the time limit within.
+const COUNTS_STEPS: &[&str] = &["snapshot-legal"];
 /// Estimates go on from episode to episode.
 const ESTIMATES: &[&str] = &["reset-forgets"];
 
@@ -26,9 +28,9 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
         (json!([["DelayObservation", {"delay": 2}]]), KEEPS_OBSERVATIONS),
         (
             json!([["TimeAwareObservation", {"flatten": false}], ["FilterObservation", {"filter_keys": ["time"]}]]),
-            &[],
+            COUNTS_STEPS,
         ),
-        (json!([["TimeAwareObservation", {"normalize_time": true}]]), &[]),
+        (json!([["TimeAwareObservation", {"normalize_time": true}]]), COUNTS_STEPS),
         (json!([["NormalizeObservation", {"epsilon": 0.1}]]), ESTIMATES),
         (json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 1]}]]), &[]),
         (json!([["DtypeObservation", {"dtype": "float64"}]]), &[]),

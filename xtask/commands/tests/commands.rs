@@ -44,7 +44,7 @@ fn list() {
     assert!(prints(&["list"]).contains("CartPole-v1"));
     let long = prints(&["list", "--long"]);
     let row = |id: &str| {
-        let line = long.lines().find(|line| line.split_whitespace().next() == Some(id)).expect(id);
+        let line = long.lines().find(|line| first_word(line) == id).expect(id);
         line.split_whitespace().skip(1).collect::<Vec<_>>().join(" ")
     };
     assert_eq!(row("Taxi-v4"), "limit 200 threshold 8 Discrete(6) -> Discrete(500)");

@@ -10,6 +10,7 @@ use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::{Configure, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::{Config, Fault, Walk};
 
@@ -75,9 +76,9 @@ pub(crate) trait Twist: Sized + 'static {
         env.walk.reset_into(reset, observation)
     }
 
-    /// As [`Env::step_into`].
+    /// As [`Env::step_into`]; where something was spoilt, the reward is another.
     fn step(env: &mut Twisted<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-        env.walk.step_into(action, observation)
+        env.step_of_spoilt(action, observation)
     }
 
     /// As [`Env::snapshot`].
@@ -133,6 +134,19 @@ impl<T: Twist> Twisted<T> {
         let outcome = self.walk.step_into(action, observation)?;
         let spoilt = if self.mind.is_spoilt.get() { 0.5 } else { 0.0 };
         Ok(Outcome { reward: outcome.reward + spoilt, ..outcome })
+    }
+
+    /// The state of the walk, and for how long it has gone on.
+    pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.walk.snapshot()?.get::<Json>()?, self.mind.age))
+    }
+
+    /// Goes on from what [`Self::snapshot_with_age`] gave.
+    pub(crate) fn restore_with_age(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (walk, age) = snapshot.get::<(Json, u64)>()?;
+        self.walk.restore(&Snapshot::of(&walk)?)?;
+        self.mind.age = age;
+        Ok(())
     }
 
     /// The number of looks before this one since the last reset or step.

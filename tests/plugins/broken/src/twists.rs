@@ -42,7 +42,7 @@ macro_rules! twists {
     (@ $Arguments:ident) => { $Arguments };
 }
 
-/// Draws in white on the picture of the walk, after it.
+/// The picture of the walk, and what is drawn on it.
 fn drawn_too<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas, draw: impl FnOnce(&mut dyn Canvas)) {
     env.walk.draw(canvas);
     draw(canvas);
@@ -74,20 +74,12 @@ twists! {
             env.mind.is_spoilt.set(true);
             copy
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            env.step_of_spoilt(action, observation)
-        }
     }
 
     "snapshot-continues.beside" SpoiltBySnapshot {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
             env.mind.is_spoilt.set(env.mind.is_begun);
             env.walk.snapshot()
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            env.step_of_spoilt(action, observation)
         }
     }
 
@@ -97,20 +89,12 @@ twists! {
             env.mind.is_spoilt.set(is_episode && env.mind.is_begun && !env.mind.is_over);
             env.walk.restore(snapshot)
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            env.step_of_spoilt(action, observation)
-        }
     }
 
     "snapshot-continues.after-the-end" SpoiltAfterTheEnd {
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
             env.mind.is_spoilt.set(env.mind.is_over);
             env.walk.restore(snapshot)
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            env.step_of_spoilt(action, observation)
         }
     }
 
@@ -122,23 +106,16 @@ twists! {
             }
             Ok(())
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            env.step_of_spoilt(action, observation)
-        }
     }
 
     // stores how old it is, and not what happened at a certain age
     "snapshot-continues.event" ForgetsAnEvent {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.age))
+            env.snapshot_with_age()
         }
 
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            let (walk, age) = snapshot.get::<(Json, u64)>()?;
-            env.walk.restore(&Snapshot::of(&walk)?)?;
-            env.mind.age = age;
-            Ok(())
+            env.restore_with_age(snapshot)
         }
 
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
@@ -584,7 +561,6 @@ twists! {
 
     "none.beyond-the-actions" WiderActions (Number), reset_options(&[("start", "0.25")]) {
         fn action_space(env: &Of<Self>) -> Space {
-            // no other number of ways shows in steps
             Space::discrete(if env.arguments.number > 1.5 { 4 } else { 2 })
         }
 
@@ -599,14 +575,11 @@ twists! {
 
     "none.late-effect" LateEffect (Number), reset_options(&[("start", "0.25")]) {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.age))
+            env.snapshot_with_age()
         }
 
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            let (walk, age) = snapshot.get::<(Json, u64)>()?;
-            env.walk.restore(&Snapshot::of(&walk)?)?;
-            env.mind.age = age;
-            Ok(())
+            env.restore_with_age(snapshot)
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {

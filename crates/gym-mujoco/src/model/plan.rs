@@ -29,6 +29,31 @@ pub(crate) struct Plan {
     pub(crate) limits: Vec<Limit>,
     /// Whether any joint has damping, which Euler's integrator treats implicitly.
     pub(crate) damped: bool,
+    /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and each site in its body's.
+    pub(crate) bodies: Vec<Placed>,
+    pub(crate) inertias: Vec<Placed>,
+    pub(crate) sites: Vec<Placed>,
+    /// How each geom is placed in its body's frame; `None` for one whose frame is that of the body's inertia.
+    pub(crate) geoms: Vec<Option<Placed>>,
+    /// Whether each joint's anchor is not its body's origin.
+    pub(crate) anchored: Vec<bool>,
+}
+
+/// What a frame has of its own: the rest is that of the frame that it is given in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub(crate) moved: bool,
+    pub(crate) turned: bool,
+}
+
+impl Placed {
+    fn new(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
+        Self { moved: *pos != [0.0; 3], turned: *quat != [1.0, 0.0, 0.0, 0.0] }
+    }
+
+    fn all(pos: &[[f64; 3]], quat: &[[f64; 4]]) -> Vec<Self> {
+        pos.iter().zip(quat).map(|(pos, quat)| Self::new(pos, quat)).collect()
+    }
 }
 
 /// The most constraints that a state can have, for buffers that never grow.
@@ -146,8 +171,25 @@ impl Plan {
             });
         }
         let damped = m.dof_damping.iter().any(|&damping| damping > 0.0);
-        let mut plan =
-            Self { m_rowadr, m_colind, last_dof, trees, pairs: Vec::new(), limits: Vec::new(), damped };
+        let geoms = (0..m.ngeom()).map(|g| {
+            let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
+            let inertial = *pos == m.body_ipos[b] && *quat == m.body_iquat[b];
+            (!inertial).then(|| Placed::new(pos, quat))
+        });
+        let mut plan = Self {
+            m_rowadr,
+            m_colind,
+            last_dof,
+            trees,
+            pairs: Vec::new(),
+            limits: Vec::new(),
+            damped,
+            bodies: Placed::all(&m.body_pos, &m.body_quat),
+            inertias: Placed::all(&m.body_ipos, &m.body_iquat),
+            sites: Placed::all(&m.site_pos, &m.site_quat),
+            geoms: geoms.collect(),
+            anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
+        };
         plan.pairs = plan.find_pairs(m)?;
         plan.limits = (0..m.njnt())
             .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)

@@ -6,21 +6,25 @@ use crate::{Data, Model};
 
 /// `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
 pub fn com_pos(m: &Model, d: &mut Data) {
-    for b in 0..m.nbody() {
-        d.subtree_com[b] = scale(d.xipos[b], m.body_mass[b]);
+    // slices of one length: an index is checked once for all of them
+    let n = m.nbody();
+    let (parents, roots, masses) = (&m.body_parentid[..n], &m.body_rootid[..n], &m.body_mass[..n]);
+    let (xipos, ximat, com, cinert) =
+        (&d.xipos[..n], &d.ximat[..n], &mut d.subtree_com[..n], &mut d.cinert[..n]);
+    for b in 0..n {
+        com[b] = scale(xipos[b], masses[b]);
     }
-    for b in (1..m.nbody()).rev() {
-        let parent = m.body_parentid[b];
-        d.subtree_com[parent] = add(d.subtree_com[parent], d.subtree_com[b]);
+    for b in (1..n).rev() {
+        com[parents[b]] = add(com[parents[b]], com[b]);
     }
-    for b in 0..m.nbody() {
+    for b in 0..n {
         let mass = m.body_subtreemass[b];
-        d.subtree_com[b] = if mass < MINVAL { d.xipos[b] } else { scale(d.subtree_com[b], 1.0 / mass) };
+        com[b] = if mass < MINVAL { xipos[b] } else { scale(com[b], 1.0 / mass) };
     }
 
-    for b in 1..m.nbody() {
-        let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
-        d.cinert[b] = inertia_at(m.body_inertia[b], &d.ximat[b], offset, m.body_mass[b]);
+    for b in 1..n {
+        let offset = sub(xipos[b], com[roots[b]]);
+        cinert[b] = inertia_at(m.body_inertia[b], &ximat[b], offset, masses[b]);
     }
 
     for j in 0..m.njnt() {

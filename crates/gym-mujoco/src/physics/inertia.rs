@@ -9,30 +9,33 @@ use crate::{Data, Model};
 
 /// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
 pub fn crb(m: &Model, d: &mut Data) {
-    let crb = &mut d.work.crb;
+    let (n, nv) = (m.nbody(), m.nv());
+    let (crb, parents) = (&mut d.work.crb[..n], &m.body_parentid[..n]);
     crb.copy_from_slice(&d.cinert);
-    for b in (1..m.nbody()).rev() {
-        let parent = m.body_parentid[b];
+    for b in (1..n).rev() {
+        let parent = parents[b];
         if parent > 0 {
             let child = crb[b];
-            for k in 0..10 {
-                crb[parent][k] += child[k];
+            for (sum, part) in crb[parent].iter_mut().zip(child) {
+                *sum += part;
             }
         }
     }
-    let plan = m.plan();
-    for i in 0..m.nv() {
+    let (plan, cdof) = (m.plan(), &d.cdof[..nv]);
+    for i in 0..nv {
         let row = plan.m_row(i);
+        let (columns, row) = (&plan.m_colind[row.clone()], &mut d.qm[row]);
+        let last = row.len() - 1;
         if m.dof_simplenum[i] > 0 {
-            d.qm[row.clone()].fill(0.0);
-            d.qm[row.end - 1] = m.dof_m0[i];
+            row.fill(0.0);
+            row[last] = m.dof_m0[i];
             continue;
         }
-        let force = mul_inertia(&crb[m.dof_bodyid[i]], &d.cdof[i]);
-        for (value, &j) in d.qm[row.clone()].iter_mut().zip(&plan.m_colind[row.clone()]) {
-            *value = dot6(&d.cdof[j], &force);
+        let force = mul_inertia(&crb[m.dof_bodyid[i]], &cdof[i]);
+        for (value, &j) in row.iter_mut().zip(columns) {
+            *value = dot6(&cdof[j], &force);
         }
-        d.qm[row.end - 1] += m.dof_armature[i];
+        row[last] += m.dof_armature[i];
     }
 }
 

@@ -4,73 +4,97 @@ use super::spatial::{
     Mat3, Quat, Vec3, add, add_scaled, axis_angle, mul_quat, normalize_quat, quat_to_mat, rotate,
     rotate_quat, sub,
 };
-use crate::model::JointType;
+use crate::model::{JointType, Placed};
 use crate::{Data, Model};
-
-const ORIGIN: Vec3 = [0.0; 3];
-const NO_ROTATION: Quat = [1.0, 0.0, 0.0, 0.0];
 
 /// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
 pub fn kinematics(m: &Model, d: &mut Data) {
-    for b in 1..m.nbody() {
-        let joints = match usize::try_from(m.body_jntadr[b]) {
-            Ok(first) => first..first + m.body_jntnum[b],
+    // slices of one length: an index is checked once for all of them
+    let n = m.nbody();
+    let (parents, first_joints, joint_numbers) =
+        (&m.body_parentid[..n], &m.body_jntadr[..n], &m.body_jntnum[..n]);
+    let (body_pos, body_quat, body_ipos, body_iquat) =
+        (&m.body_pos[..n], &m.body_quat[..n], &m.body_ipos[..n], &m.body_iquat[..n]);
+    let (placed, inertias) = (&m.plan().bodies[..n], &m.plan().inertias[..n]);
+    let (xpos, xquat, xmat) = (&mut d.xpos[..n], &mut d.xquat[..n], &mut d.xmat[..n]);
+    let (xipos, ximat) = (&mut d.xipos[..n], &mut d.ximat[..n]);
+    let njnt = m.njnt();
+    let (types, axes, origins, addresses) =
+        (&m.jnt_type[..njnt], &m.jnt_axis[..njnt], &m.jnt_pos[..njnt], &m.jnt_qposadr[..njnt]);
+    let (xaxis, xanchor) = (&mut d.xaxis[..njnt], &mut d.xanchor[..njnt]);
+    let (anchored, nq) = (&m.plan().anchored[..njnt], m.nq());
+    let (qpos, qpos0) = (&d.qpos[..nq], &m.qpos0[..nq]);
+    for b in 1..n {
+        let joints = match usize::try_from(first_joints[b]) {
+            Ok(first) => first..first + joint_numbers[b],
             Err(_) => 0..0,
         };
         let (mut pos, mut quat);
-        if joints.len() == 1 && m.jnt_type[joints.start] == JointType::Free {
+        if joints.len() == 1 && types[joints.start] == JointType::Free {
             let j = joints.start;
-            let q = &d.qpos[m.jnt_qposadr[j]..m.jnt_qposadr[j] + 7];
+            let q = &qpos[addresses[j]..addresses[j] + 7];
             pos = [q[0], q[1], q[2]];
             quat = normalize_quat([q[3], q[4], q[5], q[6]]);
-            d.xanchor[j] = pos;
-            d.xaxis[j] = m.jnt_axis[j];
+            xanchor[j] = pos;
+            xaxis[j] = axes[j];
         } else {
-            let parent = m.body_parentid[b];
-            (pos, quat) = (m.body_pos[b], m.body_quat[b]);
+            let parent = parents[b];
+            (pos, quat) = (body_pos[b], body_quat[b]);
             if parent > 0 {
-                pos = add(rotate(&d.xmat[parent], pos), d.xpos[parent]);
-                quat = if quat == NO_ROTATION { d.xquat[parent] } else { mul_quat(d.xquat[parent], quat) };
+                pos = add(rotate(&xmat[parent], pos), xpos[parent]);
+                quat = if placed[b].turned { mul_quat(xquat[parent], quat) } else { xquat[parent] };
             }
             for j in joints {
-                let axis = rotate_quat(m.jnt_axis[j], quat);
-                let anchored = m.jnt_pos[j] != ORIGIN;
-                let anchor = if anchored { add(rotate_quat(m.jnt_pos[j], quat), pos) } else { pos };
-                let moved = d.qpos[m.jnt_qposadr[j]] - m.qpos0[m.jnt_qposadr[j]];
-                match m.jnt_type[j] {
+                let axis = rotate_quat(axes[j], quat);
+                let anchor = if anchored[j] { add(rotate_quat(origins[j], quat), pos) } else { pos };
+                let moved = qpos[addresses[j]] - qpos0[addresses[j]];
+                match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
                     _ => {
-                        quat = mul_quat(quat, axis_angle(m.jnt_axis[j], moved));
-                        if anchored {
-                            pos = sub(anchor, rotate_quat(m.jnt_pos[j], quat));
+                        quat = mul_quat(quat, axis_angle(axes[j], moved));
+                        if anchored[j] {
+                            pos = sub(anchor, rotate_quat(origins[j], quat));
                         }
                     }
                 }
-                (d.xaxis[j], d.xanchor[j]) = (axis, anchor);
+                (xaxis[j], xanchor[j]) = (axis, anchor);
             }
         }
         quat = normalize_quat(quat);
-        (d.xpos[b], d.xquat[b], d.xmat[b]) = (pos, quat, quat_to_mat(quat));
-        (d.xipos[b], d.ximat[b]) = local_to_global(pos, quat, &d.xmat[b], m.body_ipos[b], m.body_iquat[b]);
+        (xpos[b], xquat[b], xmat[b]) = (pos, quat, quat_to_mat(quat));
+        (xipos[b], ximat[b]) = local_to_global(pos, quat, &xmat[b], inertias[b], body_ipos[b], body_iquat[b]);
     }
-    for g in 0..m.ngeom() {
-        let b = m.geom_bodyid[g];
-        (d.geom_xpos[g], d.geom_xmat[g]) =
-            if m.geom_pos[g] == m.body_ipos[b] && m.geom_quat[g] == m.body_iquat[b] {
-                (d.xipos[b], d.ximat[b])
-            } else {
-                local_to_global(d.xpos[b], d.xquat[b], &d.xmat[b], m.geom_pos[g], m.geom_quat[g])
-            };
+    let n = m.ngeom();
+    let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
+    let (geom_xpos, geom_xmat) = (&mut d.geom_xpos[..n], &mut d.geom_xmat[..n]);
+    for g in 0..n {
+        let b = bodies[g];
+        (geom_xpos[g], geom_xmat[g]) = match placed[g] {
+            None => (xipos[b], ximat[b]),
+            Some(placed) => {
+                local_to_global(xpos[b], xquat[b], &xmat[b], placed, m.geom_pos[g], m.geom_quat[g])
+            }
+        };
     }
-    for s in 0..m.nsite() {
+    for (s, &placed) in m.plan().sites.iter().enumerate() {
         let b = m.site_bodyid[s];
         (d.site_xpos[s], d.site_xmat[s]) =
-            local_to_global(d.xpos[b], d.xquat[b], &d.xmat[b], m.site_pos[s], m.site_quat[s]);
+            local_to_global(xpos[b], xquat[b], &xmat[b], placed, m.site_pos[s], m.site_quat[s]);
     }
 }
 
 /// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
-fn local_to_global(xpos: Vec3, xquat: Quat, xmat: &Mat3, pos: Vec3, quat: Quat) -> (Vec3, Mat3) {
-    let global = if pos == ORIGIN { xpos } else { add(rotate(xmat, pos), xpos) };
-    (global, if quat == NO_ROTATION { *xmat } else { quat_to_mat(mul_quat(xquat, quat)) })
+#[inline(always)]
+fn local_to_global(
+    xpos: Vec3,
+    xquat: Quat,
+    xmat: &Mat3,
+    placed: Placed,
+    pos: Vec3,
+    quat: Quat,
+) -> (Vec3, Mat3) {
+    (
+        if placed.moved { add(rotate(xmat, pos), xpos) } else { xpos },
+        if placed.turned { quat_to_mat(mul_quat(xquat, quat)) } else { *xmat },
+    )
 }

@@ -43,25 +43,30 @@ pub(crate) fn dofs(m: &Model, body: usize) -> std::ops::Range<usize> {
 /// `qfrc_bias` by recursive Newton-Euler without accelerations: MuJoCo's `mj_rne`.
 pub fn rne(m: &Model, d: &mut Data) {
     let (acc, force) = (&mut d.work.acc, &mut d.work.body_force);
+    // slices of one length: an index is checked once for all of them
+    let (n, nv) = (m.nbody(), m.nv());
+    let (acc, force, parents) = (&mut acc[..n], &mut force[..n], &m.body_parentid[..n]);
+    let (cinert, cvel) = (&d.cinert[..n], &d.cvel[..n]);
+    let (cdof_dot, qvel) = (&d.cdof_dot[..nv], &d.qvel[..nv]);
     let g = m.opt.gravity;
     acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
     force[0] = [0.0; 6];
-    for b in 1..m.nbody() {
-        let mut a = acc[m.body_parentid[b]];
+    for b in 1..n {
+        let mut a = acc[parents[b]];
         for i in dofs(m, b) {
-            add_to(&mut a, &d.cdof_dot[i], d.qvel[i]);
+            add_to(&mut a, &cdof_dot[i], qvel[i]);
         }
         acc[b] = a;
-        let mut f = mul_inertia(&d.cinert[b], &a);
-        let momentum = mul_inertia(&d.cinert[b], &d.cvel[b]);
-        add_to(&mut f, &cross_force(&d.cvel[b], &momentum), 1.0);
+        let mut f = mul_inertia(&cinert[b], &a);
+        let momentum = mul_inertia(&cinert[b], &cvel[b]);
+        add_to(&mut f, &cross_force(&cvel[b], &momentum), 1.0);
         force[b] = f;
     }
-    for b in (1..m.nbody()).rev() {
+    for b in (1..n).rev() {
         let f = force[b];
-        add_to(&mut force[m.body_parentid[b]], &f, 1.0);
+        add_to(&mut force[parents[b]], &f, 1.0);
     }
-    for i in 0..m.nv() {
-        d.qfrc_bias[i] = dot6(&d.cdof[i], &force[m.dof_bodyid[i]]);
+    for ((bias, cdof), &b) in d.qfrc_bias.iter_mut().zip(&d.cdof).zip(&m.dof_bodyid) {
+        *bias = dot6(cdof, &force[b]);
     }
 }

@@ -190,9 +190,10 @@ fn hessian(m: &Model, d: &Data, b: &mut Buffers, dofs: &[usize], blocks: &[usize
     let (plan, nv) = (m.plan(), m.nv());
     let h = &mut b.hessian;
     for &i in dofs {
-        h[i * nv..=i * nv + i].fill(0.0);
-        for k in plan.m_row(i) {
-            h[i * nv + plan.m_colind[k]] = d.qm[k];
+        let (row, known) = (&mut h[i * nv..=i * nv + i], plan.m_row(i));
+        row.fill(0.0);
+        for (&j, value) in plan.m_colind[known.clone()].iter().zip(&d.qm[known]) {
+            row[j] = *value;
         }
     }
     for &index in blocks {
@@ -208,9 +209,9 @@ fn add_block(efc: &Constraints, block: &Block, jar: &[f64], h: &mut [f64], nv: u
     if block.dim == 1 {
         if jar[row] < 0.0 {
             for (p, &i) in columns.iter().enumerate() {
-                let s = efc.d[row] * jac[p];
-                for (q, &j) in columns[..=p].iter().enumerate() {
-                    h[i * nv + j] += s * jac[q];
+                let (s, h) = (efc.d[row] * jac[p], &mut h[i * nv..=i * nv + i]);
+                for (&j, jac) in columns[..=p].iter().zip(jac) {
+                    h[j] += s * jac;
                 }
             }
         }
@@ -231,8 +232,9 @@ fn add_block(efc: &Constraints, block: &Block, jar: &[f64], h: &mut [f64], nv: u
     for (p, &i) in columns.iter().enumerate() {
         let (a, b, c) =
             (nn * jn[p] + n1 * j1[p] + n2 * j2[p], n1 * jn[p] + t1 * j1[p], n2 * jn[p] + t2 * j2[p]);
-        for (q, &j) in columns[..=p].iter().enumerate() {
-            h[i * nv + j] += a * jn[q] + b * j1[q] + c * j2[q];
+        let h = &mut h[i * nv..=i * nv + i];
+        for (((&j, n), t1), t2) in columns[..=p].iter().zip(jn).zip(j1).zip(j2) {
+            h[j] += a * n + b * t1 + c * t2;
         }
     }
 }

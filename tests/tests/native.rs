@@ -461,6 +461,26 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
             assert!(error.starts_with(&format!("sub-environment {index}: invalid action")), "{error}");
         }
     }
+    // an environment whose step is a reset takes no action, in whichever block of numbers it is
+    let mut envs = native(&spec("FrozenLake-v1", json!({})), 70, Autoreset::NextStep).unwrap();
+    let mut columns = envs.columns().unwrap();
+    let mut actions = envs.action_space().unwrap().sampler(0);
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    for _ in 0..20 {
+        let mut batch = actions.sample().as_slice::<i64>().unwrap().to_vec();
+        let due: Vec<usize> = (0..70).filter(|i| columns.done(*i)).collect();
+        due.iter().for_each(|i| batch[*i] = -1);
+        for i in (0..70).filter(|i| !due.contains(i)).step_by(9) {
+            let good = std::mem::replace(&mut batch[i], 7);
+            let error = envs.step_into(&Value::Array(batch.clone().into()), &mut columns).unwrap_err();
+            assert!(
+                error.to_string().starts_with(&format!("sub-environment {i}: invalid action")),
+                "{error}"
+            );
+            batch[i] = good;
+        }
+        envs.step_into(&Value::Array(batch.into()), &mut columns).unwrap();
+    }
     // beyond the bounds a torque is clipped, as in Gymnasium
     let mut envs = native(&spec("Pendulum-v1", json!({})), 3, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();

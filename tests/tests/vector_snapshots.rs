@@ -270,6 +270,14 @@ fn a_refused_snapshot_changes_nothing() {
             spec("Pendulum-v1", kind, mode, &wrappers),
             spec("CartPole-v1", kind, mode, &json!([])),
             builder("CartPole-v1").vector(N + 1).kind(kind).autoreset(mode).spec().unwrap(),
+            builder("CartPole-v1")
+                .arg("sutton_barto_reward", true)
+                .max_episode_steps(9)
+                .vector(N)
+                .kind(kind)
+                .autoreset(mode)
+                .spec()
+                .unwrap(),
             spec(
                 "CartPole-v1",
                 kind,
@@ -302,6 +310,24 @@ fn a_refused_snapshot_changes_nothing() {
         assert!(envs.step_into(&actions.sample(), &mut columns).is_err());
     }
     assert!(refused > 300, "{refused}");
+}
+
+/// What a vector and a wrapper hold of each sub-environment is as long as the vector.
+#[test]
+fn statistics_of_fewer_environments_are_refused() {
+    for kind in KINDS {
+        let wrappers = json!([{"name": "RecordEpisodeStatistics"}]);
+        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &wrappers).make().unwrap();
+        envs.reset_into(&0.into(), &mut Columns::default()).unwrap();
+        let now = envs.snapshot().unwrap();
+        let mut fewer = json!(now);
+        let running = fewer[1].as_array_mut().expect("one entry for each sub-environment");
+        assert_eq!(running.len(), N);
+        running.pop();
+        let error = envs.restore(&serde_json::from_value(fewer).unwrap()).unwrap_err().to_string();
+        assert!(error.contains("it is of 4 sub-environments, and here are 5"), "{error}");
+        assert_eq!(envs.snapshot().unwrap(), now);
+    }
 }
 
 /// The reset that a sub-environment is due is the vector's, not the environment's: putting the environments'

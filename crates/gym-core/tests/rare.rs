@@ -1,7 +1,7 @@
 //! What seldom happens: options that are not the default, calls that fail half-way, draws that are thrown away.
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
-use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
+use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{NormalizeObservation, StickyAction};
 use gym_core::{BoxEnv, DType, Env, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv};
 
@@ -13,11 +13,13 @@ struct Counter {
     resets_left: u32,
     /// Whether info is a text, where that of others is a number.
     is_odd: bool,
+    /// The step that observes one number instead of two.
+    misfit: Option<i64>,
 }
 
 impl Counter {
     fn new(resets_left: u32) -> Self {
-        Self { rng: Generator::from(0), steps: 0, resets_left, is_odd: false }
+        Self { rng: Generator::from(0), steps: 0, resets_left, is_odd: false, misfit: None }
     }
 
     fn observe(&self) -> Value {
@@ -49,7 +51,7 @@ impl Env for Counter {
 
     fn step_into(&mut self, _action: &i64, observation: &mut Value) -> Result<Outcome> {
         self.steps += 1;
-        *observation = self.observe();
+        *observation = if self.misfit == Some(self.steps) { Value::from([0.0_f32]) } else { self.observe() };
         Ok(Outcome { reward: 5.0, terminated: self.steps == 2, truncated: false })
     }
 
@@ -144,6 +146,23 @@ fn a_step_that_fails_half_way_answers_nothing() {
         assert!(envs.info_map(0).is_empty(), "{autoreset:?}");
         assert!(!envs.info_map(1).is_empty(), "{autoreset:?}");
     }
+}
+
+#[test]
+fn an_observation_that_does_not_fit_is_an_error_of_its_environment() {
+    let envs = || [Counter::new(9), Counter { misfit: Some(1), ..Counter::new(9) }, Counter::new(9)];
+    let mut sync = SyncVectorEnv::new(envs()).unwrap();
+    let mut pool = AsyncVectorEnv::new(envs()).and_then(|pool| pool.with_threads(2)).unwrap();
+    let actions = sync.action_space().unwrap().sampler(0).sample();
+    let mut columns = sync.reset(0).unwrap();
+    let error = sync.step_into(&actions, &mut columns).unwrap_err().to_string();
+    assert!(error.starts_with("sub-environment 1: "), "{error}");
+    pool.reset_into(&0.into(), &mut columns).unwrap();
+    assert_eq!(pool.step_into(&actions, &mut columns).unwrap_err().to_string(), error);
+    pool.reset_into(&0.into(), &mut columns).unwrap();
+    pool.send(&actions, &[0, 1, 2]).unwrap();
+    assert_eq!(pool.recv_into(3, &mut Vec::new(), &mut columns).unwrap_err().to_string(), error);
+    assert_eq!(pool.num_pending(), 0);
 }
 
 #[test]

@@ -352,9 +352,7 @@ mod tests {
     }
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
-        let mut animation = Animation::start(Cursor::new(Vec::new()), fps, &frames[0]).unwrap();
-        frames[1..].iter().for_each(|frame| animation.write(frame).unwrap());
-        animation.finish().unwrap().into_inner()
+        super::encode(Cursor::new(Vec::new()), fps, frames).unwrap().into_inner()
     }
 
     fn delays(pictures: &[Picture]) -> Vec<u16> {

@@ -418,6 +418,36 @@ mod tests {
     use super::*;
     use crate::Recording;
 
+    const AXES: &str = r#"clear #ffffff
+push x=1,0 y=0,1 origin=0,0
+  stroke polyline 67,372 770,372 width=1 #e8e8e8
+  text "0" 57,376.25 size=8.5 right #323232
+  stroke polyline 67,301 770,301 width=1 #e8e8e8
+  text "0.5" 57,305.25 size=8.5 right #323232
+  stroke polyline 67,231 770,231 width=1 #e8e8e8
+  text "1" 57,235.25 size=8.5 right #323232
+  stroke polyline 67,161 770,161 width=1 #e8e8e8
+  text "1.5" 57,165.25 size=8.5 right #323232
+  stroke polyline 67,90 770,90 width=1 #e8e8e8
+  text "2" 57,94.25 size=8.5 right #323232
+  stroke polyline 77,386 77,390 width=1 #828282
+  text "1" 77,404.5 size=8.5 center #323232
+  stroke polyline 419,386 419,390 width=1 #828282
+  text "2" 419,404.5 size=8.5 center #323232
+  stroke polyline 760,386 760,390 width=1 #828282
+  text "3" 760,404.5 size=8.5 center #323232
+  stroke polyline 67,76 67,386 770,386 width=1 #828282
+  stroke polyline 77.238,371.909 418.5,231 759.762,90.091 width=1.5 #0072b2
+  text "title" 418.5,34 size=14 center #323232
+  text "across" 418.5,430 size=10 center #323232
+  push x=0,-1 y=1,0 origin=25,231
+    text "up" 0,0 size=10 center #323232
+  pop
+  stroke polyline 400.844,58.25 422.844,58.25 width=3 #0072b2
+  text "a" 430.844,62.5 size=8.5 left #323232
+pop
+"#;
+
     fn ticks(min: f64, max: f64) -> Vec<String> {
         let axis = Axis::new(min, max, 0.0);
         axis.ticks().map(|tick| axis.label(tick)).collect()
@@ -475,6 +505,14 @@ mod tests {
                 && text.contains("text \"a\"")
                 && !text.contains("text \"\" 0,0 size=8.5")
         );
+    }
+
+    /// A plot call by call: after an intended change, look at one before keeping the new calls.
+    #[test]
+    fn axes_have_their_lines_and_labels() {
+        let plot = Plot::new("title").x_label("across").y_label("up").series("a", &[0.0, 1.0, 2.0]);
+        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        assert_eq!(text, AXES);
     }
 
     #[test]

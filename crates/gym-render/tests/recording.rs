@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use gym_core::canvas::{Canvas, Color};
-use gym_core::render::{Metadata, RenderMode};
+use gym_core::render::{Frame, Metadata, RenderMode};
 use gym_core::wrappers::{Render, RenderCollection};
 use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Space};
 use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
@@ -139,6 +139,9 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
     let mut recorder = Recorder::new(folder.path().join("b.gif"), &env).unwrap();
     assert!(matches!(recorder.capture(&mut Count::default()), Err(Error::UnsupportedMode { .. })));
     assert!(matches!(recorder.finish(), Err(Error::InvalidArgument { .. })));
+    // before the first frame already
+    let refused = Recorder::new(folder.path().join("c.gif"), &Count::default());
+    assert!(matches!(refused, Err(Error::UnsupportedMode { .. })));
     assert_eq!(names(folder.path()), ["a.gif"]);
 }
 
@@ -263,6 +266,11 @@ fn formats_go_by_the_extension() {
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
     }
     assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
+    // nothing stays of what fails half-way: frames of different sizes
+    let mixed = [frames[0].clone(), Frame::new(1, 1)];
+    for name in ["e.gif", "e.png"] {
+        assert!(write_video(folder.path().join(name), 10, &mixed).is_err(), "{name}");
+    }
     assert_eq!(names(folder.path()), ["a.gif", "b.PNG", "c.apng"]);
 }
 

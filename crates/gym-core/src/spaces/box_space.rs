@@ -373,6 +373,16 @@ mod tests {
     }
 
     #[test]
+    fn bounds_keep_the_sign_of_zero_in_json() {
+        for low in [[0.0, -0.0], [-0.0, 0.0], [-0.0, -0.0], [0.0, 0.0]] {
+            let space = BoxSpace::new(low, [1.0, 1.0]).unwrap();
+            let again: BoxSpace = serde_json::from_value(serde_json::to_value(&space).unwrap()).unwrap();
+            let bits = |space: &BoxSpace| space.low().iter_f64().map(f64::to_bits).collect::<Vec<_>>();
+            assert_eq!(bits(&again), low.map(f64::to_bits));
+        }
+    }
+
+    #[test]
     fn constructors_refuse_bad_bounds() {
         use DType::*;
         let text = error(BoxSpace::new([0.0f32, 2.0], [1.0, 1.0]));

@@ -371,6 +371,9 @@ mod tests {
         let pair = || TupleSpace::new([Space::discrete(3), TextSpace::new(0, 3).unwrap().into()]);
         assert!(refused(pair(), json!([1])).starts_with("the list has 1 items and should have 2"));
         assert!(refused(pair(), json!([1, 2])).starts_with("[1]: expected a string"));
+        let either = || OneOfSpace::new([Space::discrete(3), TextSpace::new(0, 3).unwrap().into()]).unwrap();
+        assert!(refused(either(), json!([1, 2])).starts_with("[1]: expected a string"));
+        assert!(refused(either(), json!([2, 2])).starts_with("[0]: there is no space of this index"));
         let dict = || DictSpace::new([("a", pair().into())]).unwrap();
         assert!(refused(dict(), json!({})).starts_with("the key \"a\" is missing"));
         assert!(

@@ -371,4 +371,21 @@ mod tests {
             assert!(out[0].abs() < 1e-4 && (out[1] - 1.0).abs() < 1e-3, "{out:?}");
         }
     }
+
+    #[test]
+    fn numbers_of_each_type_are_normalized_by_moments_of_each_type() {
+        let moments: [[Array; 2]; 2] =
+            [[[2.0_f32].into(), [4.0_f32].into()], [[2.0_f64].into(), [4.0_f64].into()]];
+        for (moments, dtype) in moments
+            .iter()
+            .flat_map(|moments| [DType::U8, DType::F32, DType::F64].map(|dtype| (moments, dtype)))
+        {
+            let running = RunningMeanStd::from_moments(&moments[0], &moments[1], 1.0).unwrap();
+            assert!(!running.is_empty());
+            let mut out = [0.0];
+            running.normalize(dtype, std::iter::once(8.0), 5.0, &mut out);
+            assert_eq!(out, [2.0], "{dtype:?} by {moments:?}");
+        }
+        assert!(RunningMeanStd::new(0).is_empty());
+    }
 }

@@ -149,3 +149,27 @@ fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
 pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::spatial::quat_to_mat;
+
+    /// Turns by about half a turn have no positive trace, and go by the largest of their axes.
+    #[test]
+    fn axes_of_every_turn_have_their_quaternion() {
+        for axis in [[1.0, 0.2, -0.3], [0.1, -1.0, 0.2], [-0.2, 0.3, 1.0]] {
+            for angle in [0.0, 0.4, 2.0, 3.0, 3.1415, -3.0, -1.0] {
+                let length = norm(&axis);
+                let (s, c) = f64::sin_cos(angle / 2.0);
+                let quat = [c, s * axis[0] / length, s * axis[1] / length, s * axis[2] / length];
+                let m = quat_to_mat(quat);
+                let column = |k: usize| [m[k], m[3 + k], m[6 + k]];
+                let again = quat_to_mat(from_columns(column(0), column(1), column(2)));
+                for (a, b) in again.iter().zip(m) {
+                    assert!((a - b).abs() < 1e-12, "{angle} about {axis:?}: {again:?} for {m:?}");
+                }
+            }
+        }
+    }
+}

@@ -36,11 +36,6 @@ pub(crate) trait Pixels {
     /// Colours the pixels `x1..=x2` of a row. All lie on the surface, in a row that is kept.
     fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color);
 
-    /// Colours a pixel. It lies on the surface, in a row that is kept.
-    fn dot(&mut self, x: i32, y: i32, color: Color) {
-        self.run(x, x, y, color);
-    }
-
     /// Changes a channel of a pixel from `d` to `f(d, s)`, `s` being the channel of the colour. The pixel
     /// lies on the surface, in a row that is kept.
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8);
@@ -83,7 +78,7 @@ pub(crate) trait Pixels {
         let rows = self.rows();
         if (0..self.width()).contains(&x) {
             for y in y1.min(y2).max(rows.start)..=y1.max(y2).min(rows.end - 1) {
-                self.dot(x, y, color);
+                self.run(x, x, y, color);
             }
         }
     }

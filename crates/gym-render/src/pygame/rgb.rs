@@ -78,13 +78,6 @@ impl Pixels for RgbPixels<'_> {
         self.last = (start..start + bytes, color);
     }
 
-    fn dot(&mut self, x: i32, y: i32, color: Color) {
-        if let Ok(x) = usize::try_from(x - self.left) {
-            self.last.0 = 0..0;
-            self.row(y)[x * RGB..][..RGB].copy_from_slice(&[color.r, color.g, color.b]);
-        }
-    }
-
     fn vline(&mut self, x: i32, y1: i32, y2: i32, color: Color) {
         let (low, high) = (y1.min(y2).max(0), y1.max(y2).min(self.height() - 1));
         let column = x - self.left;

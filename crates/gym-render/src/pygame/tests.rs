@@ -224,15 +224,34 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     let points = [(); 4].map(|()| [next(2.0) - 0.5, next(2.0) - 0.5]);
                     let scale = |[x, y]: Point| [x * f64::from(from.0), y * f64::from(from.1)];
                     let color = [next(255.0), next(255.0), next(255.0)].map(|x| x as u8);
-                    (points.map(scale), color, next(4.0) as u32)
+                    (points.map(scale), color, next(13.0) as usize)
                 })
                 .collect();
             let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {
                 for (points, [r, g, b], kind) in &shapes {
                     let color = Color::rgb(*r, *g, *b);
+                    let [[x1, y1], [x2, y2], ..] = *points;
+                    let (center, radius) = ([x1, y1], (x2 - x1).abs() / 4.0);
+                    // too few points for a line or an area as well
+                    let few = &points[..kind % 3];
                     match kind {
                         0 => paint(Primitive::Polygon(points), color),
                         1 => paint(Primitive::Lines { points, closed: false, width: 2 }, color),
+                        2 => paint(Primitive::HLine { x1, x2, y: y1 }, color),
+                        3 => paint(Primitive::VLine { x: x1, y1, y2 }, color),
+                        4 => paint(Primitive::AaCircle { center, radius }, color),
+                        5 => paint(Primitive::FilledCircle { center, radius }, color),
+                        6 => paint(Primitive::Circle { center, radius }, color),
+                        7 => paint(Primitive::AaLines { points, closed: true }, color),
+                        8 => paint(Primitive::AaLines { points, closed: false }, color),
+                        9..12 => {
+                            paint(Primitive::AaLines { points: few, closed: true }, color);
+                            paint(Primitive::AaLines { points: few, closed: false }, color);
+                            paint(Primitive::Lines { points: few, closed: true, width: 1 }, color);
+                            paint(Primitive::Polygon(few), color);
+                            paint(Primitive::AaPolygon(few), color);
+                            paint(Primitive::FilledPolygon(few), color);
+                        }
                         _ => {
                             paint(Primitive::AaPolygon(points), color);
                             paint(Primitive::FilledPolygon(points), color);

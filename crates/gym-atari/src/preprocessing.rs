@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::action::{Action, Command};
 use crate::env::{AtariAction, AtariEnv, Frameskip, buffer, bytes};
 use crate::palette;
+use crate::screen::WIDTH;
 use crate::shrink::Shrink;
 
 /// How an environment is preprocessed.
@@ -119,15 +120,14 @@ impl<E: Env> AtariPreprocessing<E> {
                 settings.frame_skip
             ));
         }
-        let source = (atari.ale().picture().len(), 160);
+        let rows = atari.ale().picture().len();
         let [height, width] = settings.screen_size;
-        let Some(shrink) = Shrink::new(source, (height, width)) else {
+        let Some(shrink) = Shrink::new(rows, (height, width), &palette::GRAY) else {
             return refuse(format!(
-                "screen_size is {height}x{width}: it must be at most the picture's {}x{}, and at least a 14th of it",
-                source.0, source.1
+                "screen_size is {height}x{width}: it must be at most the picture's {rows}x{WIDTH}, and at least a 14th of it"
             ));
         };
-        let frames = [vec![0; source.0 * source.1], vec![0; source.0 * source.1]];
+        let frames = [vec![0; rows * WIDTH], vec![0; rows * WIDTH]];
         Ok(Self { env, unused: E::Observation::empty(), settings, shrink, frames, lives: 0 })
     }
 
@@ -177,7 +177,7 @@ impl<E: Env> AtariPreprocessing<E> {
         if self.settings.frame_skip > 1 {
             brighter(last, before);
         }
-        self.shrink.shrink(last, &palette::GRAY, buffer(observation, &self.settings.screen_size));
+        self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
     }
 }
 

@@ -1,9 +1,12 @@
 //! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
 //!
 //! Each number is the mean of what it covers of the picture: first of the columns of each row, then of the rows, in
-//! `f32` and in that order. Where a row equals the one above it, as most of most rows do, it is not added up again.
+//! `f32` and in that order. Most of a picture is as in the one before, so all sums are kept, and only those are added up
+//! anew that cover something else.
 
 use std::ops::Range;
+
+use crate::screen::{Row, WIDTH};
 
 /// The columns that a number can cover at most, and the rows likewise.
 const TAPS: usize = 16;
@@ -11,6 +14,8 @@ const TAPS: usize = 16;
 const FEW: usize = 4;
 /// The columns of the picture that are compared at a time.
 const CELL: usize = 8;
+/// The index of black.
+const BLACK: u8 = 0;
 
 /// What one number covers along one axis: the first of the source, and the share of each from there on.
 #[derive(Clone, Copy, Debug)]
@@ -20,76 +25,118 @@ struct Cover {
     count: usize,
 }
 
-/// From pictures of one size to a smaller one.
+/// From pictures to smaller ones of one size.
 #[derive(Clone, Debug)]
 pub(crate) struct Shrink {
     rows: Vec<Cover>,
     columns: Vec<Cover>,
     /// The numbers that cover some of each cell of a row.
     cells: Vec<Range<usize>>,
-    width: usize,
     /// Whether no number covers more than a few columns.
     few_columns: bool,
-    /// A row's shades, and zeros behind them.
-    shades: Vec<f32>,
-    /// The sums over columns, for each row of the source.
+    /// The shade that each byte of a picture stands for.
+    shades: &'static [u8; 256],
+    /// The picture that was shrunk last; a black one at first.
+    picture: Vec<Row>,
+    /// Its sums over columns, row by row.
     across: Vec<f32>,
+    /// What came of it.
+    small: Vec<u8>,
+    /// The rows of which the sums were added up anew.
+    changed: Vec<bool>,
+    /// A row's shades, and zeros behind them.
+    row: [f32; WIDTH + TAPS],
     /// The sums over rows, of a row of the target.
     down: Vec<f32>,
 }
 
 impl Shrink {
-    /// From `(height, width)` to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
-    pub(crate) fn new(source: (usize, usize), target: (usize, usize)) -> Option<Self> {
-        let rows = covers(source.0, target.0)?;
-        let columns = covers(source.1, target.1)?;
-        let cells = (0..source.1.div_ceil(CELL)).map(|cell| {
+    /// From pictures of so many rows to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
+    pub(crate) fn new(height: usize, target: (usize, usize), shades: &'static [u8; 256]) -> Option<Self> {
+        let rows = covers(height, target.0)?;
+        let columns = covers(WIDTH, target.1)?;
+        let cells = (0..WIDTH / CELL).map(|cell| {
             let (start, end) = (cell * CELL, (cell + 1) * CELL);
             let first = columns.partition_point(|cover| cover.first + cover.count <= start);
             first..columns.partition_point(|cover| cover.first < end)
         });
-        Some(Self {
+        let mut shrink = Self {
             cells: cells.collect(),
             few_columns: columns.iter().all(|cover| cover.count <= FEW),
             rows,
             columns,
-            width: source.1,
-            shades: vec![0.0; source.1 + TAPS],
-            across: vec![0.0; source.0 * target.1],
+            shades,
+            picture: vec![[BLACK; WIDTH]; height],
+            across: vec![0.0; height * target.1],
+            small: vec![0; target.0 * target.1],
+            changed: vec![true; height],
+            row: [0.0; WIDTH + TAPS],
             down: vec![0.0; target.1],
-        })
+        };
+        for y in 0..height {
+            shrink.add_across(y, 0..target.1);
+        }
+        shrink.add_down();
+        Some(shrink)
     }
 
-    /// Fills `out` from a picture, both row by row, of which each byte stands for a shade.
-    pub(crate) fn shrink(&mut self, picture: &[u8], shades: &[u8; 256], out: &mut [u8]) {
-        let columns = self.columns.len();
-        let mut above: &[u8] = &[];
-        for (y, row) in picture.chunks_exact(self.width).enumerate() {
-            let start = y * columns;
-            if y > 0 {
-                self.across.copy_within(start - columns..start, start);
+    /// Fills `out` from a picture, both row by row.
+    pub(crate) fn shrink(&mut self, picture: &[u8], out: &mut [u8]) {
+        for (y, row) in picture.as_chunks().0.iter().enumerate() {
+            self.changed[y] = self.picture[y] != *row;
+            if self.changed[y] {
+                self.replace_row(y, row);
             }
-            // the numbers that cover something else than in the row above
-            let mut changed = 0..0;
-            for (cell, pixels) in row.chunks(CELL).enumerate() {
-                let first = cell * CELL;
-                if above.get(first..first + pixels.len()) != Some(pixels) {
-                    for (shade, &byte) in self.shades[first..].iter_mut().zip(pixels) {
-                        *shade = f32::from(shades[usize::from(byte)]);
-                    }
-                    let covering = self.cells[cell].clone();
-                    if covering.start > changed.end {
-                        self.add_up(start, changed);
-                        changed = covering;
-                    } else {
-                        changed = changed.start.min(covering.start)..covering.end;
-                    }
+        }
+        self.add_down();
+        out.copy_from_slice(&self.small);
+    }
+
+    /// Gives the picture another row.
+    fn replace_row(&mut self, y: usize, row: &Row) {
+        let before = std::mem::replace(&mut self.picture[y], *row);
+        // the numbers that cover something else than before
+        let mut changed = 0..0;
+        let cells = row.as_chunks::<CELL>().0.iter().zip(before.as_chunks::<CELL>().0);
+        for (cell, (pixels, before)) in cells.enumerate() {
+            if pixels != before {
+                let covering = self.cells[cell].clone();
+                if covering.start > changed.end {
+                    self.add_across(y, changed);
+                    changed = covering;
+                } else {
+                    changed.end = covering.end;
                 }
             }
-            self.add_up(start, changed);
-            above = row;
         }
-        for (out, cover) in out.chunks_exact_mut(columns).zip(&self.rows) {
+        self.add_across(y, changed);
+    }
+
+    /// Adds up the columns that some numbers of a row cover.
+    fn add_across(&mut self, y: usize, numbers: Range<usize>) {
+        let width = self.columns.len();
+        let columns = &self.columns[numbers.clone()];
+        let (Some(first), Some(last)) = (columns.first(), columns.last()) else { return };
+        let covered = first.first..last.first + last.count;
+        let pixels = &self.picture[y][covered.clone()];
+        for (shade, &byte) in self.row[covered].iter_mut().zip(pixels) {
+            *shade = f32::from(self.shades[usize::from(byte)]);
+        }
+        let sums = self.across[y * width..][numbers].iter_mut().zip(columns);
+        if self.few_columns {
+            sums.for_each(|(sum, cover)| *sum = cover.sum::<FEW>(&self.row));
+        } else {
+            sums.for_each(|(sum, cover)| *sum = cover.sum::<TAPS>(&self.row));
+        }
+    }
+
+    /// Adds up the rows that numbers cover, where some of them have changed.
+    fn add_down(&mut self) {
+        let columns = self.columns.len();
+        for (out, cover) in self.small.chunks_exact_mut(columns).zip(&self.rows) {
+            if !self.changed[cover.first..][..cover.count].contains(&true) {
+                continue;
+            }
             self.down.fill(0.0);
             let rows = self.across[cover.first * columns..].chunks_exact(columns);
             for (row, share) in rows.zip(&cover.shares[..cover.count]) {
@@ -100,27 +147,11 @@ impl Shrink {
     }
 }
 
-impl Shrink {
-    /// Adds up the shades that some numbers of a row cover; the row's first is at `start`.
-    #[inline(always)]
-    fn add_up(&mut self, start: usize, numbers: Range<usize>) {
-        if numbers.is_empty() {
-            return;
-        }
-        let sums = self.across[start..][numbers.clone()].iter_mut().zip(&self.columns[numbers]);
-        if self.few_columns {
-            sums.for_each(|(sum, cover)| *sum = cover.sum::<FEW>(&self.shades));
-        } else {
-            sums.for_each(|(sum, cover)| *sum = cover.sum::<TAPS>(&self.shades));
-        }
-    }
-}
-
 impl Cover {
     /// The mean of `N` columns, at least as many as it covers.
     #[inline(always)]
-    fn sum<const N: usize>(&self, shades: &[f32]) -> f32 {
-        let covered: &[f32; N] = shades[self.first..].first_chunk().expect("zeros follow the shades");
+    fn sum<const N: usize>(&self, row: &[f32]) -> f32 {
+        let covered: &[f32; N] = row[self.first..].first_chunk().expect("zeros follow the shades");
         covered.iter().zip(&self.shares).fold(0.0, |sum, (shade, share)| sum + shade * share)
     }
 }
@@ -175,8 +206,8 @@ mod tests {
             .collect();
         for (target, expected) in OPENCV {
             let mut out = vec![0; target.0 * target.1];
-            let mut shrink = Shrink::new((210, 160), *target).expect("smaller");
-            shrink.shrink(&noise, &std::array::from_fn(|shade| shade as u8), &mut out);
+            let mut shrink = Shrink::new(210, *target, &SAME).expect("smaller");
+            shrink.shrink(&noise, &mut out);
             assert_eq!(crc32fast::hash(&out), *expected, "{target:?}");
         }
     }
@@ -184,10 +215,45 @@ mod tests {
     const OPENCV: &[((usize, usize), u32)] =
         &[((84, 84), 0xaf5ed6c2), ((64, 80), 0xe4afc1fb), ((100, 33), 0xe93511e4)];
 
+    /// Each byte as its own shade.
+    static SAME: [u8; 256] = {
+        let mut shades = [0; 256];
+        let mut shade = 0;
+        while shade < 256 {
+            shades[shade] = shade as u8;
+            shade += 1;
+        }
+        shades
+    };
+
+    /// What is kept of the pictures before does not show.
+    #[test]
+    fn changes_come_out_as_new_pictures_do() {
+        for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {
+            let new = || Shrink::new(210, target, &SAME).expect("smaller");
+            let (mut shrink, mut picture) = (new(), vec![0u8; 210 * WIDTH]);
+            let (mut out, mut expected) = (vec![0; target.0 * target.1], vec![0; target.0 * target.1]);
+            let mut random = 1u32;
+            let mut below = |n: usize| {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (random >> 16) as usize % n
+            };
+            for round in 0..200 {
+                for _ in 0..below(4) {
+                    let (start, length, shade) = (below(picture.len()), below(400), below(256) as u8);
+                    picture[start..].iter_mut().take(length).for_each(|pixel| *pixel = shade);
+                }
+                shrink.shrink(&picture, &mut out);
+                new().shrink(&picture, &mut expected);
+                assert!(out == expected, "{target:?}, picture {round}");
+            }
+        }
+    }
+
     #[test]
     fn other_sizes_are_refused() {
         for target in [(0, 84), (84, 161), (211, 84), (10, 84)] {
-            assert!(Shrink::new((210, 160), target).is_none(), "{target:?}");
+            assert!(Shrink::new(210, target, &SAME).is_none(), "{target:?}");
         }
     }
 }

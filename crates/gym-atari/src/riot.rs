@@ -55,11 +55,12 @@ impl Riot {
         }
     }
 
-    /// Up to which cycle a register reads as at `cycle`, if nothing else happens.
-    pub(crate) fn steady_until(&self, address: u16, cycle: u64) -> u64 {
+    /// What a register reads as at `cycle`, and up to which cycle if nothing else happens: of those where a read does nothing
+    /// else.
+    pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
-            4 | 6 => self.timer.steady_until(cycle), // INTIM
-            _ => cycle,
+            4 | 6 => self.timer.steady(cycle), // INTIM
+            _ => None,
         }
     }
 
@@ -114,14 +115,14 @@ impl Timer {
         }
     }
 
-    /// Up to which cycle `INTIM` reads as at `cycle`; after the end of the interval a read changes the timer.
-    fn steady_until(&self, cycle: u64) -> u64 {
+    /// What `INTIM` reads as at `cycle`, and up to which cycle; after the end of the interval a read changes the timer.
+    fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {
-            return cycle;
+            return None;
         }
         let passed = elapsed & ((1 << self.shift) - 1);
-        cycle + ((1 << self.shift) - 1 - passed) as u64
+        Some((count as u8, cycle + ((1 << self.shift) - 1 - passed) as u64))
     }
 
     fn instat(&self, cycle: u64) -> u8 {

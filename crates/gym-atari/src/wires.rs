@@ -101,8 +101,8 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
         self.slot.program(address)
     }
 
-    fn steady_until(&self, address: u16, cycle: u64) -> u64 {
+    fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         let riot = !is_cartridge(address) && !is_ram(address) && is_riot(address);
-        if riot { self.chips.riot.steady_until(address, cycle) } else { cycle }
+        if riot { self.chips.riot.steady(address, cycle) } else { None }
     }
 }

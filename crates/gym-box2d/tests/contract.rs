@@ -106,3 +106,19 @@ fn a_car_off_the_field_ends_the_episode() {
     assert_eq!((steps, total), (310, -68.204_075_235_110_1));
     assert_eq!(env.info_map().get("lap_finished"), Some(&Value::Bool(false)));
 }
+
+/// With so little to cover the lap is complete at the start already, as in Gymnasium.
+#[test]
+fn a_complete_lap_ends_the_episode_and_says_so() {
+    for (percent, ends) in [(0.0, true), (0.003, true), (0.01, false)] {
+        let mut env = builder("CarRacing-v3").arg("lap_complete_percent", percent).build().unwrap();
+        env.reset(0).unwrap();
+        let step = env.step(&Value::from([0.0_f32, 0.3, 0.0])).unwrap();
+        assert_eq!((step.terminated, step.truncated), (ends, false), "{percent}");
+        let finished = env.info_map().get("lap_finished").cloned();
+        assert_eq!(finished, ends.then_some(Value::Bool(true)), "{percent}");
+        if ends {
+            assert_eq!(step.reward, 6.169_592_476_489_028);
+        }
+    }
+}

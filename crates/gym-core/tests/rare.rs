@@ -175,3 +175,30 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     let flags = [true, false, true].map(Value::Bool).to_vec();
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
 }
+
+/// What a vector shows of an episode's last observation is on the same scale as all others.
+#[test]
+fn final_observations_of_a_vector_are_normalized_too() {
+    let envs = || [Counter::new(9), Counter::new(9)];
+    let mut plain = SyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep);
+    let inner = SyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep);
+    let mut normalized = gym_core::vector::wrappers::NormalizeObservation::new(inner).unwrap();
+    let actions = plain.action_space().unwrap().sampler(0).sample();
+    let (mut raw, mut shown) = (plain.reset(0).unwrap(), normalized.reset(0).unwrap());
+    for _ in 0..2 {
+        plain.step_into(&actions, &mut raw).unwrap();
+        normalized.step_into(&actions, &mut shown).unwrap();
+    }
+    assert_eq!(shown.has_final, [true, true]);
+    let numbers = |value: &Value| value.as_array().unwrap().iter_f64().collect::<Vec<_>>();
+    let statistics = normalized.statistics();
+    let (mean, variance) = (statistics.mean(), statistics.variance());
+    let moments = mean.iter_f64().zip(variance.iter_f64()).collect::<Vec<_>>();
+    for (i, (x, y)) in
+        numbers(&raw.final_observations).iter().zip(numbers(&shown.final_observations)).enumerate()
+    {
+        let (mean, variance) = moments[i % 2];
+        let expected = (x - mean) / (variance + 1e-8).sqrt();
+        assert!((y - expected).abs() < 1e-4, "number {i}: {y} for {expected}");
+    }
+}

@@ -34,9 +34,10 @@ pub trait Bus {
         None
     }
 
-    /// Up to which cycle a read of this address gives what it gives at `cycle`, and does nothing else, if that is known.
-    fn steady_until(&self, _address: u16, cycle: u64) -> u64 {
-        cycle
+    /// What a read of this address gives at `cycle`, and up to which cycle it gives that and does nothing else, if that is
+    /// known.
+    fn steady(&self, _address: u16, _cycle: u64) -> Option<(u8, u64)> {
+        None
     }
 }
 

@@ -1,7 +1,7 @@
 //! Executing instructions: fetching, addressing, and the accesses of each cycle.
 
 use super::instructions::{Access, INSTRUCTIONS, LENGTHS, Mode, Operation};
-use super::{Bus, Cpu, Ready};
+use super::{Bus, Cpu, Ready, flag};
 
 /// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
 struct Core<B> {
@@ -251,12 +251,26 @@ impl<B: Bus> Core<B> {
     /// How many rounds of a waiting loop, which has just branched to its start, will find what the last one found.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
-        // LDA, LDX, LDY and BIT
-        let Some([0xad | 0xae | 0xac | 0x2c, low, high, _]) = self.bus.program(start) else { return 0 };
+        let Cpu { a, x, y, overflow, result, .. } = self.cpu;
+        let Some([opcode @ (0xad | 0xae | 0xac | 0x2c), low, high, _]) = self.bus.program(start) else {
+            return 0;
+        };
         // the branch took three cycles since the register was read
         let last_read = self.cpu.cycle - 3;
-        let until = self.bus.steady_until(u16::from_le_bytes([low, high]), last_read);
-        ((until - last_read) / LOOP_CYCLES) as u32
+        let Some((value, until)) = self.bus.steady(u16::from_le_bytes([low, high]), last_read) else {
+            return 0;
+        };
+        // who jumped onto the branch may have found something else
+        let found = match opcode {
+            0xad => a == value && result == u16::from(value), // LDA
+            0xae => x == value && result == u16::from(value), // LDX
+            0xac => y == value && result == u16::from(value), // LDY
+            _ => {
+                let bits = u16::from(value & flag::N) << 8 | u16::from(a & value); // BIT
+                result == bits && overflow == (value & flag::V != 0)
+            }
+        };
+        if found { ((until - last_read) / LOOP_CYCLES) as u32 } else { 0 }
     }
 
     /// Operations on registers, flags and the stack, and jumps.

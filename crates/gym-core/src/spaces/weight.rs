@@ -166,4 +166,21 @@ mod tests {
             assert_eq!(pairwise_sum(&numbers), numbers.iter().sum::<f64>(), "{n}");
         }
     }
+
+    /// `np.sum([1 / (i + 3) for i in range(n)])`, which plain sums differ from.
+    #[test]
+    fn sums_are_numpys_to_the_last_bit() {
+        for (n, bits) in [
+            (7, 0x3ff5_4374_3743_7437),
+            (8, 0x3ff6_dd0d_d0dd_0dd0),
+            (9, 0x3ff8_516a_e822_df44),
+            (128, 0x400f_96b7_0e38_f84d),
+            (129, 0x400f_a659_4108_1d6f),
+            (200, 0x4011_8d44_7c87_9105),
+            (1000, 0x4017_f32a_c6b1_6780_u64),
+        ] {
+            let numbers: Vec<f64> = (0..n).map(|i| 1.0 / f64::from(i + 3)).collect();
+            assert_eq!(pairwise_sum(&numbers).to_bits(), bits, "{n}");
+        }
+    }
 }

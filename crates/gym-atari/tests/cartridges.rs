@@ -5,15 +5,11 @@ use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 
-/// Numbers that choose what a program does.
-struct Lcg(u32);
-
-impl Lcg {
-    fn below(&mut self, n: u16) -> u16 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 16) as u16 % n
-    }
+mod common {
+    pub(crate) mod lcg;
 }
+
+use common::lcg::Lcg;
 
 /// Selects banks at random, by every kind of access, and stores bytes of them from `$80` on. Banks of 4K hold the same program each;
 /// that of `E0` is in the last slice, which stays.

@@ -2,6 +2,12 @@
 
 use gym_atari::{Ale, games};
 
+mod common {
+    pub(crate) mod lcg;
+}
+
+use common::lcg::Lcg;
+
 /// The modes by opcode: `i` none, `#` immediate, `z` zero page, with `x` and `y` added, `a` absolute, with `X` and `Y` added,
 /// `(` and `)` indirect, before and behind the index, `*` indirect, `r` relative; `P`, `Q` and `R` are `X`, `Y` and `)` that write.
 const MODES: &[u8; 256] = b"\
@@ -144,11 +150,8 @@ fn opcodes_do_what_they_do_in_ale_py() {
 
 /// 56 sums or differences of any two bytes, with what they leave in the accumulator and the status.
 fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
-    let mut state = seed;
-    let mut below = |n: u32| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        ((state >> 16) % n) as u8
-    };
+    let mut random = Lcg(seed);
+    let mut below = |n: u16| random.below(n) as u8;
     // clears RAM; sed
     let mut code =
         vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, 0xf8];

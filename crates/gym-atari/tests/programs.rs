@@ -4,13 +4,13 @@ use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 use gym_atari::{Action, Ale, Display, games};
 
-/// A program of 4K that starts at `$F000`.
-fn rom(code: &[u8]) -> Vec<u8> {
-    let mut rom = vec![0xea; 4096];
-    rom[..code.len()].copy_from_slice(code);
-    rom[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
-    rom
+mod common {
+    pub(crate) mod lcg;
+    pub(crate) mod rom;
 }
+
+use common::lcg::Lcg;
+use common::rom::rom;
 
 /// As ale-py plays a file named `seaquest.bin`: loaded, and reset once.
 fn played(rom: &[u8]) -> Ale {
@@ -60,16 +60,6 @@ fn memory_outlasts_a_reset() {
     assert_eq!(starts(&ale), 188);
 }
 
-/// Numbers that choose what a program writes.
-struct Lcg(u32);
-
-impl Lcg {
-    fn below(&mut self, n: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 16) % n
-    }
-}
-
 /// Each frame writes 330 random numbers to random registers, at random times.
 fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     let mut random = Lcg(seed);
@@ -81,9 +71,9 @@ fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     code.extend([0xa9, 0x00, 0x85, 0x00]);
     code.extend(lines(40));
     for _ in 0..330 {
-        let register = registers[random.below(registers.len() as u32) as usize];
-        code.extend([0xa9, random.below(256) as u8]); // lda #value
-        code.extend(vec![0xea; random.below(4) as usize]); // nop
+        let register = registers[random.below(registers.len())];
+        code.extend([0xa9, random.below(256u16) as u8]); // lda #value
+        code.extend(vec![0xea; random.below(4)]); // nop
         code.extend([0x85, register]); // sta register
     }
     code.extend([0xe6, 0x80]); // inc $80
@@ -192,23 +182,23 @@ fn banks_follow_accesses() {
 fn data_fetchers_give_what_ale_pys_do() {
     for (seed, expected) in (0..).zip([0xa1fd_ae91, 0x62bd_6e45, 0x9377_df05, 0xb5a0_a5f7]) {
         let mut random = Lcg(seed);
-        let data: Vec<u8> = (0..2048).map(|_| random.below(256) as u8).collect();
+        let data: Vec<u8> = (0..2048).map(|_| random.below(256u16) as u8).collect();
         // clears RAM; restarts the random numbers
         let mut code =
             vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb];
         code.extend([0x8d, 0x70, 0x10]);
         for fetcher in 0..5 {
-            let counter = random.below(256) as u8;
-            let top = counter.wrapping_sub(random.below(8) as u8);
-            let bottom = counter.wrapping_sub(8).wrapping_sub(random.below(8) as u8);
-            let high = random.below(8) as u8;
+            let counter = random.below(256u16) as u8;
+            let top = counter.wrapping_sub(random.below(8u16) as u8);
+            let bottom = counter.wrapping_sub(8).wrapping_sub(random.below(8u16) as u8);
+            let high = random.below(8u16) as u8;
             for (register, value) in [(0x40, top), (0x48, bottom), (0x50, counter), (0x58, high)] {
                 code.extend([0xa9, value, 0x8d, register + fetcher, 0x10]); // lda #value; sta register
             }
         }
         for result in 0x80..0xe4 {
-            let (fetcher, function) = (random.below(5) as u8, random.below(8) as u8);
-            let fetcher = if function == 0 { random.below(4) as u8 } else { fetcher };
+            let (fetcher, function) = (random.below(5u16) as u8, random.below(8u16) as u8);
+            let fetcher = if function == 0 { random.below(4u16) as u8 } else { fetcher };
             code.extend([0xad, 8 * function + fetcher, 0x10, 0x85, result]); // lda register; sta result
         }
         let [low, high] = (0xf080 + code.len() as u16).to_le_bytes();
@@ -230,8 +220,8 @@ fn data_fetchers_give_what_ale_pys_do() {
 fn any_bytes_can_be_played() {
     let mut random = Lcg(7);
     for round in 0..160 {
-        let length = [0, 1, 2048, 4096, 8192, 16384, 20000][random.below(7) as usize];
-        let rom: Vec<u8> = (0..length).map(|_| random.below(256) as u8).collect();
+        let length = [0, 1, 2048, 4096, 8192, 16384, 20000][random.below(7)];
+        let rom: Vec<u8> = (0..length).map(|_| random.below(256u16) as u8).collect();
         let scheme = Scheme::ALL[round % Scheme::ALL.len()];
         let play = || {
             let mut console = Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0xa5; 128], 30);

@@ -4,34 +4,23 @@ use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 
-/// Numbers that choose what a program does.
-struct Lcg(u32);
-
-impl Lcg {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 16) as usize % n
-    }
-
-    fn byte(&mut self) -> u8 {
-        self.below(256) as u8
-    }
-
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.below(choices.len())]
-    }
+mod common {
+    pub(crate) mod lcg;
+    pub(crate) mod rom;
 }
 
-/// A program of 4K that starts at `$F000`, and starts again behind its end.
-fn rom(code: &[u8]) -> Vec<u8> {
-    let mut rom = vec![0xea; 4096];
-    rom[..code.len()].copy_from_slice(code);
-    rom[code.len()..][..3].copy_from_slice(&[0x4c, 0x00, 0xf0]); // jmp $F000
-    rom[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
-    rom
-}
+use common::lcg::Lcg;
+use common::rom::rom;
 
 const BRANCHES: [u8; 8] = [0xd0, 0x10, 0x30, 0xf0, 0x90, 0xb0, 0x50, 0x70];
+
+fn byte(random: &mut Lcg) -> u8 {
+    random.below(256u16) as u8
+}
+
+fn one_of<T: Copy>(random: &mut Lcg, choices: &[T]) -> T {
+    choices[random.below(choices.len())]
+}
 
 /// Loops that count, and loops that wait for the timer, which is set to all intervals; now and then a jump into the middle of one,
 /// and a number left in RAM.
@@ -41,47 +30,51 @@ fn loops(seed: u32) -> Vec<u8> {
     while code.len() < 2000 {
         match random.below(8) {
             // ldx #number; ldy #number
-            0 | 1 => code.extend([0xa2, random.byte(), 0xa0, random.byte()]),
+            0 | 1 => code.extend([0xa2, byte(&mut random), 0xa0, byte(&mut random)]),
             // dex, dey, inx or iny; branch
             2 | 3 => code.extend([
-                random.one_of(&[0xca, 0x88, 0xca, 0x88, 0xe8, 0xc8]),
-                random.one_of(&BRANCHES),
+                one_of(&mut random, &[0xca, 0x88, 0xca, 0x88, 0xe8, 0xc8]),
+                one_of(&mut random, &BRANCHES),
                 0xfd,
             ]),
             // jmp behind the first instruction of a loop
             4 => {
                 let loops: [&[u8]; 4] = [&[0xca], &[0x88], &[0xad, 0x84, 0x02], &[0xae, 0x84, 0x02]];
-                let first = random.one_of(&loops);
+                let first = one_of(&mut random, &loops);
                 let [low, high] = (0xf000 + code.len() as u16 + 3 + first.len() as u16).to_le_bytes();
                 code.extend([0x4c, low, high]);
                 code.extend(first);
-                code.extend([random.one_of(&BRANCHES[..3]), (first.len() as u8 + 2).wrapping_neg()]);
+                code.extend([one_of(&mut random, &BRANCHES[..3]), (first.len() as u8 + 2).wrapping_neg()]);
             }
             // lda #number; sta TIM1T, TIM8T, TIM64T or T1024T
             5 => {
                 code.extend([
                     0xa9,
-                    random.byte(),
+                    byte(&mut random),
                     0x8d,
-                    random.one_of(&[0x94, 0x95, 0x96, 0x96, 0x97]),
+                    one_of(&mut random, &[0x94, 0x95, 0x96, 0x96, 0x97]),
                     0x02,
                 ]);
             }
             // lda, ldx, ldy or bit INTIM; branch
             6 => {
-                let load = random.one_of(&[0xad, 0xae, 0xac, 0x2c]);
+                let load = one_of(&mut random, &[0xad, 0xae, 0xac, 0x2c]);
                 code.extend([
                     load,
-                    random.one_of(&[0x84, 0x84, 0x85]),
+                    one_of(&mut random, &[0x84, 0x84, 0x85]),
                     0x02,
-                    random.one_of(&BRANCHES[..3]),
+                    one_of(&mut random, &BRANCHES[..3]),
                     0xfb,
                 ]);
             }
             // inc, stx, sty or sta
-            _ => code.extend([random.one_of(&[0xe6, 0x86, 0x84, 0x85]), 0x80 + random.byte() % 128]),
+            _ => {
+                let store = one_of(&mut random, &[0xe6, 0x86, 0x84, 0x85]);
+                code.extend([store, 0x80 + byte(&mut random) % 128]);
+            }
         }
     }
+    code.extend([0x4c, 0x00, 0xf0]); // jmp $F000
     rom(&code)
 }
 

@@ -265,8 +265,9 @@ impl<B: Bus> Core<B> {
             0xad => a == value && result == u16::from(value), // LDA
             0xae => x == value && result == u16::from(value), // LDX
             0xac => y == value && result == u16::from(value), // LDY
+            // BIT
             _ => {
-                let bits = u16::from(value & flag::N) << 8 | u16::from(a & value); // BIT
+                let bits = u16::from(value & flag::N) << 8 | u16::from(a & value);
                 result == bits && overflow == (value & flag::V != 0)
             }
         };

@@ -4,6 +4,7 @@ use super::spatial::{
     Mat3, Quat, Vec3, add, add_scaled, axis_angle, mul_quat, normalize_quat, quat_to_mat, rotate,
     rotate_quat, sub,
 };
+use super::velocity::joints;
 use crate::model::{JointType, Placed};
 use crate::{Data, Model};
 
@@ -11,8 +12,7 @@ use crate::{Data, Model};
 pub fn kinematics(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
-    let (parents, first_joints, joint_numbers) =
-        (&m.body_parentid[..n], &m.body_jntadr[..n], &m.body_jntnum[..n]);
+    let parents = &m.body_parentid[..n];
     let (body_pos, body_quat, body_ipos, body_iquat) =
         (&m.body_pos[..n], &m.body_quat[..n], &m.body_ipos[..n], &m.body_iquat[..n]);
     let (placed, inertias) = (&m.plan().bodies[..n], &m.plan().inertias[..n]);
@@ -25,10 +25,7 @@ pub fn kinematics(m: &Model, d: &mut Data) {
     let (anchored, nq) = (&m.plan().anchored[..njnt], m.nq());
     let (qpos, qpos0) = (&d.qpos[..nq], &m.qpos0[..nq]);
     for b in 1..n {
-        let joints = match usize::try_from(first_joints[b]) {
-            Ok(first) => first..first + joint_numbers[b],
-            Err(_) => 0..0,
-        };
+        let joints = joints(m, b);
         let (mut pos, mut quat);
         if joints.len() == 1 && types[joints.start] == JointType::Free {
             let j = joints.start;

@@ -31,7 +31,7 @@ pub fn com_vel(m: &Model, d: &mut Data) {
 }
 
 /// The joints of a body.
-fn joints(m: &Model, body: usize) -> std::ops::Range<usize> {
+pub(super) fn joints(m: &Model, body: usize) -> std::ops::Range<usize> {
     usize::try_from(m.body_jntadr[body]).map_or(0..0, |first| first..first + m.body_jntnum[body])
 }
 

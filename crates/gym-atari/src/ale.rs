@@ -19,8 +19,8 @@ const LOADING_TIMER: u8 = 0x33;
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
 const IDLE_FRAMES: u8 = 60;
-/// The frames that RESET is pressed for, in every game.
-const RESET_FRAMES: u8 = 8;
+/// The frames that RESET is pressed for: after power-on, after a mode was chosen in games that have several, and once more.
+const RESET_FRAMES: u8 = 4;
 
 /// The pictures that there are, drawn in turn.
 const PICTURES: u32 = 2;
@@ -129,8 +129,11 @@ impl Ale {
         self.hold(switch::IDLE, IDLE_FRAMES);
         self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         self.progress.episode_frame_number = 0;
-        let reset_frames = self.choose_mode();
-        self.hold(switch::IDLE & !switch::RESET, reset_frames);
+        if self.game.modes.len() > 1 {
+            self.choose_mode();
+            self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
+        }
+        self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         for &action in self.game.start {
             self.frame(action.into(), switch::IDLE, true);
         }
@@ -145,22 +148,17 @@ impl Ale {
         }
     }
 
-    /// Presses SELECT as often as the mode needs, of which ale-py counts a frame each; gives the frames for which RESET is then
-    /// to be held.
-    fn choose_mode(&mut self) -> u8 {
-        let Game { modes, select, reset_frames, .. } = self.game;
+    /// Presses SELECT as often as the mode needs, of which ale-py counts a frame each.
+    fn choose_mode(&mut self) {
+        let Game { modes, select_frames, .. } = self.game;
         let chosen = modes.iter().find(|(number, _)| self.settings.mode == Some(*number));
         let presses = chosen.map_or(0, |(_, presses)| *presses);
-        if presses == 0 {
-            return reset_frames - RESET_FRAMES;
-        }
         for _ in 0..presses {
-            self.hold(switch::IDLE & !switch::SELECT, select.held);
+            self.hold(switch::IDLE & !switch::SELECT, *select_frames);
             self.hold(switch::IDLE, 1);
         }
         self.progress.frame_number += u32::from(presses);
         self.progress.episode_frame_number += u32::from(presses);
-        select.reset
     }
 
     /// Plays a frame; gives its reward. The command before it is repeated instead with probability

@@ -1,7 +1,8 @@
 //! Programs of our own, assembled here, beside what ale-py 0.12.1 answered to them.
 
+use gym_atari::ale::Settings;
 use gym_atari::cartridge::{Cartridge, Scheme};
-use gym_atari::console::{Console, Input};
+use gym_atari::console::{Console, Input, switch};
 use gym_atari::{Action, Ale, Display, games};
 
 mod common {
@@ -58,6 +59,41 @@ fn memory_outlasts_a_reset() {
     // loads, and resets once
     ale.reload(0);
     assert_eq!(starts(&ale), 188);
+}
+
+/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four idle ones, then RESET, SELECT as often as
+/// the mode needs, and RESET again.
+#[test]
+fn switches_are_pressed_as_by_ale_py() {
+    let code = [
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
+        0xfb, // clears RAM
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, // inc $ff: frames; lda $ff; sec; sbc #56
+        0x90, 0x0a, 0xc9, 0x70, 0xb0, 0x06, // bcc and bcs behind the sta, unless 0 to 111
+        0xaa, 0xad, 0x82, 0x02, 0x95, 0x80, // tax; lda SWCHB; sta $80,x
+        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+        0x4c, 0x0e, 0xf0,
+    ];
+    for (game, mode, expected) in [
+        ("seaquest", 0, "....RRRRRRRR"),
+        ("chopper_command", 0, "....RRRRRRRRRRRR"),
+        ("chopper_command", 2, "....RRRRSS.SS.RRRRRRRR"),
+        ("bank_heist", 16, "....RRRRS.S.S.S.RRRRRRRR"),
+        ("jamesbond", 1, "....RRRRSSSSSSSSSSSSSSSSSSSS.RRRRRRRR"),
+    ] {
+        let mut ale = Ale::new(games::by_name(game).unwrap(), &rom(&code).repeat(2), 0);
+        ale.configure(Settings { mode: Some(mode), ..Settings::default() });
+        ale.reset();
+        let written = ale.ram().0[..112].iter().take_while(|&&switches| switches != 0);
+        let switches = written.map(|switches| match *switches {
+            switch::IDLE => '.',
+            0x3e => 'R',
+            0x3d => 'S',
+            _ => '?',
+        });
+        assert_eq!(switches.collect::<String>(), expected, "{game}, mode {mode}");
+    }
 }
 
 /// Each frame writes 330 random numbers to random registers, at random times.

@@ -124,15 +124,6 @@ impl Config {
                 game.difficulties
             ));
         }
-        let (mode, difficulty) =
-            (self.mode.unwrap_or(modes[0]), self.difficulty.unwrap_or(game.difficulties[0]));
-        if !(game.is_exact)(mode, difficulty) {
-            return invalid(format!(
-                "mode {mode} with difficulty {difficulty} is not supported: it does not come out as in ale-py; the default is \
-                 mode {}, difficulty {}",
-                modes[0], game.difficulties[0]
-            ));
-        }
         if !self.repeat_action_probability.is_finite() || self.repeat_action_probability < 0.0 {
             return invalid(format!(
                 "repeat_action_probability is {}: it is a probability, 0 to 1",

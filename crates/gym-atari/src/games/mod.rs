@@ -27,18 +27,14 @@ pub struct Game {
     pub display: Display,
     /// What the player holds.
     pub controller: Controller,
-    /// For how many frames RESET is pressed at the start.
-    pub reset_frames: u8,
     /// The actions after RESET, a frame each.
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
     /// The modes that there are, under ale-py's numbers, and how often SELECT is pressed for each; the first is the default.
     pub modes: &'static [(u16, u16)],
-    /// How another mode than the default is chosen.
-    pub select: Select,
-    /// Whether a mode with a difficulty was found to be exact.
-    pub is_exact: fn(mode: u16, difficulty: u8) -> bool,
+    /// For how many frames SELECT is held each time.
+    pub select_frames: u8,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
     /// The points, from RAM.
@@ -53,15 +49,6 @@ pub struct Game {
     pub over: fn(&Ram<'_>) -> bool,
 }
 
-/// How a mode is chosen: SELECT is pressed some times, with a frame in between, then RESET.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Select {
-    /// For how many frames SELECT is held.
-    pub held: u8,
-    /// For how many frames RESET is held at the end.
-    pub reset: u8,
-}
-
 /// What most games have in common.
 const DEFAULT: Game = Game {
     name: "",
@@ -70,12 +57,10 @@ const DEFAULT: Game = Game {
     scheme: Scheme::Rom4K,
     display: Display::NTSC,
     controller: Controller::Joystick,
-    reset_frames: 8,
     start: &[],
     minimal: &Action::ALL,
     modes: &[(0, 0)],
-    select: Select { held: 2, reset: 4 },
-    is_exact: |_, _| true,
+    select_frames: 2,
     difficulties: &[0],
     score: |_| 0,
     rewards: Rewards::Difference,

@@ -2,7 +2,7 @@
 //!
 //! `r` is the RAM by index: `$80` of the processor is index `0x00`.
 
-use super::{Controller, DEFAULT, Game, Rewards, Select};
+use super::{Controller, DEFAULT, Game, Rewards};
 use crate::action::Action;
 use crate::action::Action::*;
 use crate::cartridge::Scheme::*;
@@ -48,7 +48,7 @@ games! {
     asteroids "Asteroids" 4 {
         md5: "ccbd36746ed4525821a8083b0d6d2c2c", scheme: F8,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
-        reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
+        display: Display { comb: false, ..Display::NTSC },
         rewards: Rewards::Wrap(100_000),
         modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10),
             (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21),
@@ -61,9 +61,8 @@ games! {
     bank_heist "BankHeist" 4 {
         md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[(0, 0), (4, 1), (8, 2), (12, 3), (16, 4), (20, 5), (24, 6), (28, 7)],
-        select: Select { held: 1, reset: 4 }, difficulties: &[0, 1, 2, 3],
-        is_exact: |mode, difficulty| difficulty < 2 || matches!(mode, 0 | 28),
+        select_frames: 1, modes: &[(0, 0), (4, 1), (8, 2), (12, 3), (16, 4), (20, 5), (24, 6), (28, 7)],
+        difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
         over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
@@ -80,8 +79,7 @@ games! {
     bowling "Bowling" 4 {
         md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
-        reset_frames: 12, modes: &[(0, 0), (2, 2), (4, 4)], difficulties: &[0, 1],
-        select: Select { held: 6, reset: 4 },
+        modes: &[(0, 0), (2, 2), (4, 4)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x26, 0x21]),
         over: |r| r.at(0x24) > 0x10,
     }
@@ -95,9 +93,9 @@ games! {
     breakout "Breakout" 4 {
         md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
-        reset_frames: 12, controller: Controller::Paddle(0),
-        modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
-        select: Select { held: 1, reset: 4 }, difficulties: &[0, 1],
+        controller: Controller::Paddle(0),
+        select_frames: 1, modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
+        difficulties: &[0, 1],
         score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
         lives: |r| r.at(0x39),
         over: |r| r.at(0x39) == 0,
@@ -112,7 +110,7 @@ games! {
     centipede "Centipede" 4 {
         md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, rewards: Rewards::NeverNegative, modes: &[(22, 0), (86, 1)],
+        rewards: Rewards::NeverNegative, modes: &[(22, 0), (86, 1)],
         score: |r| r.decimal(&[0x74, 0x75, 0x76]),
         lives: |r| (r.high(0x6d) & 7) + 1,
         over: |r| r.at(0x26) & 0x40 != 0,
@@ -120,7 +118,7 @@ games! {
     chopper_command "ChopperCommand" 4 {
         md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
+        modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
         score: |r| 100 * r.decimal(&[0x6c, 0x6e]),
         lives: |r| r.low(0x64),
         over: |r| r.low(0x64) == 0,
@@ -128,8 +126,7 @@ games! {
     crazy_climber "CrazyClimber" 4 {
         md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        reset_frames: 12, modes: &[(0, 0), (1, 16), (2, 32), (3, 48)], difficulties: &[0, 1],
-        select: Select { held: 2, reset: 8 },
+        modes: &[(0, 0), (1, 16), (2, 32), (3, 48)], difficulties: &[0, 1],
         score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
@@ -137,8 +134,7 @@ games! {
     demon_attack "DemonAttack" 4 {
         md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, modes: &[(1, 0), (3, 0), (5, 0), (7, 0)], difficulties: &[0, 1],
-        is_exact: |mode, _| mode == 1,
+        select_frames: 1, modes: &[(1, 0), (3, 3), (5, 13), (7, 19)], difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
@@ -160,16 +156,15 @@ games! {
     freeway "Freeway" 4 {
         md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
         minimal: &[Noop, Up, Down],
-        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
-        select: Select { held: 1, reset: 4 }, difficulties: &[0, 1],
+        select_frames: 1, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
+        difficulties: &[0, 1],
         score: |r| r.bcd(0x67),
         over: |r| r.at(0x16) == 1,
     }
     frogger "Frogger" v5 {
         md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down],
-        reset_frames: 12, modes: &[(0, 0), (1, 0), (2, 0)], difficulties: &[0, 1],
-        is_exact: |mode, _| mode == 0,
+        modes: &[(0, 0), (1, 3), (2, 7)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x4c, 0x4e]),
         lives: |r| r.at(0x50),
         over: |r| r.at(0x50) == 0xff,
@@ -177,8 +172,7 @@ games! {
     frostbite "Frostbite" 4 {
         md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[(0, 0), (2, 0)],
-        is_exact: |mode, _| mode == 0,
+        select_frames: 1, modes: &[(0, 0), (2, 2)],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         lives: |r| r.low(0x4c) + 1,
         over: |r| r.low(0x4c) == 0 && r.at(0x71) == 0x80,
@@ -186,9 +180,9 @@ games! {
     galaxian "Galaxian" v5 {
         md5: "211774f4c5739042618be8ff67351177", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, rewards: Rewards::Wrap(1_000_000),
-        modes: &[(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 5), (7, 6), (8, 7), (9, 8)],
-        select: Select { held: 1, reset: 4 }, difficulties: &[0, 1],
+        rewards: Rewards::Wrap(1_000_000),
+        select_frames: 1, modes: &[(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 5), (7, 6), (8, 7), (9, 8)],
+        difficulties: &[0, 1],
         score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
         lives: |r| r.at(0x39) + 1,
         over: |r| r.at(0x3f) & 0x80 != 0,
@@ -196,7 +190,7 @@ games! {
     hero "Hero" 4 {
         md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)], select: Select { held: 1, reset: 4 },
+        select_frames: 1, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
         score: |r| r.decimal(&[0x37, 0x38, 0x39]),
         lives: |r| r.at(0x33),
         over: |r| r.at(0x33) == 0,
@@ -204,15 +198,14 @@ games! {
     ice_hockey "IceHockey" 4 {
         md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
         minimal: &Action::ALL,
-        reset_frames: 12, modes: &[(0, 0), (2, 3)], difficulties: &[0, 1, 2, 3],
+        modes: &[(0, 0), (2, 3)], difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x0a) - r.bcd(0x0b),
         over: |r| r.at(0x06) | r.at(0x07) == 0,
     }
     jamesbond "Jamesbond" 4 {
         md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
         minimal: &Action::ALL,
-        modes: &[(0, 0), (1, 1)],
-        select: Select { held: 2, reset: 8 },
+        select_frames: 20, modes: &[(0, 0), (1, 1)],
         score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x06) + 1,
         over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0,
@@ -229,7 +222,6 @@ games! {
         md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
         minimal: &Action::ALL,
         modes: &[(0, 0), (1, 2)],
-        select: Select { held: 1, reset: 8 },
         score: |r| 100 * r.decimal(&[0x27, 0x28]),
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
@@ -251,9 +243,8 @@ games! {
     ms_pacman "MsPacman" 4 {
         md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        reset_frames: 12, display: Display { comb: false, ..Display::NTSC },
-        modes: &[(0, 0), (1, 1), (2, 2), (3, 4)],
-        select: Select { held: 10, reset: 4 },
+        display: Display { comb: false, ..Display::NTSC },
+        select_frames: 10, modes: &[(0, 0), (1, 1), (2, 2), (3, 4)],
         score: |r| r.decimal(&[0x7a, 0x79, 0x78]),
         lives: |r| (r.at(0x7b) & 7) + 1,
         over: |r| r.low(0x7b) == 0 && r.at(0x27) == 0x53,
@@ -276,18 +267,16 @@ games! {
     pong "Pong" 4 {
         md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, controller: Controller::Paddle(1), modes: &[(0, 0), (1, 1)],
+        controller: Controller::Paddle(1), modes: &[(0, 0), (1, 1)],
         difficulties: &[0, 1, 2, 3],
-        select: Select { held: 5, reset: 8 },
         score: |r| r.at(0x0e) - r.at(0x0d),
         over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
     }
     private_eye "PrivateEye" 4 {
         md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
         minimal: &Action::ALL,
-        reset_frames: 12, start: &[Up], modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
+        start: &[Up], modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
         difficulties: &[0, 1, 2, 3],
-        select: Select { held: 2, reset: 4 },
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         over: |r| r.at(0x42) > 1,
     }
@@ -325,11 +314,10 @@ games! {
     space_invaders "SpaceInvaders" 3 {
         md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        reset_frames: 12, modes: &[
+        modes: &[
             (0, 0), (1, 2), (2, 3), (3, 5), (4, 7), (5, 9), (6, 11), (7, 13), (8, 15), (9, 17), (10, 19), (11, 21),
             (12, 23), (13, 25), (14, 27), (15, 29),
         ], difficulties: &[0, 1],
-        is_exact: |mode, _| mode < 8,
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
@@ -351,7 +339,7 @@ games! {
     video_pinball "VideoPinball" 4 {
         md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
-        reset_frames: 12, modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
+        modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x34, 0x32, 0x30]),
         lives: |r| 4 - (r.at(0x19) & 7) + (r.at(0x28) & 1),
         over: |r| r.at(0x2f) & 1 != 0,

@@ -27,6 +27,9 @@
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.
 
+mod ground;
+mod heuristic;
+
 use std::f32::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
@@ -37,10 +40,13 @@ use gym_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, sign, vec2};
+use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, World,
 };
+
+use ground::Ground;
+pub use heuristic::Heuristic;
 
 const FPS: f64 = 50.0;
 const SCALE: f64 = 30.0; // pixels per m
@@ -124,114 +130,6 @@ impl BipedalWalker {
     }
 }
 
-/// What a stretch of the ground is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Stretch {
-    Grass,
-    Stump,
-    Stairs,
-    Pit,
-}
-
-/// Builds the ground: heights, and obstacles in the order of their creation.
-struct Ground<'a> {
-    rng: &'a mut Generator,
-    world: &'a mut World,
-    terrain_y: Vec<f64>,
-    obstacles: Vec<FixtureId>,
-}
-
-impl Ground<'_> {
-    fn obstacle(&mut self, poly: [Point; 4]) {
-        let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
-        let shape = Shape::Polygon(points(&poly, |x| x));
-        let fixture =
-            self.world.create_fixture(body, &FixtureDef { friction: FRICTION, ..FixtureDef::new(shape) });
-        self.obstacles.push(fixture);
-    }
-
-    fn generate(&mut self, hardcore: bool) {
-        let mut state = Stretch::Grass;
-        let mut velocity = 0.0;
-        let mut y = TERRAIN_HEIGHT;
-        let mut counter = TERRAIN_STARTPAD as i64;
-        let mut first = false; // whether a stretch begins here
-        let (mut stair_steps, mut stair_width, mut stair_height) = (0, 0, 0);
-        let mut original_y = 0.0;
-        for i in 0..TERRAIN_LENGTH {
-            let x = i as f64 * TERRAIN_STEP;
-            match (state, first) {
-                (Stretch::Grass, false) => {
-                    velocity = 0.8 * velocity + 0.01 * sign(TERRAIN_HEIGHT - y);
-                    if i > TERRAIN_STARTPAD {
-                        velocity += self.rng.uniform(-1.0, 1.0) / SCALE;
-                    }
-                    y += velocity;
-                }
-                (Stretch::Grass, true) => {}
-                (Stretch::Pit, true) => {
-                    counter = self.rng.integers(3, 5);
-                    let bottom = y - 4.0 * TERRAIN_STEP;
-                    let poly = [[x, y], [x + TERRAIN_STEP, y], [x + TERRAIN_STEP, bottom], [x, bottom]];
-                    self.obstacle(poly);
-                    self.obstacle(poly.map(|[x, y]| [x + TERRAIN_STEP * counter as f64, y]));
-                    counter += 2;
-                    original_y = y;
-                }
-                (Stretch::Pit, false) => {
-                    y = original_y;
-                    if counter > 1 {
-                        y -= 4.0 * TERRAIN_STEP;
-                    }
-                }
-                (Stretch::Stump, true) => {
-                    counter = self.rng.integers(1, 3);
-                    let (right, top) = (x + counter as f64 * TERRAIN_STEP, y + counter as f64 * TERRAIN_STEP);
-                    self.obstacle([[x, y], [right, y], [right, top], [x, top]]);
-                }
-                (Stretch::Stump, false) => {}
-                (Stretch::Stairs, true) => {
-                    stair_height = if self.rng.random() > 0.5 { 1 } else { -1 };
-                    stair_width = self.rng.integers(4, 5);
-                    stair_steps = self.rng.integers(3, 5);
-                    original_y = y;
-                    for s in 0..stair_steps {
-                        let left = x + (s * stair_width) as f64 * TERRAIN_STEP;
-                        let right = x + ((1 + s) * stair_width) as f64 * TERRAIN_STEP;
-                        let top = y + (s * stair_height) as f64 * TERRAIN_STEP;
-                        let bottom = y + (-1 + s * stair_height) as f64 * TERRAIN_STEP;
-                        self.obstacle([[left, top], [right, top], [right, bottom], [left, bottom]]);
-                    }
-                    counter = stair_steps * stair_width;
-                }
-                (Stretch::Stairs, false) => {
-                    let s = stair_steps * stair_width - counter - stair_height;
-                    let n = s as f64 / stair_width as f64;
-                    y = original_y + (n * stair_height as f64) * TERRAIN_STEP;
-                }
-            }
-            first = false;
-            self.terrain_y.push(y);
-            counter -= 1;
-            if counter == 0 {
-                counter = self.rng.integers(TERRAIN_GRASS as i64 / 2, TERRAIN_GRASS as i64);
-                state = if state == Stretch::Grass && hardcore {
-                    [Stretch::Stump, Stretch::Stairs, Stretch::Pit][self.rng.integers(1, 4) as usize - 1]
-                } else {
-                    Stretch::Grass
-                };
-                first = true;
-            }
-        }
-        for i in 0..TERRAIN_LENGTH - 1 {
-            let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
-            let at = |i: usize| vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
-            let edge = FixtureDef { friction: FRICTION, ..FixtureDef::new(Shape::Edge(at(i), at(i + 1))) };
-            self.world.create_fixture(body, &edge);
-        }
-    }
-}
-
 fn cloud(rng: &mut Generator) -> [Point; 5] {
     let x = rng.uniform(0.0, TERRAIN_LENGTH as f64) * TERRAIN_STEP;
     let y = VIEWPORT_H / SCALE * 3.0 / 4.0;
@@ -248,14 +146,7 @@ impl Episode {
     /// Ground, clouds, hull and legs, in Gymnasium's order of draws and creation.
     fn new(config: Config, mut rng: Generator) -> Self {
         let mut world = World::with(config.physics, vec2(0.0, -10.0));
-        let mut ground = Ground {
-            rng: &mut rng,
-            world: &mut world,
-            terrain_y: Vec::with_capacity(TERRAIN_LENGTH),
-            obstacles: Vec::new(),
-        };
-        ground.generate(config.hardcore);
-        let Ground { terrain_y, obstacles, .. } = ground;
+        let Ground { terrain_y, obstacles, .. } = Ground::new(&mut rng, &mut world, config.hardcore);
         let clouds = [(); TERRAIN_LENGTH / 20].map(|()| cloud(&mut rng));
 
         let init_x = TERRAIN_STEP * TERRAIN_STARTPAD as f64 / 2.0;
@@ -580,88 +471,6 @@ impl Configure for BipedalWalker {
 
     fn configure(config: Config) -> Result<Self> {
         Ok(Self::new(config))
-    }
-}
-
-/// Gymnasium's hand-written gait. It has no notion of balance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Heuristic {
-    state: Gait,
-    moving_leg: usize,
-    supporting_knee_angle: f32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Gait {
-    StayOnOneLeg,
-    PutOtherDown,
-    PushOff,
-}
-
-const SPEED: f64 = 0.29; // it would fall forward at a higher one
-const SUPPORT_KNEE_ANGLE: f32 = 0.1;
-
-impl Default for Heuristic {
-    fn default() -> Self {
-        Self { state: Gait::StayOnOneLeg, moving_leg: 0, supporting_knee_angle: SUPPORT_KNEE_ANGLE }
-    }
-}
-
-impl Heuristic {
-    /// The next action, from an observation.
-    pub fn act(&mut self, s: &[f32; 24]) -> [f32; 4] {
-        let (moving, supporting) = (self.moving_leg, 1 - self.moving_leg);
-        let leg = |leg: usize| &s[4 + 5 * leg..];
-        // 0 where there is no target
-        let (mut hip_targ, mut knee_targ) = ([0.0; 2], [0.0; 2]);
-
-        if self.state == Gait::StayOnOneLeg {
-            hip_targ[moving] = 1.1;
-            knee_targ[moving] = -0.6;
-            self.supporting_knee_angle += 0.03;
-            if s[2] > SPEED as f32 {
-                self.supporting_knee_angle += 0.03;
-            }
-            self.supporting_knee_angle = self.supporting_knee_angle.min(SUPPORT_KNEE_ANGLE);
-            knee_targ[supporting] = self.supporting_knee_angle;
-            if leg(supporting)[0] < 0.10 {
-                self.state = Gait::PutOtherDown; // the supporting leg is behind
-            }
-        }
-        if self.state == Gait::PutOtherDown {
-            hip_targ[moving] = 0.1;
-            knee_targ[moving] = SUPPORT_KNEE_ANGLE;
-            knee_targ[supporting] = self.supporting_knee_angle;
-            if leg(moving)[4] != 0.0 {
-                self.state = Gait::PushOff;
-                self.supporting_knee_angle = leg(moving)[2].min(SUPPORT_KNEE_ANGLE);
-            }
-        }
-        if self.state == Gait::PushOff {
-            knee_targ[moving] = self.supporting_knee_angle;
-            knee_targ[supporting] = 1.0;
-            if leg(supporting)[2] > 0.88 || s[2] > (1.2 * SPEED) as f32 {
-                self.state = Gait::StayOnOneLeg;
-                self.moving_leg = 1 - self.moving_leg;
-            }
-        }
-
-        let mut action = [0.0; 4];
-        for i in 0..2 {
-            let l = leg(i);
-            let (mut hip_todo, mut knee_todo) = (0.0, 0.0);
-            if hip_targ[i] != 0.0 {
-                hip_todo = 0.9 * (hip_targ[i] - l[0]) - 0.25 * l[1];
-            }
-            if knee_targ[i] != 0.0 {
-                knee_todo = 4.0 * (knee_targ[i] - l[2]) - 0.25 * l[3];
-            }
-            hip_todo -= 0.9 * (0.0 - s[0]) - 1.5 * s[1]; // keeps the head straight
-            knee_todo -= 15.0 * s[3]; // damps oscillations
-            action[2 * i] = (0.5f32 * hip_todo).clamp(-1.0, 1.0);
-            action[2 * i + 1] = (0.5f32 * knee_todo).clamp(-1.0, 1.0);
-        }
-        action
     }
 }
 

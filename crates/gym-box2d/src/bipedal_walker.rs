@@ -427,7 +427,9 @@ impl Env for BipedalWalker {
         let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
         canvas.push(pygame::flipped(VIEWPORT_H));
-        let sky = pygame::corners([scroll * SCALE, 0.0], [scroll * SCALE + VIEWPORT_W, VIEWPORT_H]);
+        // whole pixels, as pygame takes them: at other sizes too the sky begins at the edge
+        let sky_left = (scroll * SCALE).trunc();
+        let sky = pygame::corners([sky_left, 0.0], [sky_left + VIEWPORT_W, VIEWPORT_H]);
         let [a, b, c, d] = sky;
         canvas.pygame(Primitive::Polygon(&[a, d, c, b]), Color::rgb(215, 215, 255));
         for cloud in &episode.clouds {

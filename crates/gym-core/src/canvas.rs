@@ -288,8 +288,11 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
             let [y1, y2] = [y1.min(y2) - 0.5, y1.max(y2) + 0.5];
             canvas.stroke(Shape::Polyline(&[[x, y1], [x, y2]]), THIN, color);
         }
-        Primitive::FilledPolygon(points) | Primitive::Polygon(points) => {
+        Primitive::FilledPolygon(points) => canvas.fill(Shape::Polygon(points), color),
+        // pixels on the edges belong to it: they reach half a pixel beyond
+        Primitive::Polygon(points) => {
             canvas.fill(Shape::Polygon(points), color);
+            canvas.stroke(Shape::Polygon(points), THIN, color);
         }
         Primitive::AaPolygon(points) | Primitive::AaLines { points, closed: true } => {
             canvas.stroke(Shape::Polygon(points), THIN, color);
@@ -391,14 +394,14 @@ mod tests {
     }
 
     #[test]
-    fn every_primitive_is_one_smooth_shape() {
+    fn every_primitive_has_its_smooth_shapes() {
         let points = &[[1.0, 1.0], [9.0, 2.0], [5.0, 8.0]];
         let (center, radius) = ([5.0, 5.0], 3.0);
         for (primitive, expected) in [
             (Primitive::HLine { x1: 1.0, x2: 4.0, y: 2.0 }, (0, 1)),
             (Primitive::VLine { x: 1.0, y1: 2.0, y2: 5.0 }, (0, 1)),
             (Primitive::FilledPolygon(points), (1, 0)),
-            (Primitive::Polygon(points), (1, 0)),
+            (Primitive::Polygon(points), (1, 1)),
             (Primitive::AaPolygon(points), (0, 1)),
             (Primitive::AaLines { points, closed: true }, (0, 1)),
             (Primitive::AaLines { points, closed: false }, (0, 1)),

@@ -1,0 +1,55 @@
+//! Pictures of other sizes than Gymnasium's are not drawn as pygame does. They look alike all the same.
+
+use gym::render::{Frame, painter};
+use gym::{Env, registry};
+
+/// How far a picture and one of twice its size differ on average in these pixels, in 255ths.
+fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize, usize)>) -> f64 {
+    let width = small.width() as usize;
+    let (mut sum, mut count) = (0.0, 0);
+    for (x, y) in pixels {
+        for channel in 0..3 {
+            let large =
+                |dx, dy| f64::from(large.pixels()[3 * (2 * width * (2 * y + dy) + 2 * x + dx) + channel]);
+            let mean = (large(0, 0) + large(1, 0) + large(0, 1) + large(1, 1)) / 4.0;
+            sum += (mean - f64::from(small.pixels()[3 * (width * y + x) + channel])).abs();
+            count += 1;
+        }
+    }
+    sum / f64::from(count)
+}
+
+#[test]
+fn pictures_of_twice_the_size_are_alike_up_to_their_edges() {
+    for registration in registry::self_contained() {
+        let id = registration.id();
+        let mut env = gym::make(id).unwrap();
+        let mut actions = env.action_sampler(0).unwrap();
+        env.reset(3).unwrap();
+        for _ in 0..30 {
+            if env.step(&actions.sample()).unwrap().done() {
+                break;
+            }
+        }
+        let size = env.metadata().render_size;
+        let mut painter = painter().unwrap();
+        let [small, large] = [1, 2].map(|zoom| {
+            let mut frame = Frame::new(zoom * size.0, zoom * size.1);
+            painter.paint(size, &mut |canvas| env.draw(canvas), &mut frame);
+            frame
+        });
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        let row = |y| difference(&small, &large, (0..width).map(|x| (x, y)));
+        let column = |x| difference(&small, &large, (0..height).map(|y| (x, y)));
+        let all = difference(&small, &large, (0..width * height).map(|i| (i % width, i / width)));
+        for (place, difference) in [
+            ("the picture", all),
+            ("the top", row(0)),
+            ("the bottom", row(height - 1)),
+            ("the left edge", column(0)),
+            ("the right edge", column(width - 1)),
+        ] {
+            assert!(difference < 2.0, "{id}: {place} differs by {difference}");
+        }
+    }
+}

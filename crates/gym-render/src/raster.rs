@@ -8,7 +8,7 @@ use gym_core::render::{Frame, Painter, PainterProvider};
 use crate::pixels;
 use crate::pygame::{RgbPixels, is_in_reach, paint};
 use crate::sheet::Sheet;
-use crate::skia::Skia;
+use crate::skia::{self, Skia};
 use crate::transforms::Transforms;
 
 inventory::submit! {
@@ -185,7 +185,15 @@ impl Canvas for Surface<'_> {
                     paint(&mut RgbPixels::new(self.frame, left, flipped), &primitive, color);
                 }
             }
-            _ => canvas::smooth(self, primitive, color),
+            _ => match primitive {
+                // the pixels on its edges belong to it, however large they are: neighbours leave no line between them
+                Primitive::Polygon(points) => {
+                    self.fill(Shape::Polygon(points), color);
+                    let pixel = 1.0 / skia::scale(self.raster.transforms.current());
+                    self.stroke(Shape::Polygon(points), pixel.max(1.0), color);
+                }
+                _ => canvas::smooth(self, primitive, color),
+            },
         }
     }
 

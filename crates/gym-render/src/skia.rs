@@ -219,7 +219,7 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
 }
 
 /// How many pixels of the picture are a unit of the drawing.
-fn scale(transform: Transform) -> f64 {
+pub(crate) fn scale(transform: Transform) -> f64 {
     (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt()
 }
 

@@ -127,18 +127,22 @@ impl Ale {
         self.progress.previous = Action::Noop.into();
         self.progress.paddle = Paddle::default();
         self.hold(switch::IDLE, IDLE_FRAMES);
-        self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
+        self.press_reset();
         self.progress.episode_frame_number = 0;
         if self.game.modes.len() > 1 {
             self.choose_mode();
-            self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
+            self.press_reset();
         }
-        self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
+        self.press_reset();
         for &action in self.game.start {
             self.frame(action.into(), switch::IDLE, true);
         }
         self.progress.score = (self.game.score)(&self.ram());
         self.observe();
+    }
+
+    fn press_reset(&mut self) {
+        self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
     }
 
     /// Leaves the console's switches so for some frames, while the player does nothing.

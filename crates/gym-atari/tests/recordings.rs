@@ -97,9 +97,9 @@ fn every_mode_is_ale_pys() {
     }
 }
 
-/// Modes that are chosen by SELECT and RESET in several ways, and the noise that Ice Hockey keeps over a reset.
+/// Modes over three episodes of an environment, and the noise that Ice Hockey keeps over a reset.
 #[test]
-fn modes_are_ale_pys() {
+fn modes_outlast_resets_as_in_ale_py() {
     if RomDir::find().is_none() {
         println!("no modes were compared: that needs ROMs");
         return;

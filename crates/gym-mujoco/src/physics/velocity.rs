@@ -62,7 +62,11 @@ pub fn rne(m: &Model, d: &mut Data) {
     for b in 1..n {
         let own = dofs(m, b);
         let mut a = acc[parents[b]];
-        add_to(&mut a, &along(&cdof_dot[own.clone()], &qvel[own]), 1.0);
+        if own.len() == 1 {
+            add_to(&mut a, &cdof_dot[own.start], qvel[own.start]);
+        } else {
+            add_to(&mut a, &along(&cdof_dot[own.clone()], &qvel[own]), 1.0);
+        }
         acc[b] = a;
         let mut f = mul_inertia(&cinert[b], &a);
         let momentum = mul_inertia(&cinert[b], &cvel[b]);

@@ -12,52 +12,58 @@ use crate::physics::spatial::MINVAL;
 pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * stride);
-        let first = j / 4;
-        for g in first..stride {
+        let (first, lane) = (j / 4, j % 4);
+        let column = &mut column[first..stride];
+        for (g, rows) in column.iter_mut().enumerate() {
             // element j of each column is what the rows' elements are multiplied by
-            let rest = before.chunks_exact(stride).map(|column| (&column[g], column[first][j % 4]));
-            let products = dot_rows(rest, j);
+            let products = dot_rows(before, stride, first + g, |column, _| column[first][lane]);
             for k in 0..4 {
-                column[g][k] -= products[k];
+                rows[k] -= products[k];
             }
         }
-        let pivot = column[first][j % 4];
+        let pivot = column[0][lane];
         if pivot < MINVAL {
-            column[first..stride].fill([0.0; 4]);
-            column[first][j % 4] = MINVAL.sqrt();
+            column.fill([0.0; 4]);
+            column[0][lane] = MINVAL.sqrt();
         } else {
             let diagonal = pivot.sqrt();
             let inverse = 1.0 / diagonal;
-            for group in &mut column[first..stride] {
-                for x in group {
-                    *x *= inverse;
-                }
-            }
-            column[first][j % 4] = diagonal;
+            column.as_flattened_mut().iter_mut().for_each(|x| *x *= inverse);
+            column[0][lane] = diagonal;
         }
     }
 }
 
-/// The products of four rows, given by columns, with a vector of `n` elements, as [`dot`](crate::physics::dense::dot) makes them.
+/// The products of four rows, of which some columns are given, with a vector, as [`dot`](crate::physics::dense::dot) makes them.
+/// `element` gives the vector's element for a column and its number.
 #[inline(always)]
-fn dot_rows<'a>(mut columns: impl Iterator<Item = (&'a Lanes, f64)>, n: usize) -> Lanes {
+fn dot_rows(
+    columns: &[Lanes],
+    stride: usize,
+    group: usize,
+    element: impl Fn(&[Lanes], usize) -> f64,
+) -> Lanes {
+    let mut fours = columns.chunks_exact(4 * stride);
     let mut sums = [[0.0; 4]; 4];
-    for _ in 0..n / 4 {
-        for sum in &mut sums {
-            if let Some((rows, x)) = columns.next() {
-                for k in 0..4 {
-                    sum[k] += rows[k] * x;
-                }
+    let mut number = 0;
+    for four in &mut fours {
+        for (sum, column) in sums.iter_mut().zip(four.chunks_exact(stride)) {
+            let (rows, x) = (&column[group], element(column, number));
+            for k in 0..4 {
+                sum[k] += rows[k] * x;
             }
+            number += 1;
         }
     }
     let mut rest = [0.0; 4];
-    for (rows, x) in columns {
+    for column in fours.remainder().chunks_exact(stride) {
+        let (rows, x) = (&column[group], element(column, number));
         for k in 0..4 {
             rest[k] += rows[k] * x;
         }
+        number += 1;
     }
-    std::array::from_fn(|k| total(&sums.map(|sum| sum[k])) + rest[k])
+    std::array::from_fn(|k| total(&[sums[0][k], sums[1][k], sums[2][k], sums[3][k]]) + rest[k])
 }
 
 /// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`.
@@ -65,16 +71,17 @@ fn dot_rows<'a>(mut columns: impl Iterator<Item = (&'a Lanes, f64)>, n: usize) -
 pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) {
     for g in 0..stride {
         // what the columns before these four rows take away
-        let before = factor[..4 * g * stride].chunks_exact(stride);
         let known = x[..g].as_flattened();
-        let sums = dot_rows(before.map(|column| &column[g]).zip(known.iter().copied()), 4 * g);
+        let sums = dot_rows(&factor[..4 * g * stride], stride, g, |_, number| known[number]);
+        let mut rows = x[g];
         for r in 0..4.min(n - 4 * g) {
             let mut rest = 0.0;
             for k in 0..r {
-                rest += factor[(4 * g + k) * stride + g][r] * x[g][k];
+                rest += factor[(4 * g + k) * stride + g][r] * rows[k];
             }
-            x[g][r] = (x[g][r] - (sums[r] + rest)) / factor[(4 * g + r) * stride + g][r];
+            rows[r] = (rows[r] - (sums[r] + rest)) / factor[(4 * g + r) * stride + g][r];
         }
+        x[g] = rows;
     }
     let x = x.as_flattened_mut();
     for i in (0..n).rev() {

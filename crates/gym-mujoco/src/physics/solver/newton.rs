@@ -97,7 +97,7 @@ impl Buffers {
             &mut self.mv,
             &mut self.row_update,
         ] {
-            if vector.len() != dense::groups(n) || n % 4 != 0 && self.last != n {
+            if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
                 vector.clear();
                 vector.resize(dense::groups(n), [0.0; 4]);
             }
@@ -314,13 +314,13 @@ fn iterate(
             *jar += jv * alpha;
         }
         update(b, jacobian);
+        let improvement = scale * improvement;
+        if (improvement > 0.0 && improvement < tolerance) || scale * norm(&b.grad, n) < tolerance {
+            return iteration;
+        }
         update_hessian(m, d, b, trees, jacobian);
         newton_direction(b, n, jacobian.stride);
-        let improvement = scale * improvement;
-        if (improvement > 0.0 && improvement < tolerance)
-            || scale * norm(&b.grad, n) < tolerance
-            || decrement(b) < tolerance
-        {
+        if decrement(b) < tolerance {
             return iteration;
         }
     }

@@ -1,0 +1,228 @@
+//! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same attributes set, bit for bit.
+
+use gym_classic as _;
+use gym_core::vector::VectorKind;
+use gym_core::{BoxEnv, Env, Generator, Kwargs, Value, VectorEnv, builder};
+use serde::Deserialize;
+
+/// An episode of Gymnasium's, made by `constants.py`.
+#[derive(Deserialize)]
+struct Recorded {
+    id: String,
+    seed: u64,
+    arguments: Kwargs,
+    /// FNV-1a of observations, rewards and ends.
+    sum: String,
+}
+
+const STEPS: usize = 300;
+
+fn recordings() -> Vec<Recorded> {
+    serde_json::from_str(include_str!("constants.json")).unwrap()
+}
+
+/// The actions of a recording: random ones, and most of the time those with the motion.
+struct Actions {
+    rng: Generator,
+    /// How many there are; none where an action is a number.
+    n: Option<i64>,
+    /// Which number of an observation is the velocity to go with.
+    pump: Option<usize>,
+}
+
+impl Actions {
+    fn new(id: &str, seed: u64) -> Self {
+        let (n, pump) = match id {
+            "CartPole-v1" => (Some(2), None),
+            "MountainCar-v0" => (Some(3), Some(1)),
+            "Acrobot-v1" => (Some(3), Some(5)),
+            "MountainCarContinuous-v0" => (None, Some(1)),
+            _ => (None, None),
+        };
+        Self { rng: Generator::from(seed + 1000), n, pump }
+    }
+
+    fn next(&mut self, observation: &[f32]) -> Value {
+        let rng = &mut self.rng;
+        let random = match self.n {
+            Some(n) => rng.integers(0, n) as f64,
+            None => rng.uniform(-4.0, 4.0),
+        };
+        let with_motion = rng.random() < 0.8;
+        let action = match self.pump.filter(|_| with_motion) {
+            Some(velocity) => {
+                let forward = observation[velocity] >= 0.0;
+                let most = self.n.map_or(1.0, |n| (n - 1) as f64);
+                let least = if self.n.is_some() { 0.0 } else { -1.0 };
+                if forward { most } else { least }
+            }
+            None => random,
+        };
+        match self.n {
+            Some(_) => Value::Int(action as i64),
+            None => Value::from([action as f32]),
+        }
+    }
+}
+
+/// FNV-1a of what an environment gives.
+struct Sum(u64);
+
+impl Sum {
+    fn of(observation: &[f32]) -> Self {
+        let mut sum = Self(0xcbf2_9ce4_8422_2325);
+        sum.observe(observation);
+        sum
+    }
+
+    fn word(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0100_0000_01b3);
+    }
+
+    fn observe(&mut self, observation: &[f32]) {
+        observation.iter().for_each(|x| self.word(u64::from(x.to_bits())));
+    }
+
+    fn step(&mut self, observation: &[f32], reward: f64, done: bool) {
+        self.observe(observation);
+        self.word(reward.to_bits());
+        self.word(u64::from(done));
+    }
+}
+
+fn sum_of(env: &mut BoxEnv, id: &str, seed: u64) -> String {
+    let mut actions = Actions::new(id, seed);
+    let mut observation = env.reset(seed).unwrap();
+    let mut own = Sum::of(observation.as_slice().unwrap());
+    let mut done = false;
+    for _ in 0..STEPS {
+        let action = actions.next(observation.as_slice().unwrap());
+        let reward;
+        if done {
+            (observation, reward, done) = (env.reset(()).unwrap(), 0.0, false);
+        } else {
+            let step = env.step(&action).unwrap();
+            (done, reward, observation) = (step.done(), step.reward, step.observation);
+        }
+        own.step(observation.as_slice().unwrap(), reward, done);
+    }
+    format!("{:016x}", own.0)
+}
+
+#[test]
+fn constants_of_single_environments_are_gymnasiums() {
+    for Recorded { id, seed, arguments, sum } in recordings() {
+        let mut env = builder(&id).args(arguments.clone()).max_episode_steps(None).build().unwrap();
+        assert_eq!(sum_of(&mut env, &id, seed), sum, "{id}: {arguments:?}");
+    }
+}
+
+#[test]
+fn constants_of_native_vectors_are_gymnasiums() {
+    const N: usize = 5;
+    for Recorded { id, seed, arguments, sum } in recordings() {
+        let env = builder(&id).args(arguments.clone()).max_episode_steps(None);
+        let mut envs = env.vector(N).kind(VectorKind::Native).build().unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&seed.into(), &mut columns).unwrap();
+        let first = |columns: &gym_core::vector::Columns| -> Vec<f32> {
+            let numbers = columns.observations.as_slice::<f32>().unwrap();
+            numbers[..numbers.len() / N].to_vec()
+        };
+        let mut own = Sum::of(&first(&columns));
+        let mut actions = Actions::new(&id, seed);
+        for _ in 0..STEPS {
+            let action = actions.next(&first(&columns));
+            let batch = envs.single_action_space().concatenate(&vec![action; N]).unwrap();
+            envs.step_into(&batch, &mut columns).unwrap();
+            own.step(&first(&columns), columns.rewards[0], columns.done(0));
+        }
+        assert_eq!(format!("{:016x}", own.0), sum, "{id}: {arguments:?}");
+    }
+}
+
+#[test]
+fn derived_constants_follow_unless_given() {
+    use gym_classic::cartpole::{Action, CartPole, Config};
+    let first = |config: Config| {
+        let mut env = CartPole::new(config).unwrap();
+        env.reset(0).unwrap();
+        env.step(&Action::Right).unwrap().observation
+    };
+    let heavy = Config { masspole: 0.5, ..Config::default() };
+    let stated = Config { total_mass: Some(1.5), polemass_length: Some(0.25), ..heavy };
+    assert_eq!(first(heavy), first(stated));
+    assert_ne!(first(heavy), first(Config { total_mass: Some(1.1), ..heavy }));
+}
+
+#[test]
+fn spaces_follow_the_constants() {
+    let space = |id: &str, name: &str, value: f64| {
+        let env = builder(id).arg(name, value).build().unwrap();
+        (env.observation_space().to_string(), env.action_space().to_string())
+    };
+    assert!(space("CartPole-v1", "x_threshold", 3.0).0.contains('6'));
+    assert!(space("Pendulum-v1", "max_torque", 3.0).1.contains('3'));
+    assert!(space("MountainCarContinuous-v0", "max_action", 1.5).1.contains("1.5"));
+}
+
+#[test]
+fn constants_that_cannot_be_are_refused() {
+    for (id, name, value, reason) in [
+        (
+            "CartPole-v1",
+            "gravity",
+            1e7,
+            "gravity is 10000000.0: it must lie between -1000000.0 and 1000000.0",
+        ),
+        ("CartPole-v1", "x_threshold", -1.0, "x_threshold is -1.0: it must lie between 0.0"),
+        (
+            "MountainCar-v0",
+            "min_position",
+            0.7,
+            "min_position is 0.7: it must be less than max_position, 0.6",
+        ),
+        ("MountainCar-v0", "max_speed", -0.1, "max_speed is -0.1"),
+        (
+            "MountainCarContinuous-v0",
+            "max_action",
+            -2.0,
+            "min_action is -1.0: it must not be above max_action, -2.0",
+        ),
+        ("Pendulum-v1", "max_torque", -1.0, "max_torque is -1.0"),
+        ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
+        ("Acrobot-v1", "gravity", 9.8, "unknown field `gravity`"),
+    ] {
+        let error = builder(id).arg(name, value).build().unwrap_err().to_string();
+        assert!(error.contains(reason), "{id}: {error}");
+    }
+    let error = builder("CartPole-v1").arg("kinematics_integrator", "rk4").build().unwrap_err().to_string();
+    assert!(error.contains("`euler` or `semi-implicit euler`"), "{error}");
+}
+
+/// As an attribute of Gymnasium's environments does: what was computed from others stays, and so do the spaces.
+#[test]
+fn constants_set_later_take_effect() {
+    for Recorded { id, seed, arguments, sum } in
+        recordings().into_iter().filter(|recorded| recorded.id == "CartPole-v1")
+    {
+        use gym_classic::CartPole;
+        let mut env = builder(&id).max_episode_steps(None).build().unwrap();
+        let space = env.observation_space();
+        env.reset(0).unwrap();
+        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let derived = ["total_mass", "polemass_length"];
+        let given =
+            |name: &str| !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05));
+        for (name, value) in arguments.iter().filter(|(name, _)| given(name)) {
+            own.set_argument(name, value.clone()).unwrap();
+        }
+        assert_eq!(env.observation_space(), space);
+        assert_eq!(sum_of(&mut env, &id, seed), sum, "{arguments:?}");
+        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let error = own.set_argument("gravity", "much".into()).unwrap_err().to_string();
+        assert!(error.contains("expected f64"), "{error}");
+        let error = own.set_argument("mass", 1.into()).unwrap_err().to_string();
+        assert!(error.contains("unknown field `mass`"), "{error}");
+    }
+}

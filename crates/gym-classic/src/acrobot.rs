@@ -20,7 +20,7 @@ use gym_core::canvas::{Canvas, Color, Primitive};
 use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos, square};
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_core::{ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, reset};
@@ -30,56 +30,49 @@ pub type Acrobot = Stateful<AcrobotDynamics>;
 
 const GRAVITY: f64 = 9.8; // m/s^2
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[expect(non_snake_case, reason = "Gymnasium's names")]
-pub struct Config {
-    /// Time from one state to the next, in s.
-    pub dt: f64,
-    /// Length of the upper link, in m.
-    pub LINK_LENGTH_1: f64,
-    /// Length of the lower link, in m: it is drawn, and the equations do not look at it.
-    pub LINK_LENGTH_2: f64,
-    /// Mass of the upper link, in kg.
-    pub LINK_MASS_1: f64,
-    /// Mass of the lower link, in kg.
-    pub LINK_MASS_2: f64,
-    /// Distance of the upper link's centre of mass from its joint, in m.
-    pub LINK_COM_POS_1: f64,
-    /// Distance of the lower link's centre of mass from its joint, in m.
-    pub LINK_COM_POS_2: f64,
-    /// Moment of inertia of each link, in kg m².
-    pub LINK_MOI: f64,
-    /// The greatest angular velocity of the upper link, in rad/s.
-    pub MAX_VEL_1: f64,
-    /// The greatest angular velocity of the lower link, in rad/s.
-    pub MAX_VEL_2: f64,
-    /// The torque of each action, in N m.
-    pub AVAIL_TORQUE: [f64; 3],
-    /// The torque is disturbed by up to this much, in N m, uniformly.
-    pub torque_noise_max: f64,
-    /// Where the equations are from.
-    pub book_or_nips: Equation,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            dt: 0.2,
-            LINK_LENGTH_1: 1.0,
-            LINK_LENGTH_2: 1.0,
-            LINK_MASS_1: 1.0,
-            LINK_MASS_2: 1.0,
-            LINK_COM_POS_1: 0.5,
-            LINK_COM_POS_2: 0.5,
-            LINK_MOI: 1.0,
-            MAX_VEL_1: 4.0 * PI,
-            MAX_VEL_2: 9.0 * PI,
-            AVAIL_TORQUE: [-1.0, 0.0, 1.0],
-            torque_noise_max: 0.0,
-            book_or_nips: Equation::Book,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    #[expect(non_snake_case, reason = "Gymnasium's names")]
+    pub struct Config {
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub dt: f64 = 0.2,
+        /// Length of the upper link.
+        #[unit = "m"]
+        pub LINK_LENGTH_1: f64 = 1.0,
+        /// Length of the lower link: it is drawn, and the equations do not look at it.
+        #[unit = "m"]
+        pub LINK_LENGTH_2: f64 = 1.0,
+        /// Mass of the upper link.
+        #[unit = "kg"]
+        pub LINK_MASS_1: f64 = 1.0,
+        /// Mass of the lower link.
+        #[unit = "kg"]
+        pub LINK_MASS_2: f64 = 1.0,
+        /// Distance of the upper link's centre of mass from its joint.
+        #[unit = "m"]
+        pub LINK_COM_POS_1: f64 = 0.5,
+        /// Distance of the lower link's centre of mass from its joint.
+        #[unit = "m"]
+        pub LINK_COM_POS_2: f64 = 0.5,
+        /// Moment of inertia of each link.
+        #[unit = "kg m²"]
+        pub LINK_MOI: f64 = 1.0,
+        /// The greatest angular velocity of the upper link.
+        #[unit = "rad/s"]
+        pub MAX_VEL_1: f64 = 4.0 * PI,
+        /// The greatest angular velocity of the lower link.
+        #[unit = "rad/s"]
+        pub MAX_VEL_2: f64 = 9.0 * PI,
+        /// The torque of each action.
+        #[unit = "N m"]
+        pub AVAIL_TORQUE: [f64; 3] = [-1.0, 0.0, 1.0],
+        /// The torque is disturbed by up to this much, uniformly.
+        #[unit = "N m"]
+        pub torque_noise_max: f64 = 0.0,
+        /// Where the equations are from.
+        pub book_or_nips: Equation = Equation::Book,
     }
 }
 
@@ -92,6 +85,12 @@ pub enum Equation {
     Book,
     /// That of Sutton's paper at NIPS, without the centrifugal force of the upper link.
     Nips,
+}
+
+impl ArgumentType for Equation {
+    fn kind() -> String {
+        "string".into()
+    }
 }
 
 gym_core::discrete! {

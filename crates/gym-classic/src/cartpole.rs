@@ -21,7 +21,9 @@ use gym_core::canvas::{Canvas, Color, Primitive};
 use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
+use gym_core::{
+    ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, reset};
@@ -29,56 +31,48 @@ use crate::{constants, reset};
 /// The environment.
 pub type CartPole = Stateful<CartPoleDynamics>;
 
-/// Arguments.
-///
-/// Gymnasium computes `total_mass` and `polemass_length` in its constructor alone: an attribute that is set later, such as
-/// `masspole`, leaves them as they are. Here they follow from the other arguments unless they are given themselves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
-    /// book, instead of 1 for each step.
-    pub sutton_barto_reward: bool,
-    /// Acceleration of gravity, in m/s².
-    pub gravity: f64,
-    /// Mass of the cart, in kg.
-    pub masscart: f64,
-    /// Mass of the pole, in kg.
-    pub masspole: f64,
-    /// Mass of both, in kg: `masspole + masscart` unless given.
-    pub total_mass: Option<f64>,
-    /// Half the length of the pole, in m.
-    pub length: f64,
-    /// In kg m: `masspole * length` unless given.
-    pub polemass_length: Option<f64>,
-    /// The force of a push, in N.
-    pub force_mag: f64,
-    /// Time from one state to the next, in s.
-    pub tau: f64,
-    /// How a step is integrated.
-    pub kinematics_integrator: Integrator,
-    /// The angle of the pole beyond which the episode ends, in rad.
-    pub theta_threshold_radians: f64,
-    /// The position of the cart beyond which the episode ends, in m.
-    pub x_threshold: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            sutton_barto_reward: false,
-            gravity: 9.8,
-            masscart: 1.0,
-            masspole: 0.1,
-            total_mass: None,
-            length: 0.5,
-            polemass_length: None,
-            force_mag: 10.0,
-            tau: 0.02,
-            kinematics_integrator: Integrator::Euler,
-            theta_threshold_radians: 12.0 * 2.0 * PI / 360.0,
-            x_threshold: 2.4,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    ///
+    /// Gymnasium computes `total_mass` and `polemass_length` in its constructor alone: an attribute that is set later, such as
+    /// `masspole`, leaves them as they are. Here they follow from the other arguments unless they are given themselves.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+        /// book, instead of 1 for each step.
+        pub sutton_barto_reward: bool = false,
+        /// Acceleration of gravity.
+        #[unit = "m/s²"]
+        pub gravity: f64 = 9.8,
+        /// Mass of the cart.
+        #[unit = "kg"]
+        pub masscart: f64 = 1.0,
+        /// Mass of the pole.
+        #[unit = "kg"]
+        pub masspole: f64 = 0.1,
+        /// Mass of both: `masspole + masscart` unless given.
+        #[unit = "kg"]
+        pub total_mass: Option<f64> = None,
+        /// Half the length of the pole.
+        #[unit = "m"]
+        pub length: f64 = 0.5,
+        /// Mass times length of the pole: `masspole * length` unless given.
+        #[unit = "kg m"]
+        pub polemass_length: Option<f64> = None,
+        /// The force of a push.
+        #[unit = "N"]
+        pub force_mag: f64 = 10.0,
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub tau: f64 = 0.02,
+        /// How a step is integrated.
+        pub kinematics_integrator: Integrator = Integrator::Euler,
+        /// The angle of the pole beyond which the episode ends.
+        #[unit = "rad"]
+        pub theta_threshold_radians: f64 = 12.0 * 2.0 * PI / 360.0,
+        /// The position of the cart beyond which the episode ends.
+        #[unit = "m"]
+        pub x_threshold: f64 = 2.4,
     }
 }
 
@@ -92,6 +86,12 @@ pub enum Integrator {
     /// Positions move with the new velocities. In Gymnasium, any name but `euler` says so.
     #[serde(rename = "semi-implicit euler")]
     SemiImplicitEuler,
+}
+
+impl ArgumentType for Integrator {
+    fn kind() -> String {
+        "string".into()
+    }
 }
 
 gym_core::discrete! {

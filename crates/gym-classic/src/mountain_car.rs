@@ -24,37 +24,24 @@ use crate::{constants, reset};
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The least velocity with which the goal counts as reached.
-    pub goal_velocity: f64,
-    /// The left end of the valley, where a wall is.
-    pub min_position: f64,
-    /// The right end of the valley.
-    pub max_position: f64,
-    /// The greatest velocity, per step.
-    pub max_speed: f64,
-    /// Where the goal is.
-    pub goal_position: f64,
-    /// What the motor adds to the velocity in a step.
-    pub force: f64,
-    /// What the slope adds to the velocity in a step, at most.
-    pub gravity: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            goal_velocity: 0.0,
-            min_position: -1.2,
-            max_position: 0.6,
-            max_speed: 0.07,
-            goal_position: 0.5,
-            force: 0.001,
-            gravity: 0.0025,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// The least velocity with which the goal counts as reached.
+        pub goal_velocity: f64 = 0.0,
+        /// The left end of the valley, where a wall is.
+        pub min_position: f64 = -1.2,
+        /// The right end of the valley.
+        pub max_position: f64 = 0.6,
+        /// The greatest velocity, per step.
+        pub max_speed: f64 = 0.07,
+        /// Where the goal is.
+        pub goal_position: f64 = 0.5,
+        /// What the motor adds to the velocity in a step.
+        pub force: f64 = 0.001,
+        /// What the slope adds to the velocity in a step, at most.
+        pub gravity: f64 = 0.0025,
     }
 }
 

@@ -26,40 +26,26 @@ use crate::{constants, reset};
 /// The environment.
 pub type MountainCarContinuous = Stateful<MountainCarContinuousDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The least velocity with which the goal counts as reached.
-    pub goal_velocity: f64,
-    /// The least force: a smaller action counts as this one.
-    pub min_action: f64,
-    /// The greatest force: a greater action counts as this one.
-    pub max_action: f64,
-    /// The left end of the valley, where a wall is.
-    pub min_position: f64,
-    /// The right end of the valley.
-    pub max_position: f64,
-    /// The greatest velocity, per step.
-    pub max_speed: f64,
-    /// Where the goal is.
-    pub goal_position: f64,
-    /// What a force of 1 adds to the velocity in a step.
-    pub power: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            goal_velocity: 0.0,
-            min_action: -1.0,
-            max_action: 1.0,
-            min_position: -1.2,
-            max_position: 0.6,
-            max_speed: 0.07,
-            goal_position: 0.45,
-            power: 0.0015,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// The least velocity with which the goal counts as reached.
+        pub goal_velocity: f64 = 0.0,
+        /// The least force: a smaller action counts as this one.
+        pub min_action: f64 = -1.0,
+        /// The greatest force: a greater action counts as this one.
+        pub max_action: f64 = 1.0,
+        /// The left end of the valley, where a wall is.
+        pub min_position: f64 = -1.2,
+        /// The right end of the valley.
+        pub max_position: f64 = 0.6,
+        /// The greatest velocity, per step.
+        pub max_speed: f64 = 0.07,
+        /// Where the goal is.
+        pub goal_position: f64 = 0.45,
+        /// What a force of 1 adds to the velocity in a step.
+        pub power: f64 = 0.0015,
     }
 }
 

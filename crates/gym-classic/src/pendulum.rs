@@ -27,27 +27,28 @@ use crate::{constants, reset};
 /// The environment.
 pub type Pendulum = Stateful<PendulumDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Acceleration of gravity, in m/s².
-    pub g: f64,
-    /// Mass of the rod, in kg.
-    pub m: f64,
-    /// Length of the rod, in m.
-    pub l: f64,
-    /// The greatest angular velocity, in rad/s.
-    pub max_speed: f64,
-    /// The greatest torque, in N m.
-    pub max_torque: f64,
-    /// Time from one state to the next, in s.
-    pub dt: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { g: 10.0, m: 1.0, l: 1.0, max_speed: 8.0, max_torque: 2.0, dt: 0.05 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Acceleration of gravity.
+        #[unit = "m/s²"]
+        pub g: f64 = 10.0,
+        /// Mass of the rod.
+        #[unit = "kg"]
+        pub m: f64 = 1.0,
+        /// Length of the rod.
+        #[unit = "m"]
+        pub l: f64 = 1.0,
+        /// The greatest angular velocity.
+        #[unit = "rad/s"]
+        pub max_speed: f64 = 8.0,
+        /// The greatest torque.
+        #[unit = "N m"]
+        pub max_torque: f64 = 2.0,
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub dt: f64 = 0.05,
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use super::{ActionColumn, LANES, Many, Native, ObservationColumn};
 use crate::math::{Emulated, Fma, Hardware, One, Real, with};
 use crate::rng::{Stream, WordStream};
-use crate::{Dynamics, Generator, Outcome, Result, Task, Transition};
+use crate::{Arguments, Dynamics, Error, Generator, Outcome, Result, Task, Transition};
 
 /// A task whose step is a formula of a few numbers: written once for [`Real`] numbers, it is the step of one
 /// environment and of a native vector, with the same bits.
@@ -14,7 +14,8 @@ use crate::{Dynamics, Generator, Outcome, Result, Task, Transition};
 /// take `R: Real`, and all that they call, are to be marked `#[inline(always)]`: otherwise they are compiled
 /// without the CPU's vector instructions.
 pub trait Equations:
-    Task<State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn> + Sync
+    Task<Config: Arguments + Clone, State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn>
+    + Sync
 {
     /// The numbers that steps work with, `[f64; K]`.
     type Numbers: Row;
@@ -258,6 +259,16 @@ where
 
     fn constants(&self) -> [f64; P] {
         Equations::constants(self)
+    }
+
+    fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
+        let mut config = self.config().clone();
+        for (name, value) in arguments {
+            if !config.set_number(name, *value) {
+                return Err(Error::argument(name, format!("{} has no number of this name", Self::NAME)));
+            }
+        }
+        Self::new(config)
     }
 
     fn pack(&self, state: &Self::State) -> [f64; K] {

@@ -37,7 +37,7 @@ gym_core::arguments! {
     /// Gymnasium computes `total_mass` and `polemass_length` in its constructor alone: an attribute that is set later, such as
     /// `masspole`, leaves them as they are. Here they follow from the other arguments unless they are given themselves.
     #[derive(Copy)]
-    pub struct Config {
+    pub const struct Config {
         /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
         /// book, instead of 1 for each step.
         pub sutton_barto_reward: bool = false,
@@ -138,10 +138,37 @@ impl CartPoleDynamics {
     }
 }
 
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 9] {
+    let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = *config;
+    let total_mass = match config.total_mass {
+        Some(total_mass) => total_mass,
+        None => masspole + masscart,
+    };
+    let polemass_length = match config.polemass_length {
+        Some(polemass_length) => polemass_length,
+        None => masspole * length,
+    };
+    let Config { theta_threshold_radians, x_threshold, .. } = *config;
+    [
+        gravity,
+        masspole,
+        total_mass,
+        length,
+        polemass_length,
+        force_mag,
+        tau,
+        theta_threshold_radians,
+        x_threshold,
+    ]
+}
+
 impl Equations for CartPoleDynamics {
     type Numbers = [f64; 4];
     type Input = [f64; 1];
     type Constants = [f64; 9];
+
+    const USUAL: Option<[f64; 9]> = Some(constants_of(&Config::DEFAULT));
 
     #[inline(always)]
     fn constants(&self) -> [f64; 9] {
@@ -229,15 +256,23 @@ impl Task for CartPoleDynamics {
     const NAME: &'static str = "CartPole";
 
     fn new(config: Config) -> Result<Self> {
-        let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = config;
-        let total_mass = config.total_mass.unwrap_or(masspole + masscart);
-        let polemass_length = config.polemass_length.unwrap_or(masspole * length);
-        let Config { theta_threshold_radians, x_threshold, .. } = config;
+        let constants = constants_of(&config);
+        let [
+            gravity,
+            masspole,
+            total_mass,
+            length,
+            polemass_length,
+            force_mag,
+            tau,
+            theta_threshold,
+            x_threshold,
+        ] = constants;
         constants::finite(
             Self::NAME,
             [
                 ("gravity", gravity),
-                ("masscart", masscart),
+                ("masscart", config.masscart),
                 ("masspole", masspole),
                 ("total_mass", total_mass),
                 ("length", length),
@@ -248,19 +283,8 @@ impl Task for CartPoleDynamics {
         )?;
         constants::limits(
             Self::NAME,
-            [("theta_threshold_radians", theta_threshold_radians), ("x_threshold", x_threshold)],
+            [("theta_threshold_radians", theta_threshold), ("x_threshold", x_threshold)],
         )?;
-        let constants = [
-            gravity,
-            masspole,
-            total_mass,
-            length,
-            polemass_length,
-            force_mag,
-            tau,
-            theta_threshold_radians,
-            x_threshold,
-        ];
         Ok(Self { config, built: config, constants })
     }
 

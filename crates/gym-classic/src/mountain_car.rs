@@ -27,7 +27,7 @@ pub type MountainCar = Stateful<MountainCarDynamics>;
 gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
-    pub struct Config {
+    pub const struct Config {
         /// The least velocity with which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
         /// The left end of the valley, where a wall is.
@@ -74,16 +74,23 @@ pub struct MountainCarDynamics {
     built: Config,
 }
 
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 7] {
+    let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
+        *config;
+    [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]
+}
+
 impl Equations for MountainCarDynamics {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
     type Constants = [f64; 7];
 
+    const USUAL: Option<[f64; 7]> = Some(constants_of(&Config::DEFAULT));
+
     #[inline(always)]
     fn constants(&self) -> [f64; 7] {
-        let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
-            self.config;
-        [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]
+        constants_of(&self.config)
     }
 
     #[inline(always)]

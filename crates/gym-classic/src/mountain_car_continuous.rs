@@ -29,7 +29,7 @@ pub type MountainCarContinuous = Stateful<MountainCarContinuousDynamics>;
 gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
-    pub struct Config {
+    pub const struct Config {
         /// The least velocity with which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
         /// The least force: a smaller action counts as this one.
@@ -68,16 +68,23 @@ pub struct MountainCarContinuousDynamics {
     built: Config,
 }
 
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 8] {
+    let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = *config;
+    let Config { max_speed, goal_position, power, .. } = *config;
+    [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
+}
+
 impl Equations for MountainCarContinuousDynamics {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
     type Constants = [f64; 8];
 
+    const USUAL: Option<[f64; 8]> = Some(constants_of(&Config::DEFAULT));
+
     #[inline(always)]
     fn constants(&self) -> [f64; 8] {
-        let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = self.config;
-        let Config { max_speed, goal_position, power, .. } = self.config;
-        [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
+        constants_of(&self.config)
     }
 
     #[inline(always)]

@@ -30,7 +30,7 @@ pub type Pendulum = Stateful<PendulumDynamics>;
 gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
-    pub struct Config {
+    pub const struct Config {
         /// Acceleration of gravity.
         #[unit = "m/s²"]
         pub g: f64 = 10.0,
@@ -81,10 +81,21 @@ struct Start {
     y_init: Option<f64>,
 }
 
+/// What the equations need, with the square of the length.
+const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
+    let Config { g, m, l, max_speed, max_torque, dt } = *config;
+    // numpy takes both to `float32`, as the torque is
+    let (per_torque, max_torque) = ((3.0 / (m * l_2)) as f32 as f64, max_torque as f32 as f64);
+    [3.0 * g / (2.0 * l), per_torque, max_speed, max_torque, dt]
+}
+
 impl Equations for PendulumDynamics {
     type Numbers = [f64; 3];
     type Input = [f64; 1];
     type Constants = [f64; 5];
+
+    const USUAL: Option<[f64; 5]> = Some(constants_of(&Config::DEFAULT, 1.0));
+    const IS_COMPLETE: bool = false;
 
     #[inline(always)]
     fn constants(&self) -> [f64; 5] {
@@ -163,8 +174,7 @@ impl Task for PendulumDynamics {
         let Config { g, m, l, max_speed, max_torque, dt } = config;
         constants::finite(Self::NAME, [("g", g), ("m", m), ("l", l), ("dt", dt)])?;
         constants::limits(Self::NAME, [("max_speed", max_speed), ("max_torque", max_torque)])?;
-        let per_torque = f64::from((3.0 / (m * square(l))) as f32);
-        let constants = [3.0 * g / (2.0 * l), per_torque, max_speed, f64::from(max_torque as f32), dt];
+        let constants = constants_of(&config, square(l));
         Ok(Self { config, built: config, constants })
     }
 

@@ -177,6 +177,8 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 /// it, and its default value. A field under `#[flatten]` is another such struct, whose arguments are taken over; its default
 /// value may be left out, and `#[flatten(name = 3..)]` changes which versions take one of them.
 ///
+/// `const struct` gives the default values as the constant `DEFAULT` too.
+///
 /// The crate needs `serde` with the feature `derive`. A type that is not one of JSON's implements [`ArgumentType`].
 ///
 /// ```
@@ -264,6 +266,16 @@ macro_rules! arguments {
     (@number $self:ident, $name:ident, $x:ident, $field:ident, [flatten $($other:ident),*]) => {
         if $crate::Arguments::set_number(&mut $self.$field, $name, $x) {
             return true;
+        }
+    };
+    ($(#[$meta:meta])* $visibility:vis const struct $name:ident { $($body:tt)* }) => {
+        $crate::arguments! { $(#[$meta])* $visibility struct $name { $($body)* } }
+        $crate::arguments! { @constant $name { $($body)* } }
+    };
+    (@constant $name:ident { $($(#[$meta:meta])* pub $field:ident: $type:ty = $default:expr),* $(,)? }) => {
+        impl $name {
+            /// The default values.
+            pub const DEFAULT: Self = Self { $($field: $default),* };
         }
     };
     (@default) => { Default::default() };

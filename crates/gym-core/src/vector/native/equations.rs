@@ -27,6 +27,13 @@ pub trait Equations:
     /// environments of a vector.
     type Constants: Row;
 
+    /// The constants for the default arguments, where they are known at compile time: a native vector with these then runs code
+    /// that they are folded into.
+    const USUAL: Option<Self::Constants> = None;
+
+    /// Whether [`numbers`](Self::numbers) gives all numbers, and [`complete`](Self::complete) has nothing to do.
+    const IS_COMPLETE: bool = true;
+
     /// Whether [`disturb`](Self::disturb) does anything.
     const IS_NOISY: bool = false;
 
@@ -271,7 +278,14 @@ where
         Self::new(config)
     }
 
+    fn is_usual(&self) -> bool {
+        E::USUAL == Some(Equations::constants(self))
+    }
+
     fn pack(&self, state: &Self::State) -> [f64; K] {
+        if E::IS_COMPLETE {
+            return self.numbers(state);
+        }
         with(
             self.numbers(state),
             #[inline(always)]
@@ -319,15 +333,51 @@ impl<E: Native> Many<'_, E> {
             }
             ages[lane] = f64::from(self.steps[lane]);
         }
+        match E::USUAL.filter(|_| self.is_usual) {
+            Some(usual) => self.solve::<R, K, A, P, O>(
+                token,
+                equations,
+                &inputs,
+                &ages,
+                #[inline(always)]
+                |_| splat(token, usual),
+            ),
+            None => {
+                let constants = self.constants;
+                self.solve::<R, K, A, P, O>(
+                    token,
+                    equations,
+                    &inputs,
+                    &ages,
+                    #[inline(always)]
+                    |first| registers(token, constants, first),
+                );
+            }
+        }
+    }
+
+    /// The loop over the registers of a block, with the constants of each.
+    #[inline(always)]
+    fn solve<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
+        &mut self,
+        token: R::Token,
+        equations: &E,
+        inputs: &[[f64; LANES]; A],
+        ages: &[f64; LANES],
+        constants: impl Fn(usize) -> [R; P],
+    ) where
+        E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+            + Native<Packed = [f64; K], Constants = [f64; P]>
+            + Task<Observation = [f32; O]>,
+    {
         let mut seen = [[0.0; LANES]; O];
         let mut terminated = 0;
         for first in (0..LANES).step_by(R::LANES) {
             let age = R::get(token, &ages[first..]);
             let fresh = age.lt(age.same(1.0));
-            let constants = registers::<R, P>(token, self.constants, first);
             let state = registers::<R, K>(token, self.states, first);
-            let input = registers::<R, A>(token, &inputs, first);
-            let next = equations.advance(constants, state, fresh, input);
+            let input = registers::<R, A>(token, inputs, first);
+            let next = equations.advance(constants(first), state, fresh, input);
             for (column, x) in self.states.iter_mut().zip(next.state) {
                 x.put(&mut column[first..]);
             }
@@ -344,6 +394,17 @@ impl<E: Native> Many<'_, E> {
             }
         }
     }
+}
+
+/// The same numbers for all environments.
+#[inline(always)]
+fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] {
+    let zero = R::get(token, &[0.0; LANES]);
+    let mut registers = [zero; N];
+    for (register, x) in registers.iter_mut().zip(numbers) {
+        *register = zero.same(x);
+    }
+    registers
 }
 
 /// The numbers of some environments, from `first` on.

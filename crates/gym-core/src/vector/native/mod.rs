@@ -83,6 +83,11 @@ pub trait Native:
     /// The constants for these arguments.
     fn constants(&self) -> Self::Constants;
 
+    /// Whether the constants are those that code was compiled for.
+    fn is_usual(&self) -> bool {
+        false
+    }
+
     /// The same with other values of some arguments that are numbers.
     ///
     /// # Errors

@@ -83,6 +83,7 @@ impl<D: Native> Step<'_, D> {
         };
         let mut last = [Default::default(); LANES];
         let num_envs = self.actions.len();
+        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
         for (i, (block, streams)) in blocks.iter_mut().zip(streams.as_chunks_mut().0).enumerate() {
             let first = i * LANES;
             let len = LANES.min(num_envs - first);
@@ -91,6 +92,7 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
+                is_usual,
                 constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
@@ -176,6 +178,8 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and where its results go.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
+    /// Whether the constants are [usual](Native::is_usual) ones.
+    pub(super) is_usual: bool,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],

@@ -4,7 +4,7 @@ use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use gym::vector::{
-    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec,
+    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
 };
 use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, builder};
 use numpy::{PyArray1, PyArrayMethods};
@@ -14,7 +14,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::{Value as Json, json};
 
 use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python};
-use crate::env::Env;
+use crate::env::{Env, EnvExt};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::peek;

@@ -4,7 +4,8 @@
 use gym::toytext::Taxi;
 use gym::toytext::taxi::{Action, Config};
 use gym::wrappers::TimeLimit;
-use gym::{Env, Generator, Result};
+use gym::prelude::*;
+use gym::Generator;
 
 const EPISODES: usize = 3_000;
 const LEARNING_RATE: f64 = 0.5;

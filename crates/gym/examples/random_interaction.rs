@@ -3,7 +3,7 @@
 
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::{GifWriter, Plot};
-use gym::{Env, Result};
+use gym::prelude::*;
 
 /// Plays `episodes` episodes of random actions, hands each rendered frame to `recorder`, and gives
 /// return and length of each episode. Takes a typed environment as well as one from `make`.

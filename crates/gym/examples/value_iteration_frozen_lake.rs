@@ -4,7 +4,7 @@
 use gym::toytext::FrozenLake;
 use gym::toytext::frozen_lake::{Action, Config, FrozenLakeDynamics};
 use gym::wrappers::TimeLimit;
-use gym::{Env, Result};
+use gym::prelude::*;
 
 const DISCOUNT: f64 = 0.999;
 

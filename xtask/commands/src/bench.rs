@@ -10,7 +10,7 @@ use clap::{ValueEnum, builder::PossibleValue};
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
 use gym::vector::VectorKind;
-use gym::{Element, Env, Error, Registration, Result, registry};
+use gym::{Element, Env, EnvExt, Error, Registration, Result, registry};
 
 use crate::selection::Selection;
 use serde::{Deserialize, Serialize};

@@ -10,9 +10,7 @@ use gym::rendering::RecordVectorVideo;
 use gym::spaces::BoxSpace;
 use gym::vector::wrappers::*;
 use gym::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
-use gym::{
-    BoxEnv, DType, Env, EnvExt, Error, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt, WrapperSpec,
-};
+use gym::{BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt, WrapperSpec};
 
 const N: usize = 3;
 
@@ -356,4 +354,21 @@ fn a_wrapper_that_leaves_out_its_spec_has_none() {
     let unknown = gym::make_vec("CartPole-v1", 2, None).unwrap().spec().unwrap();
     let error = unknown.wrapped(WrapperSpec::new("Idle")).make().unwrap_err().to_string();
     assert!(error.contains("unknown wrapper `Idle`") && error.contains("ClipReward"), "{error}");
+}
+
+mod with_everything_imported {
+    use gym::vector::wrappers::*;
+    use gym::vector::*;
+
+    #[test]
+    fn calls_are_not_ambiguous() {
+        let mut envs = gym::make_vec("CartPole-v1", 2, None).unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&0.into(), &mut columns).unwrap();
+        let mut envs = ClipReward::new(envs, 0.0, 0.5).unwrap();
+        envs.reset(1).unwrap();
+        let actions = envs.action_sampler(0).unwrap().sample();
+        assert_eq!(envs.step(&actions).unwrap().rewards, [0.5, 0.5]);
+        assert!(envs.spec().is_some() && envs.num_envs() == 2);
+    }
 }

@@ -36,7 +36,7 @@ use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
 use gym_core::math::{cos, sin};
 use gym_core::render::Metadata;
 use gym_core::{
-    Configure, Env, EnvExt, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pygame,
+    Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 

@@ -32,8 +32,8 @@ use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::math::{cos, sin, tanh};
 use gym_core::render::Metadata;
 use gym_core::{
-    Configure, Element, Env, EnvExt, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
-    Value, pygame,
+    Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
 

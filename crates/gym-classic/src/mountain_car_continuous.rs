@@ -210,7 +210,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, EnvExt};
+    use gym_core::EnvExt;
 
     use super::*;
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::canvas::Canvas;
 use crate::render::Metadata;
-use crate::{Element, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// The dynamics of a task, written once: three functions of a plain state.
 ///

@@ -5,9 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
-use gym::{
-    BoxEnv, Env, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value,
-};
+use gym::{BoxEnv, Env as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;

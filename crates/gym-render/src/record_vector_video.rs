@@ -6,7 +6,7 @@ use std::path::Path;
 use gym_core::registry::VectorWrapperRegistration;
 use gym_core::render::{Frame, Rendered};
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
-use gym_core::{Error, Kwargs, Result, Value, VectorEnv, VectorEnvExt, WrapperSpec, inventory};
+use gym_core::{Error, Kwargs, Result, Value, VectorEnv, WrapperSpec, inventory};
 
 use crate::png::tile;
 use crate::record_video::{check_known_mode, video_folder};

@@ -5,9 +5,7 @@ use std::path::Path;
 
 use gym_core::registry::WrapperRegistration;
 use gym_core::render::{Frame, RenderMode, Rendered};
-use gym_core::{
-    BoxEnv, Env, EnvExt, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory,
-};
+use gym_core::{BoxEnv, Env, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory};
 
 use crate::recorder::not_frames;
 use crate::tape::{Tape, tape_options};

@@ -442,7 +442,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, EnvExt, Snapshot};
+    use gym_core::{EnvExt, Snapshot};
 
     use super::*;
 

@@ -475,7 +475,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, EnvExt, builder};
+    use gym_core::{EnvExt, builder};
 
     use super::*;
 

@@ -1,9 +1,9 @@
 //! The course notebook's own loop: make, reset, step with random actions, see the spaces, and write
 //! every frame to a GIF. Run it with `cargo run --release --example notebook`.
 
+use gym::prelude::*;
 use gym::render::RenderMode;
 use gym::rendering::write_gif;
-use gym::prelude::*;
 
 fn main() -> gym::Result<()> {
     let mut env = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArrayList).build()?;

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use clap::{ValueEnum, builder::PossibleValue};
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
-use gym::vector::VectorKind;
+use gym::vector::{VectorEnvExt, VectorKind};
 use gym::{Element, Env, EnvExt, Error, Registration, Result, registry};
 
 use crate::selection::Selection;

@@ -10,8 +10,7 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space,
-    Value,
+    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 

@@ -28,8 +28,8 @@ use std::sync::Arc;
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Element, Env, EnvExt, Error, Generator, Outcome, Registration, Reset, Result, Snapshot,
-    Space, Value,
+    Array, Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
+    Value,
 };
 use serde::{Deserialize, Serialize};
 

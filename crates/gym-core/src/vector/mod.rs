@@ -19,7 +19,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::render::{Metadata, Rendered};
-use crate::{Env, Error, Result, Snapshot, Space, Value};
+use crate::{Error, Result, Snapshot, Space, Value};
 
 pub use crate::registry::{VectorKind, VectorSpec};
 pub use columns::{Columns, Progress};

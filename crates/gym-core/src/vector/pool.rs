@@ -14,7 +14,7 @@ use std::thread::{self, JoinHandle};
 
 use super::size::MAX_THREADS;
 use super::slot::{self, Slot, Spaces, describe, slots};
-use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorEnvExt, VectorReset, VectorSpec};
+use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Reset, Result, Snapshot, Space, Value};
 

@@ -2,7 +2,7 @@ use std::any::Any;
 use std::fmt;
 
 use super::slot::{self, Slot, Spaces, describe, slots};
-use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorEnvExt, VectorReset, VectorSpec};
+use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
 

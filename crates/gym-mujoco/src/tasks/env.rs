@@ -6,7 +6,7 @@ use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 

@@ -14,7 +14,7 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::{Value as Json, json};
 
 use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python};
-use crate::env::{Env, EnvExt};
+use crate::env::Env;
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::peek;

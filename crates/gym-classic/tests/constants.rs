@@ -1,8 +1,9 @@
 //! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same attributes set, bit for bit.
 
 use gym_classic as _;
+use gym_core::prelude::*;
 use gym_core::vector::VectorKind;
-use gym_core::{BoxEnv, Env, Generator, Kwargs, Value, VectorEnv, builder};
+use gym_core::{BoxEnv, Generator, Kwargs, Value, builder};
 use serde::Deserialize;
 
 /// An episode of Gymnasium's, made by `constants.py`.

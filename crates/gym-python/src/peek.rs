@@ -3,7 +3,7 @@
 use gym::toytext::tabular::Table;
 use gym::vector::VectorEnv;
 use gym::vector::native::NativeVectorEnv;
-use gym::{BoxEnv, Env, Error, Result, Stateful, Task, classic, toytext};
+use gym::{BoxEnv, EnvExt, Error, Result, Stateful, Task, classic, toytext};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};

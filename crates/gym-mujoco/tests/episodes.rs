@@ -1,6 +1,6 @@
 //! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0, by digest: the same observations, rewards and ends, byte for byte.
 
-use gym_core::{Env, make};
+use gym_core::{EnvExt, make};
 use gym_mujoco as _;
 use serde_json::Value;
 

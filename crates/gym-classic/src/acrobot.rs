@@ -20,15 +20,20 @@
 use std::f64::consts::{PI, TAU};
 
 use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::keys::json;
 use gym_core::math::{Fma, Real, numpy_sin_cos_f32, sin_cos};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Generator, NoArguments, Outcome, Registration, Reset, Result, Space, Stateful, Transition,
-    pygame,
+    Dynamics, Generator, Keys, NoArguments, Outcome, Policy, Registration, Reset, Result, Space, Stateful,
+    Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::policy;
 
 use crate::reset;
 
@@ -330,4 +335,9 @@ gym_core::register!(
         .reward_threshold(-100.0)
         .reset_options(&[("low", "-0.05"), ("high", "0.05")])
         .vector_entry_point(native::entry_point::<AcrobotDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
+        .policy(Policy::rules("pushes the lower link along with its own motion", |_| reflex(policy::acrobot)))
+        .clip(Clip { seeds: 5..6, every: 1, frames: 100, size: (200, 200) })
 );

@@ -16,27 +16,34 @@
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
 use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::keys::json;
 use gym_core::math::{Fma, Real};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Space, Stateful, Transition,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::policy;
 
 use crate::reset;
 
 /// The environment.
 pub type CartPole = Stateful<CartPoleDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
-    /// book, instead of 1 for each step.
-    pub sutton_barto_reward: bool,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+        /// book, instead of 1 for each step.
+        pub sutton_barto_reward: bool,
+    }
 }
 
 const GRAVITY: f64 = 9.8; // m/s^2
@@ -255,21 +262,28 @@ impl Native for CartPoleDynamics {
     }
 }
 
-gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v0")
+/// What both versions have in common.
+const fn cartpole(id: &'static str) -> Registration {
+    Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")
-        .max_episode_steps(200)
-        .reward_threshold(195.0)
         .reset_options(&[("low", "-0.025"), ("high", "0.025")])
         .vector_entry_point(native::entry_point::<CartPoleDynamics>)
-);
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())
+        .policy(Policy::rules("pushes to the side that a weighted sum of the four numbers calls for", |_| {
+            reflex(policy::cartpole)
+        }))
+}
+
 gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v1")
-        .description("Balance a pole on a cart.")
-        .max_episode_steps(500)
-        .reward_threshold(475.0)
-        .reset_options(&[("low", "-0.025"), ("high", "0.025")])
-        .vector_entry_point(native::entry_point::<CartPoleDynamics>)
+    cartpole("CartPole-v0").max_episode_steps(200).reward_threshold(195.0),
+    cartpole("CartPole-v1").max_episode_steps(500).reward_threshold(475.0).clip(Clip {
+        seeds: 3..4,
+        every: 3,
+        frames: 60,
+        size: (300, 200)
+    }),
 );
 
 #[cfg(test)]

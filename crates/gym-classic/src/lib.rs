@@ -20,6 +20,7 @@ pub mod cartpole;
 pub mod mountain_car;
 pub mod mountain_car_continuous;
 pub mod pendulum;
+mod policy;
 mod reset;
 
 pub use acrobot::Acrobot;

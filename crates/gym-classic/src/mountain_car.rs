@@ -13,26 +13,33 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::keys::json;
 use gym_core::math::{Fma, Real, cos, numpy_sin_cos_f32, sin};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Space, Stateful,
+    Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::policy;
 
 use crate::reset;
 
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The least velocity with which the goal counts as reached.
-    pub goal_velocity: f64,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// The least velocity with which the goal counts as reached.
+        pub goal_velocity: f64,
+    }
 }
 
 pub(crate) const MIN_POSITION: f64 = -1.2;
@@ -254,4 +261,12 @@ gym_core::register!(
         .reward_threshold(-110.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
+        .policy(Policy::rules(
+            "drives right while the velocity lies between two curves over the position, else left",
+            |_| reflex(policy::mountain_car),
+        ))
+        .clip(Clip { seeds: 0..1, every: 2, frames: 80, size: (300, 200) })
 );

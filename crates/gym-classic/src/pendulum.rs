@@ -15,31 +15,33 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
+use gym_core::keys::json;
 use gym_core::math::{Fma, One, Real, sin};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::WordStream;
 use gym_core::vector::native::{self, Equations, Many, Native, Next};
 use gym_core::{
-    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
+    Dynamics, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Space, Stateful,
+    Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
+
+use crate::policy;
 
 use crate::reset;
 
 /// The environment.
 pub type Pendulum = Stateful<PendulumDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Acceleration of gravity, in m/s².
-    pub g: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { g: 10.0 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Acceleration of gravity.
+        #[unit = "m/s²"]
+        pub g: f64 = 10.0,
     }
 }
 
@@ -275,4 +277,14 @@ gym_core::register!(
         .max_episode_steps(200)
         .reset_options(&[("x_init", "0.5"), ("y_init", "0.5")])
         .vector_entry_point(native::entry_point::<PendulumDynamics>)
+        .light_step()
+        .keys(|_| {
+            // a positive torque turns to the left
+            Keys::new(json!({"Left": [2], "Right": [-2]})).idle(json!([0]))
+        })
+        .policy(Policy::rules(
+            "adds energy until the pole is near the top, then holds it there with a PD controller",
+            |_| reflex(policy::pendulum),
+        ))
+        .clip(Clip { seeds: 5..6, every: 2, frames: 80, size: (200, 200) })
 );

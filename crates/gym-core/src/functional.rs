@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::canvas::Canvas;
 use crate::render::Metadata;
-use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// The dynamics of a task, written once: three functions of a plain state.
 ///
@@ -92,7 +92,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
 pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
-    type Config: Default + PartialEq + Serialize + DeserializeOwned;
+    type Config: Arguments + PartialEq;
     /// All that changes from step to step.
     type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
     /// What the agent sees.

@@ -102,7 +102,7 @@ impl Env {
         observation: Value,
     ) -> Self {
         let light = ["gym-classic", "gym-toytext"];
-        let is_slow = find(id).is_ok_and(|registration| !light.contains(&registration.crate_name()));
+        let is_slow = find(id).is_ok_and(|registration| !light.contains(&registration.source.package));
         Self {
             id: id.to_owned(),
             kwargs: kwargs.to_owned(),

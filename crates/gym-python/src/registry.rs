@@ -16,14 +16,14 @@ pub(crate) fn specs() -> PyResult<String> {
             registration.spec()?;
         Ok(json!({
             "id": id,
-            "crate": registration.crate_name(),
-            "about": registration.about(),
+            "crate": registration.source.package,
+            "about": registration.description,
             "kwargs": kwargs,
             "defaults": registration.default_kwargs(),
             "reward_threshold": reward_threshold,
             "max_episode_steps": max_episode_steps,
             "nondeterministic": nondeterministic,
-            "native_vector": registration.native_vector().is_some(),
+            "native_vector": registration.vector_entry_point.is_some(),
         }))
     };
     guard(|| Ok(Json::Array(all().into_iter().map(row).collect::<Result<_>>().or_raise()?).to_string()))

@@ -31,10 +31,9 @@ mod packed;
 mod snapshot;
 mod step;
 
-use serde_json::Value as Json;
-
+use crate::arguments;
 use crate::math::Real;
-use crate::registry::{VectorKind, VectorSpec, find};
+use crate::registry::{ResetOptions, VectorKind, VectorSpec, find};
 use crate::rng::Stream;
 use crate::vector::{Autoreset, VectorEnv};
 use crate::{Dynamics, EnvSpec, Error, Result};
@@ -99,14 +98,11 @@ pub fn entry_point<D: Native>(
 ) -> Result<Box<dyn VectorEnv>> {
     let refuse = |reason: String| Error::argument(format!("`{}`", spec.id), reason);
     let registration = find(&spec.id)?;
-    if !spec.kwargs.is_empty() && registration.default_kwargs().is_empty() {
-        return Err(refuse("it takes no arguments".into()));
-    }
-    let config: D::Config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
-        .map_err(|error| refuse(error.to_string()))?;
+    let whose = format!("`{}`", spec.id);
+    let config = arguments::read(&D::Config::default(), registration.rules(), &spec.kwargs, &whose)?;
     D::supports(&config)
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
     let spec = VectorSpec::new(spec.clone(), num_envs, VectorKind::Native).autoreset(autoreset);
-    Ok(Box::new(envs.registered(spec, registration.reset_options)))
+    Ok(Box::new(envs.registered(spec, ResetOptions(registration.reset_options))))
 }

@@ -1,7 +1,7 @@
 //! The best policy of a transition table.
 
 use gym_core::policy::{Controller, reflex};
-use gym_core::{BoxEnv, Dynamics, Env, Stateful};
+use gym_core::{BoxEnv, Dynamics, EnvExt, Stateful};
 
 use crate::tabular::Table;
 

@@ -1,6 +1,6 @@
 //! Arrow keys and the space bar, for those actions that a game has.
 
-use gym_core::{BoxEnv, Env, Keys};
+use gym_core::{BoxEnv, EnvExt, Keys};
 use serde_json::json;
 
 use super::AtariEnv;

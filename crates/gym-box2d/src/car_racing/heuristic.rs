@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use gym_core::math::atan2;
 use gym_core::policy::Controller;
-use gym_core::{BoxEnv, Element, Env, Space};
+use gym_core::{BoxEnv, Element, Env, EnvExt, Space};
 
 use super::CarRacing;
 

@@ -14,12 +14,19 @@ pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
         let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } =
             registration.spec()?;
+        let table = registration.arguments()?;
+        let defaults: Kwargs =
+            table.iter().map(|argument| (argument.name.to_owned(), argument.default.clone())).collect();
+        let documented = table.iter().map(|argument| {
+            json!({"name": argument.name, "type": argument.kind, "unit": argument.unit, "meaning": argument.meaning})
+        });
         Ok(json!({
             "id": id,
             "crate": registration.source.package,
-            "about": registration.description,
+            "description": registration.description,
             "kwargs": kwargs,
-            "defaults": registration.default_kwargs(),
+            "defaults": defaults,
+            "arguments": documented.collect::<Vec<_>>(),
             "reward_threshold": reward_threshold,
             "max_episode_steps": max_episode_steps,
             "nondeterministic": nondeterministic,

@@ -209,7 +209,10 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let model = &self.simulation.model;
         let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
-        let episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        let mut episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        if let Some(episode) = &mut episode {
+            episode.data.resume(model);
+        }
         self.episode = episode.map(Box::new);
         Ok(())
     }

@@ -5,6 +5,7 @@
 pub mod array;
 mod boxed;
 pub mod canvas;
+mod clock;
 mod data;
 mod env;
 mod error;

@@ -25,7 +25,7 @@ pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
 pub use wrappers::WrapperRegistration;
 
-use id::nearest;
+pub(crate) use id::nearest;
 pub(crate) use options::ResetOptions;
 
 use crate::{Error, Result};

@@ -62,20 +62,30 @@ impl Plugin {
 
     /// Writes a program that links the plugin and runs the commands over its environments.
     pub(crate) fn write_program(&self, folder: &Path) -> Result<(), String> {
+        let main = format!(
+            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
+             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
+            self.krate, self.name
+        );
+        self.write(folder, "main.rs", &main, self.manifest())
+    }
+
+    /// Writes a library that links the plugin and the gallery.
+    pub(crate) fn write_gallery(&self, folder: &Path) -> Result<(), String> {
+        let library = format!("use gym_web as _;\nuse {} as _;\n", self.krate);
+        self.write(folder, "lib.rs", &library, self.gallery_manifest())
+    }
+
+    fn write(&self, folder: &Path, name: &str, text: &str, manifest: String) -> Result<(), String> {
         let error_at = |path: &Path| {
             let path = path.display().to_string();
             move |error: io::Error| format!("{path}: {error}")
         };
         let source = folder.join("src");
         fs::create_dir_all(&source).map_err(error_at(&source))?;
-        let main = format!(
-            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
-             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
-            self.krate, self.name
-        );
-        for (path, text) in [(folder.join("Cargo.toml"), self.manifest()), (source.join("main.rs"), main)] {
+        for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
             // an unchanged file is not built again
-            if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
+            if fs::read_to_string(&path).ok().as_deref() != Some(text) {
                 fs::write(&path, text).map_err(error_at(&path))?;
             }
         }
@@ -88,17 +98,50 @@ impl Plugin {
         Ok(())
     }
 
-    fn manifest(&self) -> String {
-        let Self { name, folder, source, .. } = self;
-        let commands = root().join("xtask").join("commands");
-        // a plugin that takes gym-core from elsewhere shares the one that the commands use
-        let patch = source.as_ref().map_or_else(String::new, |source| {
+    /// A plugin that takes gym-core from elsewhere shares the one of this workspace.
+    fn patch(&self) -> String {
+        self.source.as_ref().map_or_else(String::new, |source| {
             let crates = ["gym", "gym-core", "gym-render"].map(|name| {
                 let path = root().join("crates").join(name);
                 format!("{name} = {{ path = {path:?} }}\n")
             });
             format!("\n[patch.{source:?}]\n{}", crates.concat())
-        });
+        })
+    }
+
+    fn gallery_manifest(&self) -> String {
+        let Self { name, folder, .. } = self;
+        let (web, patch) = (root().join("crates").join("gym-web"), self.patch());
+        format!(
+            "[package]\n\
+             name = \"gallery-of-{name}\"\n\
+             version = \"0.0.0\"\n\
+             edition = \"2024\"\n\
+             publish = false\n\
+             \n\
+             [workspace]\n\
+             \n\
+             [lib]\n\
+             crate-type = [\"cdylib\"]\n\
+             \n\
+             [dependencies]\n\
+             {name} = {{ path = {folder:?} }}\n\
+             gym-web = {{ path = {web:?}, default-features = false }}\n\
+             \n\
+             [profile.web]\n\
+             inherits = \"release\"\n\
+             lto = \"thin\"\n\
+             codegen-units = 1\n\
+             strip = true\n\
+             panic = \"abort\"\n\
+             {patch}"
+        )
+    }
+
+    fn manifest(&self) -> String {
+        let Self { name, folder, .. } = self;
+        let commands = root().join("xtask").join("commands");
+        let patch = self.patch();
         format!(
             "[package]\n\
              name = \"commands-of-{name}\"\n\

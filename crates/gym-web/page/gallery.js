@@ -51,11 +51,8 @@ export function gallery(main, engine, environments) {
     let open = null;
     let frames = 0;
     const start = async () => {
-      const [width, height] = environment.size;
-      const scale = Math.min(1, TILE / width, TILE / height);
-      const size = environment.scales ? [Math.round(width * scale), Math.round(height * scale)] : null;
       const by = environment.policy ? "good" : "random";
-      return engine.open({ id: environment.id, kwargs: {}, size, seed: "0", by, interval: 30 }, ({ frame, pixels, error }) => {
+      return engine.open({ id: environment.id, kwargs: {}, fit: TILE, seed: "0", by, interval: 30 }, ({ frame, pixels, error }) => {
         if (error) return console.error(`${environment.id}: ${error}`);
         if (!frame) return;
         paint(canvas, frame, pixels);

@@ -146,8 +146,8 @@ function show(loop, now = performance.now()) {
 
 const handlers = {
   // Opens an environment, resets it and shows it; it plays unless it is paused.
-  open({ env, id, kwargs, size, seed, ...options }) {
-    const description = call({ do: "make", env, id, kwargs, size });
+  open({ env, id, kwargs, fit = null, seed, ...options }) {
+    const description = call({ do: "make", env, id, kwargs, fit });
     const loop = {
       env, fps: Math.max(1, description.fps), speed: 1, by: "random", learner: null, idle: null, repeats: false, held: null,
       lastHeld: null, script: null, paused: false, resets: true, sight: false, interval: 15, shown: 0, waiting: false,

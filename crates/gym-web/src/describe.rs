@@ -14,18 +14,28 @@ pub(crate) fn entry(registration: &Registration) -> Json {
         "id": registration.id(),
         "name": id.as_ref().map(EnvId::unversioned),
         "version": id.and_then(|id| id.version),
-        "crate": registration.crate_name(),
+        "family": family(registration.crate_name()),
         "description": registration.about(),
         "missing": registration.missing(),
     })
 }
 
+/// The heading of a crate's environments.
+fn family(crate_name: &str) -> &str {
+    match crate_name {
+        "gym-classic" => "Classic control",
+        "gym-toytext" => "Toy text",
+        "gym-box2d" => "Box2D",
+        "gym-mujoco" => "MuJoCo",
+        "gym-atari" => "Atari",
+        other => other,
+    }
+}
+
 /// The arguments of an environment: name, type, unit, meaning, default value, and the value that the id sets.
 pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
     let set = registration.spec()?.kwargs;
-    let argument = |(name, default): (String, Json)| {
-        json!({"value": set.get(&name).unwrap_or(&default), "default": default, "name": name})
-    };
+    let argument = |(name, default): (String, Json)| json!({"value": set.get(&name).unwrap_or(&default), "default": default, "name": name});
     Ok(registration.default_kwargs().into_iter().map(argument).collect())
 }
 

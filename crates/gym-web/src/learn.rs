@@ -39,7 +39,9 @@ impl Learner {
         let seed = Seed::from(seed);
         Ok(match lesson {
             Lesson::Tabular(parameters) => Self::Tabular(Tabular::new(env, seed, parameters)?.into()),
-            Lesson::CrossEntropy(parameters) => Self::CrossEntropy(CrossEntropy::new(env, seed, parameters)?.into()),
+            Lesson::CrossEntropy(parameters) => {
+                Self::CrossEntropy(CrossEntropy::new(env, seed, parameters)?.into())
+            }
         })
     }
 

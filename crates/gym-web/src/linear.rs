@@ -67,10 +67,13 @@ impl CrossEntropy {
             space => return Err(unfit(format!("it observes {space}"))),
         };
         let outputs = match env.action_space() {
-            Space::Discrete(space) => {
-                Outputs::Choice { first: space.start(), count: usize::try_from(space.n()).unwrap_or_default() }
+            Space::Discrete(space) => Outputs::Choice {
+                first: space.start(),
+                count: usize::try_from(space.n()).unwrap_or_default(),
+            },
+            Space::Box(space) => {
+                Outputs::Numbers(space.low().iter_f64().zip(space.high().iter_f64()).collect())
             }
-            Space::Box(space) => Outputs::Numbers(space.low().iter_f64().zip(space.high().iter_f64()).collect()),
             space => return Err(unfit(format!("its actions are {space}"))),
         };
         let mut learner = Self {
@@ -125,15 +128,17 @@ impl CrossEntropy {
     }
 
     fn action(&self, weights: &[f64], observation: &Value) -> Result<Value> {
-        let seen = observation.as_array().ok_or_else(|| {
-            Error::Contract(format!("{observation} is not an observation of {}", self.env))
-        })?;
+        let seen = observation
+            .as_array()
+            .ok_or_else(|| Error::Contract(format!("{observation} is not an observation of {}", self.env)))?;
         let rows = weights.chunks_exact(self.inputs + 1);
-        let output = |row: &[f64]| seen.iter_f64().zip(row).map(|(x, w)| x * w).sum::<f64>() + row[self.inputs];
+        let output =
+            |row: &[f64]| seen.iter_f64().zip(row).map(|(x, w)| x * w).sum::<f64>() + row[self.inputs];
         let outputs: Vec<f64> = rows.map(output).collect();
         Ok(match &self.outputs {
             Outputs::Choice { first, .. } => {
-                let greater = |best: usize, other: usize| if outputs[other] > outputs[best] { other } else { best };
+                let greater =
+                    |best: usize, other: usize| if outputs[other] > outputs[best] { other } else { best };
                 Value::Int(first + (0..outputs.len()).reduce(greater).unwrap_or_default() as i64)
             }
             Outputs::Numbers(bounds) => {
@@ -198,7 +203,8 @@ impl CrossEntropy {
         let extra = noise / f64::from(self.generation);
         for i in 0..self.mean.len() {
             let mean = best.iter().map(|(_, weights)| weights[i]).sum::<f64>() / count as f64;
-            let variance = best.iter().map(|(_, weights)| (weights[i] - mean).powi(2)).sum::<f64>() / count as f64;
+            let variance =
+                best.iter().map(|(_, weights)| (weights[i] - mean).powi(2)).sum::<f64>() / count as f64;
             (self.mean[i], self.deviation[i]) = (mean, variance.sqrt() + extra);
         }
         self.tried.clear();
@@ -213,7 +219,8 @@ mod tests {
     fn a_linear_policy_learns_to_balance() {
         let parameters = r#"{"population": 20, "elite": 0.2, "spread": 1.0, "noise": 0.2, "episodes": 1}"#;
         let parameters = serde_json::from_str(parameters).unwrap();
-        let mut learner = CrossEntropy::new(gym::make("CartPole-v1").unwrap(), Seed::from(0), parameters).unwrap();
+        let mut learner =
+            CrossEntropy::new(gym::make("CartPole-v1").unwrap(), Seed::from(0), parameters).unwrap();
         let mut last = Vec::new();
         while learner.generation() < 15 {
             last.extend(learner.train(3, 50).unwrap());

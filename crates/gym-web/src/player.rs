@@ -46,14 +46,18 @@ pub(crate) struct Player {
 }
 
 impl Player {
-    /// Makes the environment, with pictures of a size.
-    pub(crate) fn new(id: &str, kwargs: &Kwargs, size: Option<(u32, u32)>) -> Result<Self> {
-        let mut builder = gym::builder(id).args(kwargs.clone()).render_mode(RenderMode::RgbArray);
-        if let Some((width, height)) = size {
-            builder = builder.render_size(width, height);
+    /// Makes the environment. Its pictures have their own size, or fit into a square.
+    pub(crate) fn new(id: &str, kwargs: &Kwargs, fit: Option<u32>) -> Result<Self> {
+        let builder = gym::builder(id).args(kwargs.clone()).render_mode(RenderMode::RgbArray);
+        let mut env = builder.clone().build()?;
+        let (width, height) = env.metadata().render_size;
+        let longest = width.max(height);
+        if let Some(fit) = fit.filter(|fit| *fit < longest) {
+            let [width, height] = [width, height].map(|side| (side * fit / longest).max(1));
+            env = builder.render_size(width, height).build()?;
         }
         Ok(Self {
-            env: builder.build()?,
+            env,
             id: id.to_owned(),
             kwargs: kwargs.clone(),
             seed: None,
@@ -102,7 +106,7 @@ impl Player {
             By::Action(action) => action,
             By::Random => match &mut self.sampler {
                 Some(sampler) => sampler.sample(),
-                None => return Err(Error::ResetNeeded),
+                None => return Err(Error::ResetNeeded("step")),
             },
             By::Good => return Err(Error::custom(format!("{} has no good policy", self.env))),
         };
@@ -130,7 +134,8 @@ impl Player {
     /// Steps the environment alone.
     fn apply(&mut self, action: &Value) -> Result<()> {
         let outcome = self.env.step_into(action, &mut self.observation)?;
-        (self.reward, self.terminated, self.truncated) = (outcome.reward, outcome.terminated, outcome.truncated);
+        (self.reward, self.terminated, self.truncated) =
+            (outcome.reward, outcome.terminated, outcome.truncated);
         Ok(())
     }
 
@@ -145,7 +150,7 @@ impl Player {
                 *at
             }
             None => {
-                let seed = self.seed.clone().ok_or(Error::ResetNeeded)?;
+                let seed = self.seed.clone().ok_or(Error::ResetNeeded("step"))?;
                 self.env.reset_into(&Reset::from(seed), &mut self.observation)?;
                 (self.reward, self.terminated, self.truncated) = (0.0, false, false);
                 0
@@ -209,7 +214,8 @@ impl Player {
 
     /// The observation as a picture, if it is one.
     pub(crate) fn sight(&self, rgba: &mut Vec<u8>) -> Json {
-        let picture = self.observation.as_array().and_then(|array| Some((array.shape(), array.as_slice::<u8>()?)));
+        let picture =
+            self.observation.as_array().and_then(|array| Some((array.shape(), array.as_slice::<u8>()?)));
         match picture {
             Some((&[height, width, 3], pixels)) => {
                 describe::to_rgba(pixels, 3, rgba);
@@ -231,7 +237,7 @@ impl Player {
 
     /// The episode as a trace, which `cargo xtask replay` compares.
     pub(crate) fn trace(&self) -> Result<Trace> {
-        let seed = self.seed.clone().ok_or(Error::ResetNeeded)?;
+        let seed = self.seed.clone().ok_or(Error::ResetNeeded("step"))?;
         let space = self.env.action_space();
         // large observations are recorded as checksums
         let observation = match &self.observation {
@@ -254,9 +260,9 @@ impl Player {
     /// The episode so far as a GIF of at most `frames` pictures, the first ones.
     pub(crate) fn gif(&self, frames: usize) -> Result<Vec<u8>> {
         let mut player = Self::new(&self.id, &self.kwargs, None)?;
-        player.reset(self.seed.clone().ok_or(Error::ResetNeeded)?)?;
+        player.reset(self.seed.clone().ok_or(Error::ResetNeeded("step"))?)?;
         let fps = player.env.metadata().render_fps;
-        let mut picture = |player: &mut Self| {
+        let picture = |player: &mut Self| {
             player.env.render_into(&mut player.picture)?;
             match &player.picture {
                 Rendered::Frame(frame) => Ok(frame.clone()),

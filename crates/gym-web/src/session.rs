@@ -26,8 +26,8 @@ enum Request {
     List,
     /// The arguments of an environment.
     Arguments { id: String },
-    /// Opens an environment.
-    Make { env: u32, id: String, kwargs: Kwargs, size: Option<(u32, u32)> },
+    /// Opens an environment, whose pictures fit into a square of that many pixels.
+    Make { env: u32, id: String, kwargs: Kwargs, fit: Option<u32> },
     /// Closes it.
     Close { env: u32 },
     /// Starts an episode from a seed, in decimal digits of any number.
@@ -103,8 +103,8 @@ impl Session {
         Ok(match request {
             Request::List => registry::all().iter().map(describe::entry).collect(),
             Request::Arguments { id } => describe::arguments(&registry::find(&id)?)?,
-            Request::Make { env, id, kwargs, size } => {
-                let player = Player::new(&id, &kwargs, size)?;
+            Request::Make { env, id, kwargs, fit } => {
+                let player = Player::new(&id, &kwargs, fit)?;
                 let description = player.describe();
                 self.players.insert(env, player);
                 description
@@ -173,7 +173,9 @@ impl Session {
                 self.learner(learner)?.tune(lesson)?;
                 Json::Null
             }
-            Request::Train { learner, episodes, steps } => json!(self.learner(learner)?.train(episodes, steps)?),
+            Request::Train { learner, episodes, steps } => {
+                json!(self.learner(learner)?.train(episodes, steps)?)
+            }
             Request::Learned { learner } => {
                 let learner = self.learner(learner)?;
                 attachment.extend(learner.learned().iter().flat_map(|number| number.to_le_bytes()));

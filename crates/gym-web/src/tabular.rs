@@ -64,7 +64,8 @@ struct Running {
 
 impl Tabular {
     pub(crate) fn new(env: BoxEnv, seed: Seed, parameters: Parameters) -> Result<Self> {
-        let (Space::Discrete(observed), Space::Discrete(chosen)) = (env.observation_space(), env.action_space())
+        let (Space::Discrete(observed), Space::Discrete(chosen)) =
+            (env.observation_space(), env.action_space())
         else {
             return Err(Error::custom(format!("{env} has no table: its states or actions are not numbered")));
         };

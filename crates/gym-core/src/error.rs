@@ -127,7 +127,7 @@ pub enum Error {
     Closed(&'static str),
 
     /// A seed that is not a whole number of zero or more.
-    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater, of any size")]
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
     InvalidSeed(String),
 
     /// A render mode that the environment does not have, or that was not asked for.

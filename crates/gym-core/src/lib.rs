@@ -39,7 +39,7 @@ pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
 pub use error::{Error, Result};
-pub use functional::{Dynamics, Stateful, Transition};
+pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
 pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
 pub use reset::{Kwargs, Reset};

@@ -13,7 +13,7 @@
 
 use gym_core::canvas::{Align, Canvas, Color};
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -60,7 +60,7 @@ pub struct CorridorDynamics {
     config: Config,
 }
 
-impl Dynamics for CorridorDynamics {
+impl Task for CorridorDynamics {
     type Config = Config;
     type State = State;
     type Observation = i64;
@@ -95,21 +95,6 @@ impl Dynamics for CorridorDynamics {
         Ok(State { cell: rng.integers(0, self.config.length / 2), slipped: false })
     }
 
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let last = self.config.length - 1;
-        let slipped = rng.random() < self.config.slip;
-        let cell = match action {
-            _ if slipped => state.cell,
-            Action::Left => (state.cell - 1).max(0),
-            Action::Right => (state.cell + 1).min(last),
-        };
-        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
-    }
-
-    fn observe(&self, state: &State) -> i64 {
-        state.cell
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         (0..self.config.length).contains(&state.cell)
     }
@@ -133,6 +118,23 @@ impl Dynamics for CorridorDynamics {
         let color = if state.slipped { SLIPPED } else { AGENT };
         canvas.circle([left(state.cell) + width / 2.0, 50.0], width.min(40.0) * 0.35, color);
         canvas.text("Corridor", [8.0, 14.0], 8.0, Align::Left, Color::WHITE);
+    }
+}
+
+impl Dynamics for CorridorDynamics {
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let last = self.config.length - 1;
+        let slipped = rng.random() < self.config.slip;
+        let cell = match action {
+            _ if slipped => state.cell,
+            Action::Left => (state.cell - 1).max(0),
+            Action::Right => (state.cell + 1).min(last),
+        };
+        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
+    }
+
+    fn observe(&self, state: &State) -> i64 {
+        state.cell
     }
 }
 

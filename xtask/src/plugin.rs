@@ -94,7 +94,13 @@ impl Plugin {
     }
 
     /// Writes a package of one source file.
-    fn write(&self, folder: &Path, (name, text): (&str, &str), prefix: &str, parts: &str) -> Result<(), String> {
+    fn write(
+        &self,
+        folder: &Path,
+        (name, text): (&str, &str),
+        prefix: &str,
+        parts: &str,
+    ) -> Result<(), String> {
         let error_at = |path: &Path| {
             let path = path.display().to_string();
             move |error: io::Error| format!("{path}: {error}")
@@ -208,7 +214,8 @@ mod tests {
             folder: "/x".into(),
             source: Some("crates-io".into()),
         };
-        let manifest = plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &our_profiles().unwrap());
+        let manifest =
+            plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &our_profiles().unwrap());
         for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
         {
             assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");

@@ -1,6 +1,7 @@
 //! `cargo xtask web`: the gallery, every environment in the browser, as a folder of static files or as one file.
 
 mod serve;
+mod test;
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -27,6 +28,8 @@ Options:
       --single        Also writes gallery.html there: the whole page in one file, which a double click opens
       --serve         Shows the page at http://localhost:8000 until it is interrupted
       --port NUMBER   Another port, for --serve
+      --test          Tests the page in a Chromium without display
+      --traces FOLDER Replays the recorded traces in that folder too, for --test
       --small         Classic control and toy text alone: quick to build, for work on the page
       --plugin PATH   A gallery of the environments of the crate in that folder
   -h, --help          Print help";
@@ -38,6 +41,8 @@ struct Options {
     serve: bool,
     port: Option<u16>,
     small: bool,
+    test: bool,
+    traces: Option<PathBuf>,
     help: bool,
 }
 
@@ -52,6 +57,8 @@ impl Options {
                 Some("--single") => options.single = true,
                 Some("--serve") => options.serve = true,
                 Some("--small") => options.small = true,
+                Some("--test") => options.test = true,
+                Some("--traces") => options.traces = Some(value()?.into()),
                 Some("-h" | "--help") => options.help = true,
                 Some("--out") => options.out = Some(value()?.into()),
                 Some("--port") => {
@@ -85,8 +92,13 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
         write(&path, text.as_bytes())?;
         println!("{}: {} kB", path.display(), text.len() / 1000);
     }
+    if options.test {
+        test::test(&out, options.traces.as_deref())?;
+    }
     if options.serve {
-        serve::serve(&out, options.port.unwrap_or(8000))?;
+        let (listener, port) = serve::listen(options.port.unwrap_or(8000))?;
+        println!("http://localhost:{port}/ (Ctrl+C ends it)");
+        serve::serve(&listener, &serve::Site { page: out, folders: Vec::new(), posts: None });
     }
     Ok(())
 }

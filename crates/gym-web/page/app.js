@@ -10,6 +10,7 @@ import { lessons } from "./lessons.js";
 const main = document.getElementById("main");
 const engine = new Engine();
 let leave = () => {};
+let environments = [];
 
 function fail(error) {
   console.error(error);
@@ -17,12 +18,18 @@ function fail(error) {
 }
 
 // The part and its parameters.
-export function address() {
+function address() {
   const [path, query] = location.hash.replace(/^#\/?/, "").split("?");
   return { path: decodeURIComponent(path), parameters: new URLSearchParams(query) };
 }
 
-async function show(environments) {
+// Takes another list of environments: one more can be played.
+function refresh(list, again = true) {
+  environments = list;
+  if (again) show();
+}
+
+async function show() {
   leave();
   leave = () => {};
   const { path, parameters } = address();
@@ -34,7 +41,7 @@ async function show(environments) {
   try {
     if (path === "") [document.title, leave] = ["Gymnasium's environments, live", gallery(main, engine, environments)];
     else if (part === "learn") [document.title, leave] = ["Learn: reinforcement learning, live", await lessons(main, path.slice("learn/".length), environments)];
-    else [document.title, leave] = [`${path}, live`, await play(main, engine, environments, path, parameters)];
+    else [document.title, leave] = [`${path}, live`, await play(main, engine, environments, path, parameters, refresh)];
   } catch (error) {
     fail(error);
   }
@@ -58,14 +65,14 @@ function themes() {
 
 themes();
 try {
-  const environments = await engine.request({ do: "list" });
+  environments = await engine.request({ do: "list" });
   let shown = null;
   const route = () => {
     // a change of parameters alone is the part's own
     const next = location.hash;
     if (next === shown) return;
     shown = next;
-    show(environments).then(() => scrollTo(0, 0));
+    show().then(() => scrollTo(0, 0));
   };
   addEventListener("hashchange", route);
   route();

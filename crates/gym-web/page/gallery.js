@@ -35,14 +35,12 @@ export function gallery(main, engine, environments) {
     const canvas = h("canvas", { width: TILE, height: TILE * 2 / 3, "aria-hidden": "true" });
     const element = h("li", { class: "tile" },
       h("a", { href: link(environment.id) },
-        h("div", { class: "tile-picture" }, environment.missing ? h("p", { class: "tile-missing" }, `needs ${environment.missing}`) : canvas),
+        h("div", { class: "tile-picture" }, canvas),
         h("h3", {}, environment.name, " ", environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)),
         h("p", {}, environment.description)),
       older.length ? h("p", { class: "older" }, "older: ", older.flatMap((other, i) => [i ? ", " : "", h("a", { href: link(other.id) }, `v${other.version}`)])) : null);
-    if (!environment.missing) {
-      tiles.set(element, live(canvas, environment));
-      playing.observe(element);
-    }
+    tiles.set(element, live(canvas, environment));
+    playing.observe(element);
     return element;
   }
 
@@ -73,18 +71,29 @@ export function gallery(main, engine, environments) {
 
   const groups = families(environments);
   const sections = [...groups].map(([family, tasks]) => {
-    const shown = [...tasks.values()];
-    const list = h("ul", { class: "tiles" }, shown.map(([newest, ...older]) => tile(newest, older)));
-    return { family, element: h("section", { class: "family", "aria-label": family }, h("h2", {}, family), list), list, names: [...tasks.keys()] };
+    const all = [...tasks.values()];
+    const lacking = all.filter(([newest]) => newest.missing);
+    // ids from before there were namespaces
+    const isOld = ([newest]) => !newest.name.includes("/") && all.some(([other]) => other.name.includes("/"));
+    const list = h("ul", { class: "tiles" }, all.filter((task) => !task[0].missing && !isOld(task)).map(([newest, ...older]) => tile(newest, older)));
+    const chips = (tasks) => h("ul", { class: "chips" }, tasks.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
+    const rest = lacking.filter((task) => !isOld(task));
+    const old = all.filter(isOld);
+    const folded = [
+      rest.length ? h("p", { class: "quiet" }, `These need ${rest[0][0].missing}, which you give on their page.`) : null,
+      rest.length ? chips(rest) : null,
+      old.length ? h("details", {}, h("summary", {}, `${old.length} older names`), chips(old)) : null,
+    ];
+    return { element: h("section", { class: "family", "aria-label": family }, h("h2", {}, family), list, folded), lists: [list, ...folded.flatMap((part) => (part ? [...(part.matches("ul") ? [part] : part.querySelectorAll("ul"))] : []))] };
   });
   const none = h("p", { class: "none", hidden: true }, "No environment has that in its name or description.");
   const search = h("input", { type: "search", placeholder: "Search", "aria-label": "Search the environments" });
   search.addEventListener("input", () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
     let found = 0;
-    for (const { element, list } of sections) {
+    for (const { element, lists } of sections) {
       let seen = 0;
-      for (const item of list.children) {
+      for (const item of lists.flatMap((list) => [...list.children])) {
         item.hidden = !words.every((word) => (element.getAttribute("aria-label") + item.textContent).toLowerCase().includes(word));
         seen += !item.hidden;
       }

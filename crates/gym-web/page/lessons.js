@@ -3,9 +3,8 @@ import { h, number } from "./dom.js";
 import { Engine, paint } from "./engine.js";
 import { plot, smooth } from "./plot.js";
 
-// A grid in a picture: where a state is, as parts of the picture, and which way each action goes.
-// `choices` are parts of the state that the drawing holds fast, taken from the state that is played.
-const grid = (rows, columns, moves, { left = 0, top = 0, right = 1, bottom = 1, stretch = 1 } = {}) => ({ rows, columns, moves, left, top, right, bottom, stretch });
+// A grid in a picture: its borders as parts of the picture, and which way each action goes.
+const grid = (rows, columns, moves, { left = 0, top = 0, right = 1, bottom = 1 } = {}) => ({ rows, columns, moves, left, top, right, bottom });
 
 const LESSONS = [
   {
@@ -14,7 +13,7 @@ const LESSONS = [
     map: grid(4, 4, ["left", "down", "right", "up"]),
     state: (row, column) => row * 4 + column,
     text: "The agent starts knowing nothing. The only reward is at the goal, so the first success comes by luck; from then on values spread back from the goal, one step for each visit. On slippery ice the best action is often to walk against the wall.",
-    defaults: { step_size: 0.1, epsilon_decay: 0.999 },
+    defaults: { step_size: 0.2, epsilon_decay: 0.995 },
   },
   {
     id: "CliffWalking-v1", title: "CliffWalking", method: "tabular", kwargs: {},
@@ -26,8 +25,8 @@ const LESSONS = [
   },
   {
     id: "Taxi-v4", title: "Taxi", method: "tabular", kwargs: {}, options: [],
-    // the map within the picture: 5 by 5 places, walls and gaps between them
-    map: grid(5, 5, ["down", "up", "right", "left", "pick up", "drop off"], { left: 1 / 11, top: 1 / 7, right: 10 / 11, bottom: 6 / 7, stretch: 2 }),
+    // streets with grass around them
+    map: grid(5, 5, ["down", "up", "right", "left", "pick up", "drop off"], { left: 28 / 536, top: 28 / 456, right: 508 / 536, bottom: 428 / 456 }),
     state: (row, column, now) => (row * 5 + column) * 20 + (now % 20),
     text: "500 states: 25 places, times 5 of the passenger, times 4 destinations. The drawing shows the values for the passenger and the destination of the episode that is played now.",
     defaults: { step_size: 0.4, epsilon: 0.3, epsilon_decay: 0.999, epsilon_min: 0.02 },
@@ -107,10 +106,10 @@ export async function lessons(main, id, environments) {
     try {
       while (running && !over) {
         const time = performance.now();
-        owed = Math.min(owed + ((time - last) / 1000) * pace, pace === Infinity ? 1e9 : Math.max(1, pace / 4));
+        owed = pace === Infinity ? Infinity : Math.min(owed + ((time - last) / 1000) * pace, Math.max(1, pace / 4));
         last = time;
         if (owed >= 1) {
-          const ended = await engine.request({ do: "train", learner, episodes: Math.min(Math.floor(owed), 100000), steps: 40000 });
+          const ended = await engine.request({ do: "train", learner, episodes: Math.min(Math.floor(owed), 100_000), steps: 40000 });
           owed -= ended.length;
           for (const episode of ended) {
             returns.push(episode.return);
@@ -165,7 +164,7 @@ export async function lessons(main, id, environments) {
       const tail = returns.slice(-100);
       meanText.textContent = tail.length ? number(tail.reduce((a, b) => a + b, 0) / tail.length) : "–";
       thirdText.textContent = lesson.method === "tabular" ? number(answer.epsilon) : String(answer.generation);
-      plot(chart, [{ values: returns, colour: "--line", width: 1 }, { values: smooth(returns, Math.max(10, Math.min(100, Math.floor(returns.length / 10)))), colour: "--good", width: 2.25 }]);
+      plot(chart, [{ values: returns, colour: "--line", width: 1, background: true }, { values: smooth(returns, Math.max(10, Math.floor(returns.length / 40))), colour: "--good", width: 2.25 }]);
       if (lesson.map) drawValues(drawn, lesson, learned, answer.actions, now);
       else drawWeights(weights, lesson, learned, answer);
     } finally {
@@ -184,7 +183,7 @@ export async function lessons(main, id, environments) {
     h("div", { class: "lesson" },
       h("div", { class: "lesson-column" }, stage, status,
         h("section", { class: "card" }, h("p", {}, lesson.text)),
-        lesson.map ? h("section", { class: "card" }, h("h2", {}, "How to read the map"), h("p", { class: "quiet" }, "Each triangle is an action: the stronger its violet, the more it is worth against the least on the map. The arrow is the best one. A place without an arrow was never tried.")) : h("section", { class: "card" }, h("h2", {}, "Weights of pushing right, less those of pushing left"), weights)),
+        lesson.map ? h("section", { class: "card" }, h("h2", {}, "How to read the map"), h("p", { class: "quiet" }, "Each triangle is an action: the stronger its violet, the more it is worth, between the worst and the best place of the map. The arrow is the best one. A place without an arrow was never tried.")) : h("section", { class: "card" }, h("h2", {}, "Weights of pushing right, less those of pushing left"), weights)),
       h("div", { class: "lesson-column" },
         h("section", { class: "card" },
           h("div", { class: "buttons" }, runButton, forget, paceSelect),
@@ -243,20 +242,21 @@ function drawValues(canvas, lesson, learned, actions, now) {
       cells.push({ row, column, values: learned.subarray(state * actions, (state + 1) * actions) });
     }
   }
-  const all = cells.flatMap(({ values }) => [...values]);
-  const [least, most] = [Math.min(...all), Math.max(...all)];
-  if (least === most) return;
+  // the colours lie between the worst and the best place; worse actions, such as a fall, have none
+  const worth = cells.filter(({ values }) => values.some((value) => value !== values[0])).map(({ values }) => Math.max(...values));
+  const [least, most] = [Math.min(...worth), Math.max(...worth)];
+  const share = (value) => (least === most ? Number(value >= most) : Math.max(0, Math.min(1, (value - least) / (most - least))));
   for (const { row, column, values } of cells) {
     const x = left * width + (column + 0.5) * cellWidth;
     const y = top * height + (row + 0.5) * cellHeight;
     const size = Math.min(cellWidth, cellHeight);
-    const [halfWidth, halfHeight] = [Math.min(cellWidth, size * lesson.map.stretch) / 2 - 1, cellHeight / 2 - 1];
+    const [halfWidth, halfHeight] = [cellWidth / 2 - 1, cellHeight / 2 - 1];
     if (values.every((value) => value === values[0])) continue;
     values.forEach((value, action) => {
       const turn = TURNS[moves[action]];
       if (!turn) return;
       const [dx, dy] = turn;
-      pen.fillStyle = `rgb(91 61 245 / ${(0.08 + 0.72 * ((value - least) / (most - least)) ** 1.5).toFixed(3)})`;
+      pen.fillStyle = `rgb(91 61 245 / ${(0.1 + 0.7 * share(value) ** 1.3).toFixed(3)})`;
       pen.beginPath();
       pen.moveTo(x + dx * halfWidth * 0.12, y + dy * halfHeight * 0.12);
       pen.lineTo(x + (dx || -1) * halfWidth, y + (dy || -1) * halfHeight);

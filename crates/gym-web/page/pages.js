@@ -23,8 +23,8 @@ export function rows(text) {
 }
 
 // What the numbers of an observation are called: the rows `0, 1` or `3` or `5 to 9` of the page's table.
-export function names(text) {
-  const list = [];
+export function names(text, count) {
+  const list = listedNames(text, count);
   for (const [numbers, name, unit = ""] of rows(section(text, "Observation"))) {
     const range = /^(\d+)\s*(?:to|–|-)\s*(\d+)$/.exec(numbers);
     const indices = range
@@ -35,6 +35,17 @@ export function names(text) {
     });
   }
   return list;
+}
+
+// The same from the first table, where the row `observation` has just as many parts: `cart position (m), cart velocity (m/s)`.
+function listedNames(text, count) {
+  const row = rows(text).find(([name]) => name === "observation");
+  const parts = plain(row?.[1] ?? "").split(";")[0].split(/,\s+(?![^(]*\))/);
+  if (parts.length !== count) return [];
+  return parts.map((part) => {
+    const [, name, unit = ""] = /^(.*?)(?:\s*\(([^)]*)\))?$/.exec(part);
+    return { name, part: 0, unit };
+  });
 }
 
 // The names of discrete actions, by number.

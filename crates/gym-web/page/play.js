@@ -17,13 +17,13 @@ const COLOURS = { good: "--good", random: "--random", none: "--you", learner: "-
 const randomSeed = () => String(crypto.getRandomValues(new Uint32Array(1))[0] % 100000);
 const card = (title, ...content) => h("section", { class: "card" }, h("h2", {}, title), ...content);
 
-export async function play(main, engine, environments, id, parameters) {
+export async function play(main, engine, environments, id, parameters, refresh) {
   const environment = environments.find((environment) => environment.id === id);
   if (!environment) throw new Error(`There is no environment “${id}” here.`);
   const versions = families(environments).get(environment.family).get(environment.name);
   const heading = h("div", { class: "play-head" },
     h("div", {}, h("h1", {}, environment.name, " ", versions.length > 1 ? versionMenu(versions, id) : environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)), h("p", {}, environment.description)));
-  if (environment.missing) return needs(main, engine, environment, heading);
+  if (environment.missing) return needs(main, engine, environment, heading, refresh);
 
   const [argumentList, book] = await Promise.all([engine.request({ do: "arguments", id }), page(id)]);
   const actionNames = book ? namedActions(book.text) : new Map();
@@ -62,7 +62,47 @@ export async function play(main, engine, environments, id, parameters) {
   const canvas = h("canvas", { class: "picture", width: 600, height: 400, role: "img", "aria-label": `Picture of ${id}` });
   const badge = h("span", { class: "badge", hidden: true });
   const overlay = h("div", { class: "over", hidden: true });
+  const turnHint = h("p", { class: "turn-hint", hidden: true }, "Drag to turn the camera; pinch, or Ctrl and the wheel, to come nearer.");
   const stage = h("div", { class: "stage" }, canvas, badge, overlay);
+
+  // a camera that can be turned: by dragging, by the wheel with Ctrl, by two fingers, by the arrows on the picture
+  const pointers = new Map();
+  let turned = null;
+  function turn(azimuth, elevation, zoom = 1) {
+    const fresh = turned === null;
+    const sum = turned ?? [0, 0, 1];
+    turned = [sum[0] + azimuth, sum[1] + elevation, sum[2] * zoom];
+    if (fresh) requestAnimationFrame(() => {
+      engine.handle("turn", { env: env.env, by: turned }).catch(report);
+      turned = null;
+    });
+  }
+  canvas.addEventListener("pointerdown", (event) => {
+    if (!env?.turns) return;
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const others = [...pointers.values()].filter((other) => other.pointerId !== event.pointerId);
+    const distance = (a, b) => Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY) || 1;
+    if (others.length) turn(0, 0, distance(others[0], before) / distance(others[0], event));
+    else turn((before.clientX - event.clientX) * 0.5, (before.clientY - event.clientY) * 0.35);
+    pointers.set(event.pointerId, event);
+  });
+  for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("wheel", (event) => {
+    if (!env?.turns || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    turn(0, 0, Math.exp(event.deltaY * 0.002));
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const by = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, -5], ArrowDown: [0, 5], "+": [0, 0, 0.9], "-": [0, 0, 1 / 0.9] }[event.key];
+    if (!env?.turns || !by) return;
+    event.preventDefault();
+    turn(...by);
+  });
 
   // transport
   const playButton = iconButton("pause", "Pause", () => pause(!asked.paused), { class: "icon-button primary" });
@@ -286,8 +326,8 @@ export async function play(main, engine, environments, id, parameters) {
     download(attachment, "image/gif", `${name}-${seedInput.value}.gif`);
   }) }, "GIF");
   const traceButton = h("button", { type: "button", onclick: () => busy(traceButton, async () => {
-    const trace = await engine.request({ do: "trace", env: env.env });
-    download(JSON.stringify(trace), "application/json", `${name}-${seedInput.value}.json`);
+    const { attachment } = await engine.request({ do: "trace", env: env.env });
+    download(attachment, "application/json", `${name}-${seedInput.value}.json`);
   }) }, "Trace");
   async function address(withActions) {
     const query = new URLSearchParams({ seed: seedInput.value, policy: asked.by });
@@ -310,7 +350,7 @@ export async function play(main, engine, environments, id, parameters) {
     const opened = await engine.open({ id, kwargs: asked.kwargs, seed: seedInput.value, by: asked.by, speed: asked.speed, script: asked.script, idle: environment.idle === "wait" || environment.idle === "repeat" ? null : environment.idle ?? null, repeats: environment.idle === "repeat", sight: false, paused: asked.paused }, heard);
     if (env) engine.close(env.env);
     env = opened;
-    view = observationView(env.observation_space, book ? observationNames(book.text) : []);
+    view = observationView(env.observation_space, book ? observationNames(book.text, env.observation_space.shape?.[0]) : []);
     observed.replaceChildren(view.element);
     if (view.wantsSight) set({ sight: true });
     spaces.replaceChildren(...[["observation", env.observation_space], ["action", env.action_space]].flatMap(([name, space]) => [h("dt", {}, name), h("dd", {}, h("code", {}, space.text))]));
@@ -320,6 +360,9 @@ export async function play(main, engine, environments, id, parameters) {
     }));
     stage.style.aspectRatio = `${env.size[0]} / ${env.size[1]}`;
     canvas.classList.toggle("pixelated", env.size[0] < 300);
+    canvas.classList.toggle("turns", env.turns);
+    if (env.turns) canvas.tabIndex = 0;
+    turnHint.hidden = !env.turns;
     stage.style.setProperty("--wide", env.size[0] / env.size[1]);
     chooseWho();
     showKeys();
@@ -352,7 +395,7 @@ export async function play(main, engine, environments, id, parameters) {
   main.replaceChildren(
     heading,
     h("div", { class: "play" },
-      h("div", { class: "play-main" }, stage, transport, message, h("div", { class: "who-row" }, who), pad),
+      h("div", { class: "play-main" }, stage, turnHint, transport, message, h("div", { class: "who-row" }, who), pad),
       h("div", { class: "play-side" },
         h("section", { class: "card episode" },
           h("div", { class: "episode-head" }, h("div", {}, h("h2", {}, "Return"), returnText), h("div", { class: "seed-row" }, h("label", {}, "Seed ", seedInput), dice)),
@@ -392,7 +435,7 @@ function versionMenu(versions, id) {
 }
 
 // For an environment that needs a file of the user's.
-function needs(main, engine, environment, heading) {
+function needs(main, engine, environment, heading, refresh) {
   const input = h("input", { type: "file", accept: ".bin,.a26,.rom" });
   const answer = h("p", { role: "status" });
   const take = async (files) => {
@@ -402,7 +445,9 @@ function needs(main, engine, environment, heading) {
         answer.textContent = `${file.name} is ${title}.`;
         const list = await engine.request({ do: "list" });
         const now = list.find(({ id }) => id === environment.id);
-        if (!now.missing) dispatchEvent(new CustomEvent("environments", { detail: list }));
+        if (!now.missing) return refresh(list);
+        answer.textContent += ` That is another game than this one.`;
+        refresh(list, false);
       } catch (error) {
         answer.textContent = `${file.name}: ${error.message}`;
       }

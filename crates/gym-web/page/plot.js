@@ -24,10 +24,16 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
   const pen = canvas.getContext("2d");
   pen.scale(ratio, ratio);
   pen.font = "11px system-ui, sans-serif";
-  const all = series.flatMap(({ values }) => values).filter(Number.isFinite);
-  if (!all.length) return;
-  let low = Math.min(...all.slice(-20000));
-  let high = Math.max(...all.slice(-20000));
+  // the scale leaves out the most extreme hundredth of each series, and a tenth of what is in the background
+  let [low, high] = [Infinity, -Infinity];
+  for (const { values, background } of series) {
+    const stride = Math.ceil(values.length / 4000);
+    const sorted = values.filter((value, i) => i % stride === 0 && Number.isFinite(value)).sort((a, b) => a - b);
+    if (!sorted.length) continue;
+    const cut = sorted.length < 50 ? 0 : Math.floor(sorted.length / (background ? 20 : 100));
+    [low, high] = [Math.min(low, sorted[cut]), Math.max(high, sorted[sorted.length - 1 - cut])];
+  }
+  if (low > high) return;
   if (line !== null) [low, high] = [Math.min(low, line), Math.max(high, line)];
   if (low === high) [low, high] = [low - 1, high + 1];
   const length = Math.max(2, ...series.map(({ values }) => values.length));
@@ -61,18 +67,22 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
     pen.stroke();
     pen.setLineDash([]);
   }
-  for (const { values, colour: name, dots = false, width: thick = 1.75 } of series) {
+  pen.save();
+  pen.beginPath();
+  pen.rect(left, top - 4, right - left + 6, bottom - top + 8);
+  pen.clip();
+  for (const { values, colour: name, dots = false, width: thick = 1.75, background = false } of series) {
     pen.strokeStyle = pen.fillStyle = colour(canvas, name);
     pen.lineWidth = thick;
     pen.lineJoin = "round";
     pen.beginPath();
     let drawn = false;
-    // more values than pixels: the line goes through the least and the greatest of each column
+    // more values than pixels: in the background the least and the greatest of each column, else its last
     const every = Math.max(1, Math.floor(values.length / (right - left)));
     for (let i = 0; i < values.length; i += every) {
       const part = every > 1 ? values.slice(i, i + every).filter(Number.isFinite) : [values[i]];
       if (!part.length || !Number.isFinite(part[0])) continue;
-      for (const value of every > 1 ? [Math.min(...part), Math.max(...part)] : part) {
+      for (const value of every > 1 && background ? [Math.min(...part), Math.max(...part)] : part.slice(-1)) {
         if (drawn) pen.lineTo(x(i), y(value));
         else pen.moveTo(x(i), y(value));
         drawn = true;
@@ -88,6 +98,7 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
       }
     }
   }
+  pen.restore();
 }
 
 // The mean over the last `width` values, at each of them.

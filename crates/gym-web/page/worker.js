@@ -15,7 +15,7 @@ function start(module) {
   const view = (at, length) => new Uint8Array(exports.memory.buffer, at, length);
   return {
     call(request, bytes) {
-      const json = bytesOf.encode(JSON.stringify(request));
+      const json = bytesOf.encode(typeof request === "string" ? request : JSON.stringify(request));
       const length = json.length + (bytes ? bytes.length : 0);
       const at = exports.input(length);
       view(at, length).set(json);
@@ -201,6 +201,12 @@ const handlers = {
     show(loop);
     return null;
   },
+  turn({ env, by }) {
+    const loop = loops.get(env);
+    call({ do: "turn", env, by });
+    if (!loop.waiting) show(loop);
+    return null;
+  },
   seek({ env, step }) {
     const loop = loops.get(env);
     loop.state = call({ do: "seek", env, step });
@@ -216,7 +222,8 @@ onmessage = ({ data }) => {
     postMessage({ id: data.id, answer: null });
     return;
   }
-  const { id, handler, request, bytes } = data;
+  const { id, handler, bytes } = data;
+  const request = data.text ?? data.request;
   try {
     if (handler) postMessage({ id, answer: handlers[handler](request) });
     else {

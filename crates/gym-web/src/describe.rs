@@ -16,8 +16,14 @@ pub(crate) fn entry(registration: &Registration) -> Json {
         "version": id.and_then(|id| id.version),
         "family": family(registration.crate_name()),
         "description": registration.about(),
-        "missing": registration.missing(),
+        "missing": missing(registration),
     })
+}
+
+/// What this very environment needs and lacks: of all ROMs there may be one of another game.
+fn missing(registration: &Registration) -> Option<&'static str> {
+    let is_there = registration.missing().is_none() && gym::make(registration.id()).is_ok();
+    registration.requirement().filter(|_| !is_there)
 }
 
 /// The heading of a crate's environments.

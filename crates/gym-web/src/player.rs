@@ -84,7 +84,7 @@ impl Player {
             "size": [metadata.render_size.0, metadata.render_size.1],
             "limit": self.env.spec().and_then(|spec| spec.time_limit()),
             "threshold": self.env.spec().and_then(|spec| spec.reward_threshold),
-            "stack": self.env.to_string(),
+            "turns": turns(&self.env),
         })
     }
 
@@ -202,6 +202,17 @@ impl Player {
         })
     }
 
+    /// Turns the camera by degrees and multiplies its distance, where there is one to turn.
+    #[cfg(feature = "families")]
+    pub(crate) fn turn(&mut self, [azimuth, elevation, zoom]: [f64; 3]) {
+        if let Some(env) = gym::mujoco::simulated_mut(&mut self.env) {
+            env.turn_camera(azimuth, elevation, zoom);
+        }
+    }
+
+    #[cfg(not(feature = "families"))]
+    pub(crate) fn turn(&mut self, _: [f64; 3]) {}
+
     /// Draws the state; gives width and height.
     pub(crate) fn frame(&mut self, rgba: &mut Vec<u8>) -> Result<Json> {
         self.env.render_into(&mut self.picture)?;
@@ -276,4 +287,15 @@ impl Player {
         }
         encoder.finish()
     }
+}
+
+/// Whether the environment has a camera that can be turned.
+#[cfg(feature = "families")]
+fn turns(env: &BoxEnv) -> bool {
+    gym::mujoco::simulated(env).is_some()
+}
+
+#[cfg(not(feature = "families"))]
+fn turns(_: &BoxEnv) -> bool {
+    false
 }

@@ -38,13 +38,15 @@ enum Request {
     Act { env: u32, actions: Vec<Json> },
     /// Goes to the state after that many steps of the episode.
     Seek { env: u32, step: usize },
+    /// Turns the camera: azimuth and elevation by degrees, and what the distance is multiplied by.
+    Turn { env: u32, by: [f64; 3] },
     /// The picture, attached as RGBA.
     Frame { env: u32 },
     /// The observation as a picture, attached as RGBA, if it is one.
     Sight { env: u32 },
     /// The actions of the episode.
     Actions { env: u32 },
-    /// The episode as a trace.
+    /// The episode as a trace, attached as text: JavaScript would change the digits of its numbers.
     Trace { env: u32 },
     /// The episode as a GIF, attached.
     Gif { env: u32, frames: usize },
@@ -150,16 +152,24 @@ impl Session {
                 player.seek(step)?;
                 player.state()
             }
+            Request::Turn { env, by } => {
+                self.player(env)?.turn(by);
+                Json::Null
+            }
             Request::Frame { env } => self.player(env)?.frame(attachment)?,
             Request::Sight { env } => self.player(env)?.sight(attachment),
             Request::Actions { env } => self.player(env)?.actions()?,
-            Request::Trace { env } => json!(self.player(env)?.trace()?),
+            Request::Trace { env } => {
+                let trace = self.player(env)?.trace()?;
+                *attachment = serde_json::to_vec(&trace).map_err(|error| Error::custom(error.to_string()))?;
+                Json::Null
+            }
             Request::Gif { env, frames } => {
                 *attachment = self.player(env)?.gif(frames)?;
                 Json::Null
             }
             Request::Replay { trace } => {
-                let answers = trace.replay(|_| None)?;
+                let answers = trace.replay(state)?;
                 json!({"events": trace.events.len(), "difference": trace.first_difference(&answers)})
             }
             Request::Rom => provide(bytes)?,
@@ -197,4 +207,20 @@ fn provide(bytes: &[u8]) -> Result<Json> {
 #[cfg(not(feature = "families"))]
 fn provide(_: &[u8]) -> Result<Json> {
     Err(Error::custom("this gallery has no Atari"))
+}
+
+/// What a trace may record beside the observation: of a MuJoCo task positions and velocities, of CarRacing the bodies.
+#[cfg(feature = "families")]
+fn state(env: &gym::BoxEnv) -> Option<Json> {
+    use gym::Env;
+
+    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
+        return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));
+    }
+    env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+}
+
+#[cfg(not(feature = "families"))]
+fn state(_: &gym::BoxEnv) -> Option<Json> {
+    None
 }

@@ -118,6 +118,10 @@ impl<T: Task, const VERSION: u8> Simulated for MujocoEnv<T, VERSION> {
         simulation.start(&mut episode.data);
         Ok(())
     }
+
+    fn turn_camera(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
+        self.inner.simulation.view.turn(azimuth, elevation, zoom);
+    }
 }
 
 impl<T: Task> Inner<T> {

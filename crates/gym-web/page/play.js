@@ -345,6 +345,15 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     return start();
   });
 
+  let codeSeed = null;
+  function showCode(seed) {
+    codeSeed = seed;
+    code.replaceChildren(...snippets(id, asked.kwargs, seed).map(([language, text]) => {
+      const button = h("button", { type: "button", class: "small", onclick: () => copy(text, button) }, "Copy");
+      return h("div", {}, h("p", { class: "code-head" }, language, button), h("pre", { tabindex: "0" }, h("code", {}, text)));
+    }));
+  }
+
   // Opens the environment with the arguments that are asked for; the one before stays if they are refused.
   async function start() {
     const opened = await engine.open({ id, kwargs: asked.kwargs, seed: seedInput.value, by: asked.by, speed: asked.speed, script: asked.script, idle: environment.idle === "wait" || environment.idle === "repeat" ? null : environment.idle ?? null, repeats: environment.idle === "repeat", sight: false, paused: asked.paused }, heard);
@@ -354,10 +363,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     observed.replaceChildren(view.element);
     if (view.wantsSight) set({ sight: true });
     spaces.replaceChildren(...[["observation", env.observation_space], ["action", env.action_space]].flatMap(([name, space]) => [h("dt", {}, name), h("dd", {}, h("code", {}, space.text))]));
-    code.replaceChildren(...snippets(id, asked.kwargs, seedInput.value).map(([language, text]) => {
-      const button = h("button", { type: "button", class: "small", onclick: () => copy(text, button) }, "Copy");
-      return h("div", {}, h("p", { class: "code-head" }, language, button), h("pre", { tabindex: "0" }, h("code", {}, text)));
-    }));
+    showCode(seedInput.value);
     stage.style.aspectRatio = `${env.size[0]} / ${env.size[1]}`;
     canvas.classList.toggle("pixelated", env.size[0] < 300);
     canvas.classList.toggle("turns", env.turns);
@@ -373,21 +379,26 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     if (asked.script) return location.hash;
     return address(false);
   };
-  function heard({ state: next, frame, pixels, seed, sight, sightPixels, episode, error }) {
+  function heard({ state: next, frame, pixels, seed, sight, sightPixels, episode, scriptEnded, error }) {
     if (error) {
       pause(true);
       return report(error);
     }
+    if (scriptEnded) {
+      asked.script = null;
+      pause(true);
+      say("What was recorded ends here. Play goes on from it.");
+    }
     if (episode) {
       episodes.push({ by: asked.script ? "script" : episode.by, return: episode.return });
       if (episodes.length > 500) episodes.shift();
-      if (asked.script) pause(true);
       showEpisodes();
     }
     if (!frame || !env) return;
     paint(canvas, frame, pixels);
     if (sight) view.see?.(sight, sightPixels);
     if (document.activeElement !== seedInput) seedInput.value = seed;
+    if (seed !== codeSeed) showCode(seed);
     showState(next);
   }
 

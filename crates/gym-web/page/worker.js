@@ -81,6 +81,7 @@ function advance(loop, now) {
     const steps = Math.min(Math.floor((now - loop.due) / period) + 1, Math.max(1, Math.ceil(loop.speed * 4)));
     // what was not reached in time is given up, not made up for
     if (!take(loop, steps, now)) {
+      if (loop.paused) show(loop, now);
       loop.due = now + 30;
       return;
     }
@@ -100,6 +101,13 @@ function take(loop, steps, now) {
     let by = loop.by;
     let action = null;
     let count = steps;
+    if (loop.script && at >= loop.script.length) {
+      // what was recorded ends here; whoever plays goes on if the page says so
+      loop.script = null;
+      loop.paused = true;
+      postMessage({ loop: loop.env, scriptEnded: true });
+      return taken;
+    }
     if (loop.held !== null) [by, action, count] = ["action", loop.held, 1];
     else if (loop.script && at < loop.script.length) [by, action, count] = ["action", loop.script[at], 1];
     else if (by === "none") {

@@ -6,8 +6,8 @@ use gym::classic::mountain_car::MountainCarDynamics;
 use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
 use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
-use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
+use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec};
+use gym::{Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
 use serde_json::{Value as Json, json};
 
 const TABLES: [&str; 8] = [

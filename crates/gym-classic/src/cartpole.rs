@@ -246,7 +246,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

@@ -179,7 +179,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::EnvExt;
 
     use super::*;
 

@@ -9,6 +9,7 @@ pub mod canvas;
 mod clock;
 mod data;
 mod env;
+mod env_ext;
 mod error;
 pub mod file;
 mod functional;
@@ -28,6 +29,15 @@ pub mod vector;
 mod wrapper;
 pub mod wrappers;
 
+/// What a program that uses environments needs: `use gym::prelude::*`.
+pub mod prelude {
+    #[doc(no_inline)]
+    pub use crate::{
+        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, Wrap, builder,
+        make, make_vec,
+    };
+}
+
 /// The entries of [`Env::info`] by name.
 pub type Info = std::collections::BTreeMap<String, Value>;
 
@@ -38,6 +48,7 @@ pub use arguments::{Argument, ArgumentType, Arguments};
 pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
+pub use env_ext::EnvExt;
 pub use error::{Error, Result};
 pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
@@ -46,7 +57,8 @@ pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::{VectorEnv, VectorWrap};
+pub use vector::wrapper::VectorWrapper;
+pub use vector::{VectorEnv, VectorEnvExt, VectorWrap};
 pub use wrapper::Wrapper;
 pub use wrappers::Wrap;
 

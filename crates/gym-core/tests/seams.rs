@@ -3,8 +3,8 @@
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics};
 use gym_core::{
-    Array, BoxEnv, Dynamics, Env, Error, Generator, NoArguments, Registration, Reset, Result, Snapshot,
-    Space, Stateful, Task, Transition, Value, Wrap, registry,
+    Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
+    Snapshot, Space, Stateful, Task, Transition, Value, Wrap, registry,
 };
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, ensure};
 use gym::rendering::Plot;
 use gym::vector::wrappers::RecordEpisodeStatistics;
-use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
+use gym::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorKind, VectorSpec};
 use gym::{Generator, WrapperSpec, builder};
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -449,7 +449,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, Snapshot};
+    use gym_core::{EnvExt, Snapshot};
 
     use super::*;
 

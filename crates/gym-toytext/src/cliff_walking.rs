@@ -321,7 +321,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, builder};
+    use gym_core::{Env, EnvExt, builder};
 
     use super::*;
 

@@ -482,7 +482,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, builder};
+    use gym_core::{EnvExt, builder};
 
     use super::*;
 

@@ -59,7 +59,7 @@ export function snippets(id, kwargs, seed) {
     ? `gym::builder(${JSON.stringify(id)})${given.map(([name, value]) => `\n    .arg(${JSON.stringify(name)}, ${rust(value)})`).join("")}\n    .build()?`
     : `gym::make(${JSON.stringify(id)})?`;
   return [
-    ["Rust", `use gym::Env;\n\nlet mut env = ${make};\nlet observation = env.reset(${seed})?;`],
+    ["Rust", `use gym::prelude::*;\n\nlet mut env = ${make};\nlet observation = env.reset(${seed})?;`],
     ["Python", `import rustgym as gym\n\nenv = gym.make(${[JSON.stringify(id), ...given.map(([name, value]) => `${name}=${python(value)}`)].join(", ")})\nobservation, info = env.reset(seed=${seed})`],
   ];
 }

@@ -7,8 +7,16 @@ const TILE = 300;
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-// Families in the order of the list, each with its tasks: the newest version of a name stands for it.
+// The families of this project come in this order, those of a plugin before them.
+const ORDER = ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"];
+
+// A name that may break between its words.
+export const words = (name) => name.split(/(?<=[a-z0-9])(?=[A-Z])/).flatMap((word, i) => (i ? [h("wbr"), word] : [word]));
+
+// Families, each with its tasks: the newest version of a name stands for it.
 export function families(environments) {
+  const rank = ({ family }) => ORDER.indexOf(family);
+  environments = [...environments].sort((a, b) => rank(a) - rank(b));
   const families = new Map();
   for (const environment of environments) {
     const tasks = families.get(environment.family) ?? new Map();
@@ -36,7 +44,7 @@ export function gallery(main, engine, environments) {
     const element = h("li", { class: "tile" },
       h("a", { href: link(environment.id) },
         h("div", { class: "tile-picture" }, canvas),
-        h("h3", {}, environment.name, " ", environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)),
+        h("h3", {}, words(environment.name.replace(/^ALE\//, "")), " ", environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)),
         h("p", {}, environment.description)),
       older.length ? h("p", { class: "older" }, "older: ", older.flatMap((other, i) => [i ? ", " : "", h("a", { href: link(other.id) }, `v${other.version}`)])) : null);
     tiles.set(element, live(canvas, environment));

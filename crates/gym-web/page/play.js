@@ -1,7 +1,7 @@
 // The page of one environment: its picture, who plays it, and what is known of its state.
 import { copy, download, h, icon, iconButton, number } from "./dom.js";
 import { paint } from "./engine.js";
-import { families, link } from "./gallery.js";
+import { families, link, words } from "./gallery.js";
 import { Keys, SYMBOLS } from "./keys.js";
 import { observationView } from "./observation.js";
 import { actions as namedActions, markdown, names as observationNames, page, section } from "./pages.js";
@@ -22,7 +22,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
   if (!environment) throw new Error(`There is no environment “${id}” here.`);
   const versions = families(environments).get(environment.family).get(environment.name);
   const heading = h("div", { class: "play-head" },
-    h("div", {}, h("h1", {}, environment.name, " ", versions.length > 1 ? versionMenu(versions, id) : environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)), h("p", {}, environment.description)));
+    h("div", {}, h("h1", {}, words(environment.name), " ", versions.length > 1 ? versionMenu(versions, id) : environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)), h("p", {}, environment.description)));
   if (environment.missing) return needs(main, engine, environment, heading, refresh);
 
   const [argumentList, book] = await Promise.all([engine.request({ do: "arguments", id }), page(id)]);

@@ -2,7 +2,7 @@
 //!
 //! Szita and Lőrincz, *Learning Tetris Using the Noisy Cross-Entropy Method*, Neural Computation 18 (2006), with decreasing noise.
 
-use gym::{BoxEnv, Env, Error, Generator, Reset, Result, Seed, Space, Value};
+use gym::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed, Space, Value};
 use serde::Deserialize;
 
 use crate::learn::Episode;

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::GifEncoder;
 use gym::trace::{Event, Trace};
-use gym::{BoxEnv, Env, Error, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value};
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value};
 use serde_json::{Value as Json, json};
 
 use crate::describe;

@@ -212,7 +212,7 @@ fn provide(_: &[u8]) -> Result<Json> {
 /// What a trace may record beside the observation: of a MuJoCo task positions and velocities, of CarRacing the bodies.
 #[cfg(feature = "families")]
 fn state(env: &gym::BoxEnv) -> Option<Json> {
-    use gym::Env;
+    use gym::EnvExt;
 
     if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
         return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));

@@ -1,9 +1,8 @@
 //! An environment of your own, registered at link time and used by id like any other.
 //! Run it with `cargo run --release --example custom_env`.
 
-use gym::{
-    Dynamics, Env, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, Transition,
-};
+use gym::prelude::*;
+use gym::{Dynamics, Generator, NoArguments, Registration, Stateful, Task, Transition};
 
 gym::discrete! {
     /// A step along the corridor.

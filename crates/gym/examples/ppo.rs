@@ -4,8 +4,9 @@
 //! Proximal policy optimisation (Schulman et al., 2017, <https://arxiv.org/abs/1707.06347>), with the settings and details of
 //! CleanRL's `ppo.py`. The crate `gym-ppo` has more: continuous actions, pictures, checkpoints, several threads.
 
+use gym::prelude::*;
 use gym::vector::{Columns, Progress};
-use gym::{Generator, Value, VectorEnv, math};
+use gym::{Generator, math};
 
 const ENVS: usize = 8;
 /// Steps of each environment between two updates of the networks.

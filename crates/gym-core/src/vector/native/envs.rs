@@ -12,8 +12,8 @@ use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
 use crate::vector::slot::{describe, episode_over};
-use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, infos, size};
-use crate::{Error, Generator, Info, Result, Snapshot, Space, Value};
+use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
+use crate::{Error, Generator, Result, Snapshot, Space, Value};
 
 /// Environments stepped by one loop with vector instructions: the vector behind
 /// [`entry_point`](super::entry_point).
@@ -318,16 +318,12 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let left_out = self.left_out.get(index).copied().unwrap_or(false);
-        if let Some(state) = self.state(index)
+        if D::INFO
             && !left_out
+            && let Some(state) = self.state(index)
         {
             self.dynamics.info(&state, visit);
         }
-    }
-
-    /// Nothing, at once, where there is nothing to tell.
-    fn infos(&self, columns: &Columns) -> Info {
-        if D::INFO || columns.has_final.contains(&true) { infos::batch(self, columns) } else { Info::new() }
     }
 
     fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {

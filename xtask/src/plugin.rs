@@ -84,10 +84,7 @@ impl Plugin {
         let library = format!("use gym_web as _;\nuse {} as _;\n", self.krate);
         let web = root().join("crates").join("gym-web");
         let parts = format!(
-            "[lib]\n\
-             crate-type = [\"cdylib\"]\n\
-             \n\
-             [dependencies]\n\
+            "[dependencies]\n\
              gym-web = {{ path = {web:?}, default-features = false }}\n"
         );
         self.write(folder, ("lib.rs", &library), "gallery-of", &parts)

@@ -121,7 +121,9 @@ fn check_target() -> Result<(), String> {
 /// Builds the module; gives its path.
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
-    cargo.args(["build", "--profile", "web", "--target", TARGET]).arg("--target-dir").arg(target_dir());
+    // not a crate type of the manifest: Cargo optimises at link time only what is nothing else beside
+    cargo.args(["rustc", "--profile", "web", "--target", TARGET, "--lib", "--crate-type", "cdylib"]);
+    cargo.arg("--target-dir").arg(target_dir());
     let file = match plugin {
         None => {
             cargo.args(["--package", "gym-web", "--manifest-path"]).arg(root().join("Cargo.toml"));
@@ -138,6 +140,9 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
             format!("gallery_of_{}.wasm", plugin.name.replace('-', "_"))
         }
     };
+    // Exported, the constructors that register the environments run once, when the page calls them. Otherwise the linker puts
+    // a call of all of them into each function that it exports.
+    cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
     let status = cargo.status().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if !status.success() {
         return Err("the module could not be built".into());

@@ -162,8 +162,8 @@ export async function play(main, engine, environments, id, parameters, refresh) 
   function showKeys() {
     pad.replaceChildren();
     const space = env.action_space;
-    const list = environment.keys ?? [];
-    const waits = environment.idle === "wait" || !environment.keys;
+    const list = env.keys?.actions ?? [];
+    const waits = !env.keys || env.keys.idle === "wait";
     const hold = (action) => {
       if (env === null) return;
       taken(action !== null);
@@ -233,7 +233,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     badge.hidden = !byHand || asked.by === "none";
     badge.textContent = "You";
     for (const button of pad.querySelectorAll("[data-key]")) button.classList.toggle("down", keys.isDown(button.dataset.key));
-    if (byHand && asked.paused && environment.idle !== "wait") pause(false);
+    if (byHand && asked.paused && env.keys?.idle !== "wait") pause(false);
   }
 
   // the state beside it
@@ -356,12 +356,12 @@ export async function play(main, engine, environments, id, parameters, refresh) 
 
   // Opens the environment with the arguments that are asked for; the one before stays if they are refused.
   async function start() {
-    const opened = await engine.open({ id, kwargs: asked.kwargs, seed: seedInput.value, by: asked.by, speed: asked.speed, script: asked.script, idle: environment.idle === "wait" || environment.idle === "repeat" ? null : environment.idle ?? null, repeats: environment.idle === "repeat", sight: false, paused: asked.paused }, heard);
+    const opened = await engine.open({ id, kwargs: asked.kwargs, seed: seedInput.value, by: asked.by, speed: asked.speed, script: asked.script, paused: asked.paused }, heard);
     if (env) engine.close(env.env);
     env = opened;
     view = observationView(env.observation_space, book ? observationNames(book.text, env.observation_space.shape?.[0]) : []);
     observed.replaceChildren(view.element);
-    if (view.wantsSight) set({ sight: true });
+    set({ sight: view.wantsSight === true, idle: env.keys?.idle?.action ?? null, repeats: env.keys?.idle === "repeat" });
     spaces.replaceChildren(...[["observation", env.observation_space], ["action", env.action_space]].flatMap(([name, space]) => [h("dt", {}, name), h("dd", {}, h("code", {}, space.text))]));
     showCode(seedInput.value);
     stage.style.aspectRatio = `${env.size[0]} / ${env.size[1]}`;
@@ -425,7 +425,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
   const onKey = (event) => {
     if (event.target.matches?.("input:not([type=range]):not([type=radio]), textarea, select")) return;
     const action = { ",": () => seek(state.steps - 1), ".": () => stepOn.click(), p: () => pause(!asked.paused), r: () => reset(seedInput.value) }[event.key];
-    if (!action || event.ctrlKey || event.metaKey || (environment.keys ?? []).some(([key]) => key === event.key.toUpperCase())) return;
+    if (!action || event.ctrlKey || event.metaKey || (env.keys?.actions ?? []).some(([key]) => key === event.key.toUpperCase())) return;
     action();
   };
   addEventListener("keydown", onKey);

@@ -4,6 +4,9 @@
 //! and calls [`call`]. The answer, JSON, then lies at [`output`]; what is no JSON, such as a picture, lies at [`attachment`].
 //! [`Session::call`] lists the requests. Memory may move in a call, so JavaScript makes its views of it anew after each.
 //!
+//! `cargo xtask web` builds it as a `cdylib` with link-time optimisation. Without, the linker drops the registrations of crates
+//! that nobody calls.
+//!
 //! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts another instance.
 
 mod describe;

@@ -66,14 +66,7 @@ function themes() {
 themes();
 try {
   environments = await engine.request({ do: "list" });
-  let shown = null;
-  const route = () => {
-    // a change of parameters alone is the part's own
-    const next = location.hash;
-    if (next === shown) return;
-    shown = next;
-    show().then(() => scrollTo(0, 0));
-  };
+  const route = () => show().then(() => scrollTo(0, 0));
   addEventListener("hashchange", route);
   route();
   // for the tests: the page is there

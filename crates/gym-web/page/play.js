@@ -37,7 +37,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     by: parameters.get("policy") ?? (environment.policy ? "good" : "random"),
     speed: Number(parameters.get("speed") ?? 1) || 1,
     script,
-    paused: false,
+    paused: matchMedia("(prefers-reduced-motion: reduce)").matches,
   };
   if (asked.by === "good" && !environment.policy) asked.by = "random";
   let env = null; // what the worker plays
@@ -373,6 +373,8 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     chooseWho();
     showKeys();
     say("");
+    // the first picture came before the page knew what it shows
+    await engine.handle("show", { env: env.env });
     history.replaceState(null, "", await addressOnly());
   }
   const addressOnly = async () => {
@@ -429,6 +431,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     action();
   };
   addEventListener("keydown", onKey);
+  pause(asked.paused);
   await start();
   return () => {
     comparing = false;

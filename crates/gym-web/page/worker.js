@@ -177,6 +177,11 @@ const handlers = {
     if (paused && !loop.paused) loop.due = performance.now();
     return null;
   },
+  // Shows the state once more.
+  show({ env }) {
+    show(loops.get(env));
+    return null;
+  },
   // The page has shown the last picture.
   shown({ env }) {
     const loop = loops.get(env);

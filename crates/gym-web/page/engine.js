@@ -82,12 +82,6 @@ export class Engine {
     return this.#post({ request, bytes });
   }
 
-  // The same for a request that is text already: JSON.parse would lose digits of large integers.
-  async requestText(text) {
-    await this.ready;
-    return this.#post({ text });
-  }
-
   // Calls one of the worker's handlers.
   async handle(handler, request) {
     await this.ready;

@@ -15,7 +15,7 @@ function start(module) {
   const view = (at, length) => new Uint8Array(exports.memory.buffer, at, length);
   return {
     call(request, bytes) {
-      const json = bytesOf.encode(typeof request === "string" ? request : JSON.stringify(request));
+      const json = bytesOf.encode(JSON.stringify(request));
       const length = json.length + (bytes ? bytes.length : 0);
       const at = exports.input(length);
       view(at, length).set(json);
@@ -235,8 +235,7 @@ onmessage = ({ data }) => {
     postMessage({ id: data.id, answer: null });
     return;
   }
-  const { id, handler, bytes } = data;
-  const request = data.text ?? data.request;
+  const { id, handler, request, bytes } = data;
   try {
     if (handler) postMessage({ id, answer: handlers[handler](request) });
     else {

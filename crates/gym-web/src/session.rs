@@ -50,8 +50,8 @@ enum Request {
     Trace { env: u32 },
     /// The episode as a GIF, attached.
     Gif { env: u32, frames: usize },
-    /// Compares a recorded trace with what the environment answers here.
-    Replay { trace: Box<Trace> },
+    /// Compares a recorded trace, whose text is attached, with what the environment answers here.
+    Replay,
     /// Provides an Atari ROM, whose bytes are attached.
     Rom,
     /// Opens a learner.
@@ -168,7 +168,9 @@ impl Session {
                 *attachment = self.player(env)?.gif(frames)?;
                 Json::Null
             }
-            Request::Replay { trace } => {
+            Request::Replay => {
+                let trace: Trace = serde_json::from_slice(bytes)
+                    .map_err(|error| Error::custom(format!("not a trace: {error}")))?;
                 let answers = trace.replay(state)?;
                 json!({"events": trace.events.len(), "difference": trace.first_difference(&answers)})
             }

@@ -1,7 +1,7 @@
 //! Temporal-difference control over a table of action values: Sutton and Barto, *Reinforcement Learning: An Introduction*,
 //! second edition, chapter 6.
 
-use gym::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed, Space, Value};
+use gym::{BoxEnv, Env, Error, Generator, Reset, Result, Seed, Space, Value};
 use serde::Deserialize;
 
 use crate::learn::Episode;
@@ -192,6 +192,8 @@ fn best(row: &[f64]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use gym::EnvExt;
+
     use super::*;
 
     #[test]

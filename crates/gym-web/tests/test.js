@@ -178,7 +178,8 @@ await test("a GIF decodes to the pictures of the episode", async () => {
   await decoder.tracks.ready;
   await decoder.completed;
   const frames = decoder.tracks.selectedTrack.frameCount;
-  check(frames === steps + 1, `${frames} frames for ${steps} steps`);
+  // a picture that changes nothing prolongs the one before it
+  check(frames <= steps + 1 && frames > steps / 2, `${frames} frames for ${steps} steps`);
   const { image } = await decoder.decode({ frameIndex: frames - 1 });
   const canvas = new OffscreenCanvas(image.displayWidth, image.displayHeight);
   canvas.getContext("2d").drawImage(image, 0, 0);
@@ -253,19 +254,19 @@ await test("the cross-entropy method balances the pole", async () => {
   return `${output(2)} generations`;
 });
 
-await test("the list of traces", async () => {
+await test("recorded traces replay equal", async () => {
   const response = await fetch("/traces/");
   if (!response.ok) return "(none were given)";
   const names = await response.json();
   let [replayed, events, other] = [0, 0, 0];
   for (const name of names) {
-    const trace = await (await fetch(`/traces/${encodeURIComponent(name)}`)).text();
-    const parsed = JSON.parse(trace);
+    const bytes = new Uint8Array(await (await fetch(`/traces/${encodeURIComponent(name)}`)).arrayBuffer());
+    const parsed = JSON.parse(new TextDecoder().decode(bytes));
     if (!Array.isArray(parsed.events) || typeof parsed.id !== "string" || !has(parsed.id) || environments.find(({ id }) => id === parsed.id).missing) {
       other += 1;
       continue;
     }
-    const answer = await engine.requestText(`{"do": "replay", "trace": ${trace}}`);
+    const answer = await engine.request({ do: "replay" }, bytes);
     check(answer.difference === null, `${name}: ${answer.difference}`);
     replayed += 1;
     events += answer.events;

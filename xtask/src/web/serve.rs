@@ -113,8 +113,15 @@ mod tests {
         for path in ["Cargo.toml?x", "code/main.rs", "code/"] {
             assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_some(), "{path}");
         }
-        let hidden =
-            ["../Cargo.toml", "src/main.rs", "..", "%2e%2e", "code/../Cargo.toml", "code/web/serve.rs", "none.html"];
+        let hidden = [
+            "../Cargo.toml",
+            "src/main.rs",
+            "..",
+            "%2e%2e",
+            "code/../Cargo.toml",
+            "code/web/serve.rs",
+            "none.html",
+        ];
         for path in hidden {
             assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_none(), "{path}");
         }

@@ -70,7 +70,13 @@ impl Browser {
         let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
         for name in names {
             let child = Command::new(name)
-                .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--window-size=1280,900"])
+                .args([
+                    "--headless",
+                    "--no-sandbox",
+                    "--disable-gpu",
+                    "--no-first-run",
+                    "--window-size=1280,900",
+                ])
                 .arg(format!("--user-data-dir={}", profile.display()))
                 .arg(url)
                 .stdout(Stdio::null())

@@ -64,8 +64,8 @@ impl Plugin {
     pub(crate) fn write_program(&self, folder: &Path) -> Result<(), String> {
         let main = format!(
             "use std::process::ExitCode;\n\nuse {} as _;\n\n\
-             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
-            self.krate, self.name
+             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?}, {:?})\n}}\n",
+            self.krate, self.name, self.folder
         );
         let commands = root().join("xtask").join("commands");
         let parts = format!(

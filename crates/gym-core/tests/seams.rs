@@ -12,15 +12,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug)]
 struct Budget(Config);
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Config {
-    budget: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { budget: 3.0 }
+gym_core::arguments! {
+    #[derive(Copy)]
+    struct Config {
+        /// How many steps an episode has.
+        pub budget: f64 = 3.0,
     }
 }
 

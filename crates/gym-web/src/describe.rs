@@ -1,5 +1,6 @@
 //! What the page shows of the registry, spaces and values, as JSON.
 
+use gym::arguments::Argument;
 use gym::registry::EnvId;
 use gym::{Array, Registration, Result, Space, Value};
 use serde_json::{Value as Json, json};
@@ -14,16 +15,18 @@ pub(crate) fn entry(registration: &Registration) -> Json {
         "id": registration.id(),
         "name": id.as_ref().map(EnvId::unversioned),
         "version": id.and_then(|id| id.version),
-        "family": family(registration.crate_name()),
-        "description": registration.about(),
+        "family": family(registration.source.package),
+        "description": registration.description,
         "missing": missing(registration),
+        "policy": registration.policy.map(|policy| policy.description),
     })
 }
 
 /// What this very environment needs and lacks: of all ROMs there may be one of another game.
 fn missing(registration: &Registration) -> Option<&'static str> {
-    let is_there = registration.missing().is_none() && gym::make(registration.id()).is_ok();
-    registration.requirement().filter(|_| !is_there)
+    let need = registration.needs?;
+    let is_there = need.is_met() && gym::make(registration.id()).is_ok();
+    (!is_there).then_some(need.what)
 }
 
 /// The heading of a crate's environments.
@@ -38,11 +41,18 @@ fn family(crate_name: &str) -> &str {
     }
 }
 
-/// The arguments of an environment: name, type, unit, meaning, default value, and the value that the id sets.
+/// The arguments of an environment, each with its value under this id.
 pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
-    let set = registration.spec()?.kwargs;
-    let argument = |(name, default): (String, Json)| json!({"value": set.get(&name).unwrap_or(&default), "default": default, "name": name});
-    Ok(registration.default_kwargs().into_iter().map(argument).collect())
+    let argument = |argument: &Argument| {
+        json!({
+            "name": argument.name,
+            "value": argument.default,
+            "kind": argument.kind,
+            "unit": argument.unit,
+            "meaning": argument.meaning,
+        })
+    };
+    Ok(registration.arguments()?.iter().map(argument).collect())
 }
 
 /// A space: its kind and what the page needs of it, with Gymnasium's text.

@@ -2,10 +2,14 @@
 
 use std::collections::VecDeque;
 
+use gym::keys::Idle;
+use gym::policy::Controller;
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::GifEncoder;
 use gym::trace::{Event, Trace};
-use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value};
+use gym::{
+    BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value, registry,
+};
 use serde_json::{Value as Json, json};
 
 use crate::describe;
@@ -33,6 +37,8 @@ pub(crate) struct Player {
     kwargs: Kwargs,
     seed: Option<Seed>,
     sampler: Option<Sampler<Value>>,
+    /// What the good policy acts with in this episode, once it acted.
+    controller: Option<Controller>,
     /// The actions of the episode, and the sum of rewards after each. Those beyond `position` were taken back.
     actions: Vec<Value>,
     returns: Vec<f64>,
@@ -62,6 +68,7 @@ impl Player {
             kwargs: kwargs.clone(),
             seed: None,
             sampler: None,
+            controller: None,
             actions: Vec::new(),
             returns: Vec::new(),
             position: 0,
@@ -85,13 +92,26 @@ impl Player {
             "limit": self.env.spec().and_then(|spec| spec.time_limit()),
             "threshold": self.env.spec().and_then(|spec| spec.reward_threshold),
             "turns": turns(&self.env),
+            "keys": self.keys().unwrap_or_default(),
         })
+    }
+
+    /// The keys with their actions, and what happens while none is down: `"wait"`, `"repeat"` or `{"action": ...}`.
+    fn keys(&self) -> Option<Json> {
+        let Keys { actions, idle } = (registry::find(&self.id).ok()?.keys?)(&self.env);
+        let idle = match idle {
+            Idle::Wait => json!("wait"),
+            Idle::Repeat => json!("repeat"),
+            Idle::Action(action) => json!({"action": action}),
+        };
+        Some(json!({"actions": actions, "idle": idle}))
     }
 
     /// Starts an episode.
     pub(crate) fn reset(&mut self, seed: Seed) -> Result<()> {
         self.env.reset_into(&Reset::from(seed.clone()), &mut self.observation)?;
         self.sampler = Some(self.env.action_space().sampler(seed.clone()));
+        self.controller = None;
         self.seed = Some(seed);
         self.actions.clear();
         self.returns.clear();
@@ -108,7 +128,7 @@ impl Player {
                 Some(sampler) => sampler.sample(),
                 None => return Err(Error::ResetNeeded("step")),
             },
-            By::Good => return Err(Error::custom(format!("{} has no good policy", self.env))),
+            By::Good => self.good()?,
         };
         self.apply(&action)?;
         self.actions.truncate(self.position);
@@ -129,6 +149,24 @@ impl Player {
             self.marks.push_back((self.position, snapshot));
         }
         Ok(())
+    }
+
+    /// The action of the good policy.
+    fn good(&mut self) -> Result<Value> {
+        let missing =
+            || Error::custom(format!("no good policy is known for {} with these arguments", self.env));
+        let mut controller = match self.controller.take() {
+            Some(controller) => controller,
+            None => {
+                let policy = registry::find(&self.id)?.policy.ok_or_else(missing)?;
+                policy.controller(&self.env)?.ok_or_else(missing)?
+            }
+        };
+        let action = controller(&self.env, &self.observation);
+        self.controller = Some(controller);
+        action.ok_or_else(|| {
+            Error::Contract(format!("{} is not an observation of {}", self.observation, self.env))
+        })
     }
 
     /// Steps the environment alone.

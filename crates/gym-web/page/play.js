@@ -187,6 +187,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     } else if (space.kind === "Box" && space.shape.length === 1 && space.low && space.shape[0] <= 24) {
       pad.append(sliders(space));
     }
+    if (asked.by === "good") pad.append(h("p", { class: "hint" }, `The good policy ${environment.policy}.`));
     pad.append(h("p", { class: "hint" }, hint(list, waits)));
   }
   function hint(list, waits) {

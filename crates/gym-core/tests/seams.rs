@@ -6,7 +6,6 @@ use gym_core::{
     Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
     Snapshot, Space, Stateful, Task, Transition, Value, Wrap, registry,
 };
-use serde::{Deserialize, Serialize};
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
 #[derive(Clone, Debug)]
@@ -197,7 +196,7 @@ impl Env for Forgetful {
 impl registry::Configure for Forgetful {
     type Config = NoArguments;
 
-    fn configure(_: NoArguments) -> Result<Self> {
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
         Ok(Self)
     }
 }

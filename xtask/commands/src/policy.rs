@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use gym::policy::Controller;
-use gym::{BoxEnv, EnvExt, Error, Result, Value, registry};
+use gym::{BoxEnv, Env, EnvExt, Error, Result, Value, registry};
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Policy {

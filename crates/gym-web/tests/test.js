@@ -25,7 +25,7 @@ async function open(hash, ready = "main canvas") {
   frame.src = "about:blank";
   await sleep(50);
   frame.src = `/index.html?${Math.random()}${hash}`;
-  await until(() => frame.contentWindow?.location.pathname === "/index.html" && frame.contentDocument.documentElement.dataset.ready, `the page ${hash}`, () => {
+  await until(() => frame.contentWindow?.location.pathname === "/index.html" && frame.contentDocument?.documentElement?.dataset.ready, `the page ${hash}`, () => {
     const view = frame.contentWindow;
     if (view.location.pathname === "/index.html" && !view.listened) {
       view.listened = true;

@@ -9,6 +9,7 @@ use serde_json::Value as Json;
 use super::options::ResetOptions;
 use super::stack::{Renders, stack};
 use crate::render::RenderMode;
+use crate::vector::lockstep::{self, Ahead, Lockstep};
 use crate::vector::{Autoreset, VectorEnv};
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
@@ -91,6 +92,7 @@ pub struct Registration {
     defaults: fn() -> Json,
     construct: fn(&EnvSpec, ResetOptions) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
+    ahead: Option<fn() -> Box<dyn Ahead<BoxEnv>>>,
 }
 
 impl Registration {
@@ -120,6 +122,7 @@ impl Registration {
             defaults: defaults::<E>,
             construct: construct::<E>,
             vector_entry_point: None,
+            ahead: None,
         }
     }
 
@@ -204,6 +207,15 @@ impl Registration {
         self
     }
 
+    /// Has a native vector of environments that take their steps together, see
+    /// [`lockstep`](crate::vector::lockstep); async vectors then let those of each thread do so.
+    #[must_use]
+    pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
+        self.vector_entry_point = Some(lockstep::entry_point::<E>);
+        self.ahead = Some(lockstep::ahead::<E>);
+        self
+    }
+
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
@@ -248,6 +260,11 @@ impl Registration {
     /// What makes its native vector, if it has one.
     pub fn native_vector(&self) -> Option<VectorEntryPoint> {
         self.vector_entry_point
+    }
+
+    /// What lets environments of this id take their steps together.
+    pub(super) fn ahead(&self) -> Option<Box<dyn Ahead<BoxEnv>>> {
+        self.ahead.map(|ahead| ahead())
     }
 
     /// How [`make`](crate::make) builds it.

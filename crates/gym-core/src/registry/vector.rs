@@ -147,6 +147,11 @@ impl VectorSpec {
                     Some(threads) => vector.with_threads(threads)?,
                     None => vector,
                 };
+                // (a wrapper may change the action that a step is begun with)
+                let vector = match find(&env.id)?.ahead().filter(|_| env.additional_wrappers.is_empty()) {
+                    Some(ahead) => vector.with_ahead(&*ahead)?,
+                    None => vector,
+                };
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Native => {

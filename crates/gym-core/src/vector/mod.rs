@@ -2,6 +2,7 @@
 
 mod columns;
 mod infos;
+pub mod lockstep;
 pub mod native;
 mod pool;
 mod reset;
@@ -167,10 +168,7 @@ pub trait VectorEnv: Any + Send {
     /// [`Error::Custom`] if there are no environments to show, as in a native vector.
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
         let _ = visit;
-        Err(Error::custom(format!(
-            "{} is not made of environments: make a sync or an async vector for this",
-            self.describe()
-        )))
+        Err(no_envs(&self.describe()))
     }
 
     /// The picture or text of each sub-environment, by the render mode they were made with.
@@ -310,7 +308,7 @@ impl dyn VectorEnv {
     /// use gym_core::{BoxEnv, Env};
     ///
     /// # fn main() -> gym_core::Result<()> {
-    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, None)?;
+    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, gym_core::vector::VectorKind::Sync)?;
     /// let specs = envs.call(|_, env: &mut BoxEnv| env.spec())?;
     /// # Ok(())
     /// # }
@@ -376,6 +374,10 @@ impl dyn VectorEnv {
             layer = layer.within_mut()?;
         }
     }
+}
+
+fn no_envs(vector: &str) -> Error {
+    Error::custom(format!("{vector} is not made of environments: make a sync or an async vector for this"))
 }
 
 fn no_snapshots(vector: &str) -> Error {

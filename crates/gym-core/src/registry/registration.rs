@@ -67,6 +67,9 @@ impl<D: Dynamics> Configure for Stateful<D> {
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&EnvSpec, usize, Autoreset) -> Result<Box<dyn VectorEnv>>;
 
+/// Makes what lets environments go ahead together.
+type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
+
 /// What an environment needs that no crate brings.
 #[derive(Clone, Copy)]
 struct Need {
@@ -92,7 +95,7 @@ pub struct Registration {
     defaults: fn() -> Json,
     construct: fn(&EnvSpec, ResetOptions) -> Result<BoxEnv>,
     vector_entry_point: Option<VectorEntryPoint>,
-    ahead: Option<fn() -> Box<dyn Ahead<BoxEnv>>>,
+    ahead: Option<MakeAhead>,
 }
 
 impl Registration {

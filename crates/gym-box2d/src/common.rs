@@ -131,7 +131,7 @@ mod tests {
 
     /// What environments answer to `policy`, of their numbers and last observations, episode after episode; side by
     /// side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
-    fn run<E: Lockstep<Group = Worlds>, const N: usize>(
+    fn run<E, const N: usize>(
         make: impl Fn(usize) -> E,
         n: usize,
         steps: usize,
@@ -139,7 +139,7 @@ mod tests {
         mut policy: impl FnMut(usize, &[f32; N]) -> E::Action,
     ) -> Vec<u64>
     where
-        E: Env<Observation = [f32; N]>,
+        E: Lockstep<Group = Worlds> + Env<Observation = [f32; N]>,
     {
         let mut envs: Vec<E> = (0..n).map(make).collect();
         let mut asks: Vec<Result<Reset, E::Action>> = (0..n).map(|i| Ok(Reset::from(i as u64))).collect();

@@ -167,7 +167,7 @@ impl<S: Simd, const R: usize> BitAnd for Mask<S, R> {
     #[inline(always)]
     fn bitand(mut self, other: Self) -> Self {
         for i in 0..R {
-            self.0[i] = self.0[i] & other.0[i];
+            self.0[i] &= other.0[i];
         }
         self
     }
@@ -179,7 +179,7 @@ impl<S: Simd, const R: usize> BitOr for Mask<S, R> {
     #[inline(always)]
     fn bitor(mut self, other: Self) -> Self {
         for i in 0..R {
-            self.0[i] = self.0[i] | other.0[i];
+            self.0[i] |= other.0[i];
         }
         self
     }

@@ -6,8 +6,8 @@ use gym::classic::mountain_car::MountainCarDynamics;
 use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
 use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
-use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Value, builder, registry};
+use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec};
+use gym::{Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
 use serde_json::{Value as Json, json};
 
 const TABLES: [&str; 8] = [
@@ -300,7 +300,7 @@ fn steps_to_compare() -> usize {
 /// let episodes start anywhere; those that autoreset starts begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(config: D::Config, options: [(&str, f64); 2])
 where
-    D: Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
+    D: Native<Packed = [f64; K]> + Task<Observation = [f32; O]>,
 {
     const N: usize = 1000;
     let dynamics = D::new(config).unwrap();
@@ -327,7 +327,7 @@ where
             let action = D::Action::from_item(items[i]);
             let one = dynamics.transition(&before[i], &action, &mut rng).unwrap();
             let place = || format!("{}: step {step} of {i}, from {:?}", D::NAME, before[i]);
-            let bits = |state: &D::State| D::pack(state).map(f64::to_bits);
+            let bits = |state: &D::State| dynamics.pack(state).map(f64::to_bits);
             assert_eq!(bits(&envs.state(i).unwrap()), bits(&one.state), "{}", place());
             let seen = dynamics.observe(&one.state).map(f32::to_bits);
             assert_eq!(observations[i].map(f32::to_bits), seen, "{}", place());
@@ -353,7 +353,7 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
         pendulum::Config::default(),
         [("x_init", 100.0), ("y_init", 8.0)],
     );
-    compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, bounds(-3.0, 3.0));
+    compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds(-3.0, 3.0));
 }
 
 /// Angles and positions far from any episode: these too are equal.
@@ -362,11 +362,17 @@ fn steps_from_extremes_equal_those_of_scalar_environments() {
     use gym::classic::{cartpole, mountain_car, mountain_car_continuous, pendulum};
     let bounds = [("low", -1e6), ("high", 1e6)];
     compare_steps::<CartPoleDynamics, 4, 4>(cartpole::Config::default(), bounds);
-    compare_steps::<MountainCarDynamics, 2, 2>(mountain_car::Config { goal_velocity: -1.0 }, bounds);
-    let config = mountain_car_continuous::Config { goal_velocity: -1.0 };
+    compare_steps::<MountainCarDynamics, 2, 2>(
+        mountain_car::Config { goal_velocity: -1.0, ..Default::default() },
+        bounds,
+    );
+    let config = mountain_car_continuous::Config { goal_velocity: -1.0, ..Default::default() };
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds);
-    compare_steps::<PendulumDynamics, 3, 3>(pendulum::Config { g: -3e5 }, [("x_init", 1e6), ("y_init", 1e6)]);
-    compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, bounds);
+    compare_steps::<PendulumDynamics, 3, 3>(
+        pendulum::Config { g: -3e5, ..Default::default() },
+        [("x_init", 1e6), ("y_init", 1e6)],
+    );
+    compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds);
 }
 
 #[test]

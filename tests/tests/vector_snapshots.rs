@@ -5,7 +5,10 @@ use std::process::Command;
 
 use gym::vector::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{BoxEnv, Env, Info, Sampler, Snapshot, Value, VectorEnv, WrapperSpec, builder, make_vec};
+use gym::{
+    BoxEnv, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder,
+    make_vec,
+};
 use serde_json::{Value as Json, json};
 
 const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];

@@ -21,11 +21,11 @@ pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
-pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
+pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
 pub use wrappers::WrapperRegistration;
 
-use id::nearest;
+pub(crate) use id::nearest;
 pub(crate) use options::ResetOptions;
 
 use crate::{Error, Result};

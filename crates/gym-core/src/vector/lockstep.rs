@@ -11,10 +11,10 @@ use std::marker::PhantomData;
 use serde_json::Value as Json;
 
 use super::slot::{Ask, Slot, slot_bytes};
-use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec, size};
-use crate::registry::{VectorKind, find};
+use super::{SyncVectorEnv, VectorEnv, VectorSpec, size};
+use crate::registry::VectorKind;
 use crate::wrappers::TimeLimit;
-use crate::{BoxEnv, Configure, Element, Env, EnvSpec, Error, Reset, Result};
+use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Error, Reset, Result};
 
 /// Working memory for a group of environments, and the part of their steps that they take together.
 pub trait Together: Default + Send + 'static {
@@ -124,37 +124,31 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
-pub fn entry_point<E: Lockstep + Configure>(
-    spec: &EnvSpec,
-    num_envs: usize,
-    autoreset: Autoreset,
-) -> Result<Box<dyn VectorEnv>> {
-    let invalid = |reason: String| Error::argument(format!("`{}`", spec.id), reason);
-    find(&spec.id)?;
-    let make = || -> Result<E> {
-        let config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
-            .map_err(|error| invalid(error.to_string()))?;
+pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
+    spec.check_each()?;
+    let make = |index| -> Result<E> {
+        let EnvSpec { id, kwargs, .. } = spec.env_at(index);
+        let config = serde_json::from_value(Json::Object(kwargs))
+            .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))?;
         E::configure(config)
     };
-    let vector = VectorSpec::new(spec.clone(), num_envs, VectorKind::Native).autoreset(autoreset);
-    match spec.max_episode_steps {
-        Some(limit) => lockstep::<E, _>(num_envs, vector, || TimeLimit::new(make()?, limit)),
-        None => lockstep::<E, _>(num_envs, vector, make),
+    match spec.env.max_episode_steps {
+        Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
+        None => lockstep::<E, _>(spec, make),
     }
 }
 
 fn lockstep<E: Lockstep, W: Env>(
-    num_envs: usize,
-    spec: VectorSpec,
-    make: impl Fn() -> Result<W>,
+    spec: &VectorSpec,
+    make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {
-    let first = make()?;
+    let num_envs = spec.num_envs;
+    let first = make(0)?;
     let observation = first.observation_space();
     size::check(num_envs, &observation, &first.action_space(), slot_bytes::<W>(&observation))?;
-    let envs: Vec<W> =
-        std::iter::once(Ok(first)).chain((1..num_envs).map(|_| make())).collect::<Result<_>>()?;
-    let autoreset = spec.autoreset_mode;
-    let vector = SyncVectorEnv::new(envs)?.with_autoreset(autoreset).with_spec(spec);
+    let envs: Vec<W> = std::iter::once(Ok(first)).chain((1..num_envs).map(make)).collect::<Result<_>>()?;
+    let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
+    let vector = SyncVectorEnv::new(envs)?.with_autoreset(spec.autoreset_mode).with_spec(spec);
     Ok(Box::new(vector.with_ahead(Box::new(Within::<E, W>::default()))))
 }
 

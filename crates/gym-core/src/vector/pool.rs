@@ -17,7 +17,7 @@ use super::size::MAX_THREADS;
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvSpec, Error, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///

@@ -5,7 +5,7 @@ use super::lockstep::{Ahead, group_len};
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, Error, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///

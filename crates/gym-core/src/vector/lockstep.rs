@@ -8,13 +8,11 @@
 
 use std::marker::PhantomData;
 
-use serde_json::Value as Json;
-
 use super::slot::{Ask, Slot, slot_bytes};
 use super::{SyncVectorEnv, VectorEnv, VectorSpec, size};
-use crate::registry::VectorKind;
+use crate::registry::{VectorKind, find};
 use crate::wrappers::TimeLimit;
-use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Error, Reset, Result};
+use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
 
 /// Working memory for a group of environments, and the part of their steps that they take together.
 pub trait Together: Default + Send + 'static {
@@ -126,11 +124,10 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 /// [`Error::InvalidArgument`] for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
 pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     spec.check_each()?;
+    let version = find(&spec.env.id)?.rules();
     let make = |index| -> Result<E> {
         let EnvSpec { id, kwargs, .. } = spec.env_at(index);
-        let config = serde_json::from_value(Json::Object(kwargs))
-            .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))?;
-        E::configure(config)
+        E::configure(arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?, version)
     };
     match spec.env.max_episode_steps {
         Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),

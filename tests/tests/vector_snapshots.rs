@@ -5,7 +5,10 @@ use std::process::Command;
 
 use gym::vector::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{BoxEnv, Env, Info, Sampler, Snapshot, Value, VectorEnv, WrapperSpec, builder, make_vec};
+use gym::{
+    BoxEnv, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder,
+    make_vec,
+};
 use serde_json::{Value as Json, json};
 
 const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
@@ -101,7 +104,7 @@ fn continues(spec: &VectorSpec, steps: usize) {
 }
 
 fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
-    let has_native = gym::registry::find(id).unwrap().native_vector().is_some();
+    let has_native = gym::registry::find(id).unwrap().vector_entry_point.is_some();
     KINDS.into_iter().filter(move |kind| *kind != VectorKind::Native || has_native)
 }
 
@@ -116,7 +119,10 @@ fn every_kind_continues_in_every_mode() {
             }
         }
     }
-    continues(&spec("LunarLander-v3", VectorKind::Async, Autoreset::NextStep, &json!([])), 17);
+    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        continues(&spec("LunarLander-v3", kind, mode, &json!([])), 17);
+    }
+    continues(&spec("BipedalWalker-v3", VectorKind::Native, Autoreset::NextStep, &json!([])), 17);
 }
 
 #[test]

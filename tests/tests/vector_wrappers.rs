@@ -3,7 +3,7 @@
 use gym::vector::wrappers::{RecordEpisodeStatistics, TransformAction, TransformObservation};
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
 use gym::wrappers::Bound;
-use gym::{DType, Error, Space, Value, VectorEnv, VectorWrap, builder, make_vec};
+use gym::{DType, Error, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, builder, make_vec};
 
 fn pendulums(n: usize, autoreset: Autoreset) -> Box<dyn VectorEnv> {
     let vector = builder("Pendulum-v1").max_episode_steps(5).vector(n);

@@ -5,7 +5,7 @@ use gym::classic::{CartPole, Pendulum};
 use gym::wrappers::{
     OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, RenderCollection, TimeLimit,
 };
-use gym::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
 fn pendulum() -> Pendulum {
     Pendulum::new(gym::classic::pendulum::Config::default()).unwrap()

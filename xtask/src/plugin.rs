@@ -62,20 +62,52 @@ impl Plugin {
 
     /// Writes a program that links the plugin and runs the commands over its environments.
     pub(crate) fn write_program(&self, folder: &Path) -> Result<(), String> {
+        let main = format!(
+            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
+             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?}, {:?})\n}}\n",
+            self.krate, self.name, self.folder
+        );
+        let commands = root().join("xtask").join("commands");
+        let parts = format!(
+            "[features]\n\
+             conform = [\"xtask-commands/conform\"]\n\
+             human = [\"xtask-commands/human\"]\n\
+             \n\
+             [dependencies]\n\
+             xtask-commands = {{ path = {commands:?}, default-features = false }}\n"
+        );
+        self.write(folder, ("main.rs", &main), "commands-of", &parts)
+    }
+
+    /// Writes a library that links the plugin and the gallery.
+    pub(crate) fn write_gallery(&self, folder: &Path) -> Result<(), String> {
+        let library = format!("use gym_web as _;\nuse {} as _;\n", self.krate);
+        let web = root().join("crates").join("gym-web");
+        let parts = format!(
+            "[dependencies]\n\
+             gym-web = {{ path = {web:?}, default-features = false }}\n"
+        );
+        self.write(folder, ("lib.rs", &library), "gallery-of", &parts)
+    }
+
+    /// Writes a package of one source file.
+    fn write(
+        &self,
+        folder: &Path,
+        (name, text): (&str, &str),
+        prefix: &str,
+        parts: &str,
+    ) -> Result<(), String> {
         let error_at = |path: &Path| {
             let path = path.display().to_string();
             move |error: io::Error| format!("{path}: {error}")
         };
         let source = folder.join("src");
         fs::create_dir_all(&source).map_err(error_at(&source))?;
-        let main = format!(
-            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
-             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
-            self.krate, self.name
-        );
-        for (path, text) in [(folder.join("Cargo.toml"), self.manifest()), (source.join("main.rs"), main)] {
+        let manifest = self.manifest(prefix, parts, &our_crates()?, &our_profiles()?);
+        for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
             // an unchanged file is not built again
-            if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
+            if fs::read_to_string(&path).ok().as_deref() != Some(text) {
                 fs::write(&path, text).map_err(error_at(&path))?;
             }
         }
@@ -88,44 +120,61 @@ impl Plugin {
         Ok(())
     }
 
-    fn manifest(&self) -> String {
+    /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of published ones, and its profiles, so that
+    /// what both need is built once.
+    fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
         let Self { name, folder, source, .. } = self;
-        let commands = root().join("xtask").join("commands");
-        // a plugin that takes gym-core from elsewhere shares the one that the commands use
+        // a plugin that takes gym-core from elsewhere shares the one of this workspace
         let patch = source.as_ref().map_or_else(String::new, |source| {
-            let crates = ["gym", "gym-core", "gym-render"].map(|name| {
-                let path = root().join("crates").join(name);
+            let entry = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 format!("{name} = {{ path = {path:?} }}\n")
-            });
-            format!("\n[patch.{source:?}]\n{}", crates.concat())
+            };
+            format!("\n[patch.{source:?}]\n{}", crates.iter().map(entry).collect::<String>())
         });
         format!(
             "[package]\n\
-             name = \"commands-of-{name}\"\n\
+             name = \"{prefix}-{name}\"\n\
              version = \"0.0.0\"\n\
              edition = \"2024\"\n\
              publish = false\n\
              \n\
              [workspace]\n\
              \n\
-             [features]\n\
-             conform = [\"xtask-commands/conform\"]\n\
-             human = [\"xtask-commands/human\"]\n\
-             \n\
-             [dependencies]\n\
+             {parts}\
              {name} = {{ path = {folder:?} }}\n\
-             xtask-commands = {{ path = {commands:?}, default-features = false }}\n\
              \n\
-             [profile.quick]\n\
-             inherits = \"dev\"\n\
-             debug = false\n\
-             debug-assertions = false\n\
-             incremental = false\n\
-             overflow-checks = false\n\
-             panic = \"abort\"\n\
-             {patch}"
+             {profiles}{patch}"
         )
     }
+}
+
+/// The folders of this workspace's crates, by name.
+fn our_crates() -> Result<Vec<PathBuf>, String> {
+    let folder = root().join("crates");
+    let wrong = |error: io::Error| format!("{}: {error}", folder.display());
+    let entries = fs::read_dir(&folder).map_err(wrong)?;
+    let mut crates = entries
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<io::Result<Vec<_>>>()
+        .map_err(wrong)?;
+    crates.retain(|folder| folder.join("Cargo.toml").exists());
+    crates.sort();
+    Ok(crates)
+}
+
+/// The profiles of this workspace's manifest.
+fn our_profiles() -> Result<String, String> {
+    let manifest = root().join("Cargo.toml");
+    let text = fs::read_to_string(&manifest).map_err(|error| format!("{}: {error}", manifest.display()))?;
+    let mut is_profile = false;
+    let lines = text.lines().filter(|line| {
+        if line.starts_with('[') {
+            is_profile = line.starts_with("[profile.");
+        }
+        is_profile
+    });
+    Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
 /// What `[patch]` calls the place that a dependency comes from; `None` for a folder.
@@ -152,6 +201,25 @@ mod tests {
         assert_eq!(source(&registry).as_deref(), Some("crates-io"));
         let git = json!({"source": "git+https://example.org/gym?branch=main#abc", "req": "*"});
         assert_eq!(source(&git).as_deref(), Some("https://example.org/gym"));
+    }
+
+    #[test]
+    fn a_plugins_program_is_built_as_this_workspace() {
+        let plugin = Plugin {
+            name: "x".into(),
+            krate: "x".into(),
+            folder: "/x".into(),
+            source: Some("crates-io".into()),
+        };
+        let manifest =
+            plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &our_profiles().unwrap());
+        for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
+        {
+            assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");
+        }
+        for name in ["gym", "gym-core", "gym-conform", "gym-box2d"] {
+            assert!(manifest.contains(&format!("\n{name} = {{ path = ")), "{name} is missing:\n{manifest}");
+        }
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl Default for Preprocessing {
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
-/// use gym_core::{Env, Wrap};
+/// use gym_core::{Env, EnvExt, Wrap};
 ///
 /// # fn main() -> gym_core::Result<()> {
 /// let config = Config { game: "breakout".to_owned(), frameskip: Frameskip::Fixed(1), ..Config::default() };

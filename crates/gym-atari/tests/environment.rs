@@ -5,8 +5,8 @@ use gym_atari::{
 };
 use gym_core::wrappers::{OrderEnforcing, TimeLimit};
 use gym_core::{
-    BoxEnv, Configure, Env, Error, NoArguments, Outcome, Registration, Reset, Result, Value, WrapperSpec,
-    builder,
+    BoxEnv, Configure, Env, EnvExt, Error, NoArguments, Outcome, Registration, Reset, Result, Value,
+    WrapperSpec, builder,
 };
 
 /// Shows a colour that depends on the stick and on a counter of frames.
@@ -214,7 +214,7 @@ impl gym_core::Wrapper for Homebrew {
 impl Configure for Homebrew {
     type Config = NoArguments;
 
-    fn configure(_: NoArguments) -> Result<Self> {
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
         Ok(Self(env(Config { frameskip: Frameskip::Fixed(1), ..Config::default() })))
     }
 }

@@ -8,7 +8,7 @@ use crate::inputs::{corners, huge, invalid, uniform};
 use crate::look::look;
 use crate::subject::{Subject, carry_on};
 use crate::verdict::{Verdict, broken, message};
-use gym_core::{BoxEnv, Env, Reset, Result, Value};
+use gym_core::{BoxEnv, Env, EnvExt, Reset, Result, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     attempt("before the first reset", || out_of_order(&mut subject.make()?))?;
@@ -99,7 +99,7 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values =
         [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
-    let named = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
+    let named = subject.registration.as_ref().map(|registration| registration.reset_options);
     let names = named.unwrap_or_default().iter().map(|(name, _)| *name);
     names
         .chain(["low", "high", "seed", "options", ""])

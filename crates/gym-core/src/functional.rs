@@ -4,16 +4,92 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value as Json;
 
 use crate::canvas::Canvas;
 use crate::render::Metadata;
-use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
-/// The dynamics of a task, written once: three functions of a plain state.
+/// What is to be done, written once: the arguments of a task, its spaces, its starts and its pictures.
+///
+/// How a state follows from another is [`Dynamics`], or [`Equations`](crate::vector::native::Equations) where one function
+/// serves one environment and many.
+pub trait Task: Clone + fmt::Debug + Send + 'static {
+    /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
+    type Config: Arguments + PartialEq;
+    /// All that changes from step to step.
+    type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
+    /// What the agent sees.
+    type Observation: Element;
+    /// What the agent does.
+    type Action: Element;
+
+    /// The name of the environment, without version.
+    const NAME: &'static str;
+
+    /// The dynamics with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range.
+    fn new(config: Self::Config) -> Result<Self>;
+
+    /// The arguments, with what was left to chance decided.
+    fn config(&self) -> &Self::Config;
+
+    /// Changes the arguments of a task in use. Spaces stay those of the constructor, and so does what it computed of
+    /// several arguments: an attribute of Gymnasium's environments that is set works so.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range, and where arguments cannot be changed, as by default;
+    /// then nothing has changed.
+    fn assign(&mut self, config: Self::Config) -> Result<()> {
+        let _ = config;
+        Err(Error::argument(Self::NAME, "its arguments cannot be changed: make another one"))
+    }
+
+    /// The space that every observation lies in.
+    fn observation_space(&self) -> Space;
+
+    /// The space of valid actions.
+    fn action_space(&self) -> Space;
+
+    /// Draws an initial state.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a reset option with a bad value.
+    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<Self::State>;
+
+    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
+    /// refused.
+    fn is_valid(&self, state: &Self::State) -> bool;
+
+    /// Shows `visit` each entry of `info` about the transition into `state`.
+    fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (state, visit);
+    }
+
+    /// Render modes, frames per second and frame size.
+    fn metadata(&self) -> Metadata {
+        Metadata::default()
+    }
+
+    /// Draws a state.
+    fn draw(&self, state: &Self::State, canvas: &mut dyn Canvas) {
+        let _ = (state, canvas);
+    }
+
+    /// A state as text, for the mode `ansi`.
+    fn ansi(&self, state: &Self::State) -> Option<String> {
+        let _ = state;
+        None
+    }
+}
+
+/// How the state of a [`Task`] changes, as functions of a plain state.
 ///
 /// | function | Gymnasium's `FuncEnv` | what it gives |
 /// |---|---|---|
-/// | [`start`](Self::start)`(reset, rng)` | `initial` | a state |
+/// | [`start`](Task::start)`(reset, rng)` | `initial` | a state |
 /// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
 /// | [`observe`](Self::observe)`(state)` | `observation` | what the agent sees |
 ///
@@ -21,7 +97,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// them directly, from any state and as often as it likes:
 ///
 /// ```
-/// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Transition};
+/// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Task, Transition};
 ///
 /// gym_core::discrete! {
 ///     /// One step along the corridor.
@@ -34,7 +110,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// #[derive(Clone, Debug)]
 /// struct Corridor;
 ///
-/// impl Dynamics for Corridor {
+/// impl Task for Corridor {
 ///     type Config = NoArguments;
 ///     type State = i64;
 ///     type Observation = i64;
@@ -56,6 +132,12 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 ///     fn start(&self, _reset: &Reset, _rng: &mut Generator) -> Result<i64> {
 ///         Ok(0)
 ///     }
+///     fn is_valid(&self, cell: &i64) -> bool {
+///         (0..5).contains(cell)
+///     }
+/// }
+///
+/// impl Dynamics for Corridor {
 ///     fn transition(&self, cell: &i64, action: &Move, _rng: &mut Generator) -> Result<Transition<i64>> {
 ///         let cell = match action {
 ///             Move::Left => (cell - 1).max(0),
@@ -65,9 +147,6 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 ///     }
 ///     fn observe(&self, cell: &i64) -> i64 {
 ///         *cell
-///     }
-///     fn is_valid(&self, cell: &i64) -> bool {
-///         (0..5).contains(cell)
 ///     }
 /// }
 ///
@@ -90,40 +169,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 ///
 /// Where randomness matters, each call gets a generator of its own: the same generator state gives the same outcome. The
 /// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
-pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
-    /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
-    type Config: Default + PartialEq + Serialize + DeserializeOwned;
-    /// All that changes from step to step.
-    type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
-    /// What the agent sees.
-    type Observation: Element;
-    /// What the agent does.
-    type Action: Element;
-
-    /// The name of the environment, without version.
-    const NAME: &'static str;
-
-    /// The dynamics with these arguments.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range.
-    fn new(config: Self::Config) -> Result<Self>;
-
-    /// The arguments, with what was left to chance decided.
-    fn config(&self) -> &Self::Config;
-
-    /// The space that every observation lies in.
-    fn observation_space(&self) -> Space;
-
-    /// The space of valid actions.
-    fn action_space(&self) -> Space;
-
-    /// Draws an initial state.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a reset option with a bad value.
-    fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<Self::State>;
-
+pub trait Dynamics: Task {
     /// The state that follows, the reward of getting there, and whether the episode ends in it.
     ///
     /// # Errors
@@ -171,31 +217,6 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
         *state = next;
         Ok(Outcome { reward, terminated, truncated })
     }
-
-    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
-    /// refused.
-    fn is_valid(&self, state: &Self::State) -> bool;
-
-    /// Shows `visit` each entry of `info` about the transition into `state`.
-    fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
-        let _ = (state, visit);
-    }
-
-    /// Render modes, frames per second and frame size.
-    fn metadata(&self) -> Metadata {
-        Metadata::default()
-    }
-
-    /// Draws a state.
-    fn draw(&self, state: &Self::State, canvas: &mut dyn Canvas) {
-        let _ = (state, canvas);
-    }
-
-    /// A state as text, for the mode `ansi`.
-    fn ansi(&self, state: &Self::State) -> Option<String> {
-        let _ = state;
-        None
-    }
 }
 
 /// What [`Dynamics::transition`] gives.
@@ -242,6 +263,19 @@ impl<D: Dynamics> Stateful<D> {
     /// The pure functions, for planning.
     pub fn dynamics(&self) -> &D {
         &self.dynamics
+    }
+
+    /// Sets one argument to a value in JSON. The episode goes on with it.
+    ///
+    /// # Errors
+    /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
+    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let invalid = |error: serde_json::Error| Error::argument(D::NAME, error.to_string());
+        let mut arguments = serde_json::to_value(self.dynamics.config()).map_err(invalid)?;
+        if let Json::Object(arguments) = &mut arguments {
+            arguments.insert(name.to_owned(), value);
+        }
+        self.dynamics.assign(serde_json::from_value(arguments).map_err(invalid)?)
     }
 
     /// The current state; `None` before the first reset.

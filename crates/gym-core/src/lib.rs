@@ -2,14 +2,19 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![warn(clippy::disallowed_methods)]
 
+pub mod arguments;
 pub mod array;
 mod boxed;
 pub mod canvas;
+mod clock;
 mod data;
 mod env;
+mod env_ext;
 mod error;
 pub mod file;
 mod functional;
+pub mod keys;
+pub mod policy;
 pub mod pygame;
 pub mod registry;
 pub mod render;
@@ -26,24 +31,38 @@ pub mod vector;
 mod wrapper;
 pub mod wrappers;
 
+/// What a program that uses environments needs: `use gym::prelude::*`.
+pub mod prelude {
+    #[doc(no_inline)]
+    pub use crate::{
+        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, Wrap, builder,
+        make, make_vec,
+    };
+}
+
 /// The entries of [`Env::info`] by name.
 pub type Info = std::collections::BTreeMap<String, Value>;
 
 #[doc(hidden)]
 pub use inventory;
 
+pub use arguments::{Argument, ArgumentType, Arguments};
 pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
+pub use env_ext::EnvExt;
 pub use error::{Error, Result};
-pub use functional::{Dynamics, Stateful, Transition};
+pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
+pub use keys::Keys;
+pub use policy::Policy;
 pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
 pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::{VectorEnv, VectorWrap};
+pub use vector::wrapper::VectorWrapper;
+pub use vector::{VectorEnv, VectorEnvExt, VectorWrap};
 pub use wrapper::Wrapper;
 pub use wrappers::Wrap;
 

@@ -3,28 +3,23 @@
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics};
 use gym_core::{
-    Array, BoxEnv, Dynamics, Env, Error, Generator, NoArguments, Registration, Reset, Result, Snapshot,
-    Space, Stateful, Transition, Value, Wrap, registry,
+    Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
+    Snapshot, Space, Stateful, Task, Transition, Value, Wrap, registry,
 };
-use serde::{Deserialize, Serialize};
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
 #[derive(Clone, Debug)]
 struct Budget(Config);
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Config {
-    budget: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { budget: 3.0 }
+gym_core::arguments! {
+    #[derive(Copy)]
+    struct Config {
+        /// How many steps an episode has.
+        pub budget: f64 = 3.0,
     }
 }
 
-impl Dynamics for Budget {
+impl Task for Budget {
     type Config = Config;
     type State = i64;
     type Observation = Array;
@@ -51,6 +46,12 @@ impl Dynamics for Budget {
         Ok(0)
     }
 
+    fn is_valid(&self, state: &i64) -> bool {
+        (0..=10).contains(state)
+    }
+}
+
+impl Dynamics for Budget {
     fn transition(&self, state: &i64, _action: &i64, _rng: &mut Generator) -> Result<Transition<i64>> {
         Ok(Transition { state: state + 1, reward: 1.0, terminated: *state == 9 })
     }
@@ -68,10 +69,6 @@ impl Dynamics for Budget {
 
     fn truncates(&self, state: &i64) -> bool {
         *state as f64 >= self.0.budget
-    }
-
-    fn is_valid(&self, state: &i64) -> bool {
-        (0..=10).contains(state)
     }
 }
 
@@ -199,7 +196,7 @@ impl Env for Forgetful {
 impl registry::Configure for Forgetful {
     type Config = NoArguments;
 
-    fn configure(_: NoArguments) -> Result<Self> {
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
         Ok(Self)
     }
 }

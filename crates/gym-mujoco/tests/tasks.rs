@@ -1,6 +1,6 @@
 //! Arguments of the tasks, by version; snapshots; models of users.
 
-use gym_core::{Array, BoxEnv, Env, Value, builder, make, registry};
+use gym_core::{Array, BoxEnv, Env, EnvExt, Value, builder, make, registry};
 use gym_mujoco as _;
 use serde_json::{Value as Json, json};
 
@@ -130,6 +130,31 @@ fn a_snapshot_in_mid_contact_continues_bit_for_bit() {
         let mut other = make(id).unwrap();
         other.restore(&serde_json::from_str(&text).unwrap()).unwrap();
         assert_eq!(play(&mut env, 2, 8), play(&mut other, 2, 8), "{id}");
+    }
+}
+
+#[test]
+fn a_snapshot_holds_states_alone() {
+    for task in registry::all().into_iter().filter(|entry| entry.id().ends_with("-v5")) {
+        let mut env = make(task.id()).unwrap();
+        env.reset(5).unwrap();
+        play(&mut env, 1, 12);
+        let model = gym_mujoco::simulated(&env).map(|env| env.simulation().model.clone()).expect("a task");
+        let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        // the state now, and the one that the last step started from; the generator's, and what was measured in the step
+        let states = 2 * (model.nq() + 2 * model.nv() + model.nu() + 1);
+        let held = numbers(&text);
+        assert!(held >= states && held < states + 60, "{}: {held} numbers for {states}", task.id());
+    }
+}
+
+/// How many numbers there are.
+fn numbers(json: &Json) -> usize {
+    match json {
+        Json::Number(_) => 1,
+        Json::Array(all) => all.iter().map(numbers).sum(),
+        Json::Object(all) => all.values().map(numbers).sum(),
+        _ => 0,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gym_core::registry::VectorWrapperRegistration;
 use gym_core::render::{Frame, Rendered};
-use gym_core::vector::{Autoreset, Columns, Progress, VectorReset, VectorWrapper};
+use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{Error, Kwargs, Result, Value, VectorEnv, WrapperSpec, inventory};
 
 use crate::png::tile;
@@ -140,7 +140,7 @@ fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     grids.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(n)
 }
 
-impl<V: VectorEnv> VectorWrapper for RecordVectorVideo<V> {
+impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -16,25 +16,31 @@
 //! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
 
 use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::vector::native::{self, Many, Native, Whole};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::{
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
 pub type Blackjack = Stateful<BlackjackDynamics>;
 
-/// Arguments. A natural is an ace and a ten as the first two cards.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
-    pub natural: bool,
-    /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
-    /// `Blackjack-v1` is registered with this set.
-    pub sab: bool,
+gym_core::arguments! {
+    /// Arguments. A natural is an ace and a ten as the first two cards.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
+        pub natural: bool,
+        /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
+        /// `Blackjack-v1` is registered with this set.
+        pub sab: bool,
+    }
 }
 
 const DECK: [u8; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
@@ -207,7 +213,7 @@ impl BlackjackDynamics {
     }
 }
 
-impl Dynamics for BlackjackDynamics {
+impl Task for BlackjackDynamics {
     type Config = Config;
     type State = State;
     type Observation = (usize, usize, usize);
@@ -238,15 +244,6 @@ impl Dynamics for BlackjackDynamics {
         let suit = SUITS[rng.choice(SUITS.len())];
         let face = (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
         Ok(State { dealer, player, suit, face })
-    }
-
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(self.play(state, *action, rng))
-    }
-
-    fn observe(&self, state: &State) -> (usize, usize, usize) {
-        let State { dealer, player, .. } = state;
-        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -290,6 +287,17 @@ impl Dynamics for BlackjackDynamics {
             _ => "",
         };
         canvas.text(note, [296.0, 326.0], 12.0, Align::Center, Color::WHITE);
+    }
+}
+
+impl Dynamics for BlackjackDynamics {
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        Ok(self.play(state, *action, rng))
+    }
+
+    fn observe(&self, state: &State) -> (usize, usize, usize) {
+        let State { dealer, player, .. } = state;
+        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
     }
 }
 
@@ -416,14 +424,19 @@ fn blank(canvas: &mut dyn Canvas, corner: Point) {
 impl Native for BlackjackDynamics {
     type Packed = Whole<State>;
     type Stream = Generator;
+    type Constants = [f64; 0];
+
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
 
     #[inline(always)]
-    fn pack(state: &State) -> Whole<State> {
+    fn pack(&self, state: &State) -> Whole<State> {
         Whole(*state)
     }
 
     #[inline(always)]
-    fn unpack(Whole(state): Whole<State>, _fresh: bool) -> State {
+    fn unpack(&self, Whole(state): Whole<State>, _fresh: bool) -> State {
         state
     }
 
@@ -433,16 +446,38 @@ impl Native for BlackjackDynamics {
     }
 }
 
+/// Basic strategy: Sutton and Barto, figure 5.2.
+fn basic_strategy((sum, dealer, usable_ace): &(i64, i64, i64)) -> i64 {
+    let stick = if *usable_ace == 1 {
+        *sum >= if *dealer >= 9 { 19 } else { 18 }
+    } else {
+        let least = match *dealer {
+            2..=3 => 13,
+            4..=6 => 12,
+            _ => 17,
+        };
+        *sum >= least
+    };
+    i64::from(!stick)
+}
+
 gym_core::register!(
     Registration::new::<Blackjack>("Blackjack-v1")
         .description("Beat the dealer's hand without going above 21.")
         .kwargs(r#"{"sab": true, "natural": false}"#)
         .vector_entry_point(native::entry_point::<BlackjackDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"S": 0, "Down": 0, "H": 1, "Up": 1})))
+        .policy(Policy::rules("is the basic strategy of Sutton and Barto's figure 5.2", |_| reflex(
+            basic_strategy
+        )))
+        .clip(Clip { seeds: 0..12, every: 1, frames: 24, size: (192, 188) })
 );
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, Snapshot};
+    use gym_core::{EnvExt, Snapshot};
 
     use super::*;
 

@@ -17,25 +17,32 @@
 //! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.
 
 use gym_core::canvas::{Canvas, Color};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
+use crate::planning;
 use crate::tabular::{Cell, Distribution, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type CliffWalking = Stateful<CliffWalkingDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether a move goes to either side of where it should with probability 1/3 each.
-    pub is_slippery: bool,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether a move goes to either side of where it should with probability 1/3 each.
+        #[versions = 1..]
+        pub is_slippery: bool,
+    }
 }
 
 const ROWS: usize = 4;
@@ -105,7 +112,7 @@ impl CliffWalkingDynamics {
     }
 }
 
-impl Dynamics for CliffWalkingDynamics {
+impl Task for CliffWalkingDynamics {
     type Config = Config;
     type State = State;
     type Observation = usize;
@@ -151,16 +158,6 @@ impl Dynamics for CliffWalkingDynamics {
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
-    }
-
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> usize {
-        state.cell
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -230,6 +227,18 @@ impl Dynamics for CliffWalkingDynamics {
     }
 }
 
+impl Dynamics for CliffWalkingDynamics {
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
+    }
+}
+
 const GRASS: Color = Color::rgb(140, 190, 92);
 const LIGHT_GRASS: Color = Color::rgb(154, 202, 104);
 const DARK_GRASS: Color = Color::rgb(116, 166, 76);
@@ -266,17 +275,22 @@ fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
 impl Native for CliffWalkingDynamics {
     type Packed = Cell;
     type Stream = WordStream;
+    type Constants = [f64; 0];
 
     const INFO: bool = true;
 
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
     #[inline(always)]
-    fn pack(state: &State) -> Cell {
+    fn pack(&self, state: &State) -> Cell {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
     /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, fresh: bool) -> State {
+    fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };
         State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
@@ -289,30 +303,36 @@ impl Native for CliffWalkingDynamics {
     }
 }
 
-gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalking-v0")
-        .description("Walk along a cliff without falling off.")
-        .without_arguments()
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
-);
-gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalking-v1")
+/// What all ids have in common.
+const fn cliff(id: &'static str) -> Registration {
+    Registration::new::<CliffWalking>(id)
         .description("Walk along a cliff without falling off.")
         .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
-);
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Up": 0, "Right": 1, "Down": 2, "Left": 3})))
+        .policy(Policy::rules(planning::DESCRIPTION, |env| {
+            planning::controller(env, CliffWalkingDynamics::p)
+        }))
+}
+
+gym_core::register!(cliff("CliffWalking-v0"));
+gym_core::register!(cliff("CliffWalking-v1").clip(Clip {
+    seeds: 0..1,
+    every: 1,
+    frames: 40,
+    size: (384, 128)
+}));
 gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalkingSlippery-v1")
+    cliff("CliffWalkingSlippery-v1")
         .description("Walk along a slippery cliff without falling off.")
         .kwargs(r#"{"is_slippery": true}"#)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, builder};
+    use gym_core::{Env, EnvExt, builder};
 
     use super::*;
 

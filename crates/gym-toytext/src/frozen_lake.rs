@@ -18,48 +18,42 @@
 use std::sync::Arc;
 
 use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{
+    Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+    Value,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
+use crate::planning;
 use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type FrozenLake = Stateful<FrozenLakeDynamics>;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
-    /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
-    pub desc: Option<Vec<String>>,
-    /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
-    /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
-    /// itself and its clones alone.
-    pub map_name: Option<String>,
-    /// Whether a move can go astray.
-    pub is_slippery: bool,
-    /// The probability that a move on slippery ice goes where it should; the rest is shared by both
-    /// sides.
-    pub success_rate: f64,
-    /// The rewards of reaching the goal, a hole, and any other cell.
-    pub reward_schedule: [f64; 3],
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            desc: None,
-            map_name: Some("4x4".to_owned()),
-            is_slippery: true,
-            success_rate: 1.0 / 3.0,
-            reward_schedule: [1.0, 0.0, 0.0],
-        }
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
+        /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
+        pub desc: Option<Vec<String>>,
+        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
+        /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
+        /// itself and its clones alone.
+        pub map_name: Option<String> = Some("4x4".to_owned()),
+        /// Whether a move can go astray.
+        pub is_slippery: bool = true,
+        /// The probability that a move on slippery ice goes where it should; the rest is shared by both
+        /// sides.
+        pub success_rate: f64 = 1.0 / 3.0,
+        /// The rewards of reaching the goal, a hole, and any other cell.
+        pub reward_schedule: [f64; 3] = [1.0, 0.0, 0.0],
     }
 }
 
@@ -140,7 +134,7 @@ impl FrozenLakeDynamics {
     }
 }
 
-impl Dynamics for FrozenLakeDynamics {
+impl Task for FrozenLakeDynamics {
     type Config = Config;
     type State = State;
     type Observation = usize;
@@ -220,16 +214,6 @@ impl Dynamics for FrozenLakeDynamics {
         Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
     }
 
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> usize {
-        state.cell
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         state.cell < self.p.states() && (0.0..=1.0).contains(&state.probability)
     }
@@ -287,6 +271,18 @@ impl Dynamics for FrozenLakeDynamics {
             }
             canvas.pop();
         }
+    }
+}
+
+impl Dynamics for FrozenLakeDynamics {
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
     }
 }
 
@@ -441,6 +437,7 @@ fn has_path(board: &[Vec<u8>]) -> bool {
 impl Native for FrozenLakeDynamics {
     type Packed = Cell;
     type Stream = WordStream;
+    type Constants = [f64; 0];
 
     const INFO: bool = true;
 
@@ -453,14 +450,18 @@ impl Native for FrozenLakeDynamics {
         }
     }
 
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
     #[inline(always)]
-    fn pack(state: &State) -> Cell {
+    fn pack(&self, state: &State) -> Cell {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
     /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, fresh: bool) -> State {
+    fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };
         State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
@@ -473,28 +474,36 @@ impl Native for FrozenLakeDynamics {
     }
 }
 
+/// What all ids have in common.
+const fn lake(id: &'static str) -> Registration {
+    Registration::new::<FrozenLake>(id)
+        .exceptions(&[WHOLE_AT_RESET])
+        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3})))
+        .policy(Policy::rules(planning::DESCRIPTION, |env| planning::controller(env, FrozenLakeDynamics::p)))
+}
+
 gym_core::register!(
-    Registration::new::<FrozenLake>("FrozenLake-v1")
+    lake("FrozenLake-v1")
         .description("Cross a frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
+        .clip(Clip { seeds: 12..13, every: 1, frames: 40, size: (192, 192) })
 );
 gym_core::register!(
-    Registration::new::<FrozenLake>("FrozenLake8x8-v1")
+    lake("FrozenLake8x8-v1")
         .description("Cross a larger frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "8x8"}"#)
         .max_episode_steps(200)
         .reward_threshold(0.85)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

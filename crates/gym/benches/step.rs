@@ -6,7 +6,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use gym::classic::cartpole::{CartPole, Config};
 use gym::vector::VectorKind;
 use gym::wrappers::TimeLimit;
-use gym::{Element, Env, VectorEnv, registry};
+use gym::{Element, Env, EnvExt, VectorEnv, VectorEnvExt, registry};
 
 /// Plays `steps` random steps, with the resets that come between.
 fn play<E: Env>(env: &mut E, actions: &[E::Action], observation: &mut E::Observation) {
@@ -46,7 +46,7 @@ fn vectors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("vector");
     for registration in registry::self_contained() {
         for kind in VectorKind::ALL {
-            if kind == VectorKind::Native && registration.native_vector().is_none() {
+            if kind == VectorKind::Native && registration.vector_entry_point.is_none() {
                 continue;
             }
             for num_envs in [64, 1024] {

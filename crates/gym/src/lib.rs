@@ -1,7 +1,7 @@
 //! Gymnasium's environments in Rust: the same seed gives the same episode.
 //!
 //! ```
-//! use gym::Env;
+//! use gym::prelude::*;
 //!
 //! # fn main() -> gym::Result<()> {
 //! let mut env = gym::make("CartPole-v1")?;

@@ -22,7 +22,7 @@ pub type WrapVector = fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEn
 ///     envs: Box<dyn VectorEnv>,
 /// }
 ///
-/// impl gym_core::vector::VectorWrapper for Effort {
+/// impl gym_core::VectorWrapper for Effort {
 ///     fn inner(&self) -> &dyn VectorEnv {
 ///         &*self.envs
 ///     }

@@ -1,6 +1,6 @@
 use crate::render::{Frame, Rendered};
 use crate::spaces::{BoxSpace, DictSpace, array_of};
-use crate::{BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
+use crate::{BoxEnv, DType, Element, Env, EnvExt, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
 
 /// Observes the rendered picture, alone or beside the observation.
 ///

@@ -2,6 +2,8 @@ use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, WrapperSpec};
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the
 /// repetition.
+///
+/// Where a step after the first is an `Err`, the steps before it were taken.
 #[derive(Clone, Debug)]
 pub struct RepeatAction<E = BoxEnv> {
     env: E,

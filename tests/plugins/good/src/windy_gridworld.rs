@@ -15,21 +15,25 @@
 //! and 6.10; the book starts in row 3 throughout.
 
 use gym_core::canvas::{Canvas, Color};
+use gym_core::keys::json;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, EnvExt, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
 pub type WindyGridworld = Stateful<WindyGridworldDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether the agent moves along diagonals as well.
-    pub king: bool,
-    /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the time.
-    pub stochastic: bool,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether the agent moves along diagonals as well.
+        pub king: bool,
+        /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the time.
+        pub stochastic: bool,
+    }
 }
 
 const ROWS: i64 = 7;
@@ -58,7 +62,7 @@ pub struct WindyGridworldDynamics {
     config: Config,
 }
 
-impl Dynamics for WindyGridworldDynamics {
+impl Task for WindyGridworldDynamics {
     type Config = Config;
     type State = State;
     type Observation = i64;
@@ -85,26 +89,6 @@ impl Dynamics for WindyGridworldDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         let row = if self.config.stochastic { rng.integers(0, ROWS) } else { START_ROW };
         Ok(State { row, column: 0, wind: 0 })
-    }
-
-    fn transition(&self, state: &State, action: &usize, rng: &mut Generator) -> Result<Transition<State>> {
-        let moves = if self.config.king { &MOVES[..] } else { &MOVES[..4] };
-        let Some([down, right]) = moves.get(*action) else {
-            return Err(Error::InvalidAction {
-                action: action.to_string(),
-                space: self.action_space().to_string(),
-                hint: String::new(),
-            });
-        };
-        let mean = WIND[state.column as usize];
-        let wind = if self.config.stochastic && mean > 0 { mean + rng.integers(-1, 2) } else { mean };
-        let row = (state.row + down - wind).clamp(0, ROWS - 1);
-        let column = (state.column + right).clamp(0, COLUMNS - 1);
-        Ok(Transition { state: State { row, column, wind }, reward: -1.0, terminated: [row, column] == GOAL })
-    }
-
-    fn observe(&self, state: &State) -> i64 {
-        state.row * COLUMNS + state.column
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -147,6 +131,28 @@ impl Dynamics for WindyGridworldDynamics {
     }
 }
 
+impl Dynamics for WindyGridworldDynamics {
+    fn transition(&self, state: &State, action: &usize, rng: &mut Generator) -> Result<Transition<State>> {
+        let moves = if self.config.king { &MOVES[..] } else { &MOVES[..4] };
+        let Some([down, right]) = moves.get(*action) else {
+            return Err(Error::InvalidAction {
+                action: action.to_string(),
+                space: self.action_space().to_string(),
+                hint: String::new(),
+            });
+        };
+        let mean = WIND[state.column as usize];
+        let wind = if self.config.stochastic && mean > 0 { mean + rng.integers(-1, 2) } else { mean };
+        let row = (state.row + down - wind).clamp(0, ROWS - 1);
+        let column = (state.column + right).clamp(0, COLUMNS - 1);
+        Ok(Transition { state: State { row, column, wind }, reward: -1.0, terminated: [row, column] == GOAL })
+    }
+
+    fn observe(&self, state: &State) -> i64 {
+        state.row * COLUMNS + state.column
+    }
+}
+
 const CELL: f64 = 40.0; // pixels
 const LINE: Color = Color::rgb(160, 170, 184);
 /// By the strength of the wind.
@@ -154,14 +160,33 @@ const SKY: [Color; 3] = [Color::rgb(240, 244, 248), Color::rgb(206, 222, 240), C
 const MEADOW: Color = Color::rgb(128, 190, 110);
 const AGENT: Color = Color::rgb(210, 84, 60);
 
-gym_core::register!(
-    Registration::new::<WindyGridworld>("sutton/WindyGridworld-v0")
+/// Right to the last column, where there is no wind, down below the goal, and back to it.
+fn around_the_wind(cell: &i64) -> usize {
+    match (cell / COLUMNS, cell % COLUMNS) {
+        (4.., 8..) => 3,
+        (_, 9) => 1,
+        _ => 2,
+    }
+}
+
+/// What both ids have in common.
+const fn gridworld(id: &'static str) -> Registration {
+    Registration::new::<WindyGridworld>(id)
         .description("Reach the goal across a wind that blows upwards.")
         .max_episode_steps(200)
-);
+        .light_step()
+        .keys(|env| match env.action_space() {
+            Space::Discrete(space) if space.n() == 8 => Keys::new(json!({
+                "Up": 0, "Down": 1, "Right": 2, "Left": 3, "E": 4, "C": 5, "Y": 6, "Q": 7
+            })),
+            _ => Keys::new(json!({"Up": 0, "Down": 1, "Right": 2, "Left": 3})),
+        })
+        .policy(Policy::rules("goes around the wind", |_| reflex(around_the_wind)))
+}
+
 gym_core::register!(
-    Registration::new::<WindyGridworld>("sutton/WindyGridworldKings-v0")
+    gridworld("sutton/WindyGridworld-v0").clip(Clip { seeds: 0..1, every: 1, frames: 20, size: (200, 140) }),
+    gridworld("sutton/WindyGridworldKings-v0")
         .kwargs(r#"{"king": true, "stochastic": true}"#)
-        .description("Reach the goal across a wind that varies, with the moves of a king.")
-        .max_episode_steps(200)
+        .description("Reach the goal across a wind that varies, with the moves of a king."),
 );

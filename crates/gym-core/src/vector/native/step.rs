@@ -1,5 +1,6 @@
 //! The loop over environments.
 
+use super::varied::Varied;
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::Real;
 use crate::rng::Stream;
@@ -21,14 +22,14 @@ pub(super) struct Block<D: Native> {
 }
 
 impl<D: Native> Block<D> {
-    pub(super) fn state(&self, lane: usize) -> D::State {
-        D::unpack(D::Packed::get(&self.states, lane), self.steps[lane] == 0)
+    pub(super) fn state(&self, dynamics: &D, lane: usize) -> D::State {
+        dynamics.unpack(D::Packed::get(&self.states, lane), self.steps[lane] == 0)
     }
 
     /// Starts an episode.
     #[inline]
-    pub(super) fn start(&mut self, lane: usize, state: &D::State) {
-        D::pack(state).set(&mut self.states, lane);
+    pub(super) fn start(&mut self, dynamics: &D, lane: usize, state: &D::State) {
+        dynamics.pack(state).set(&mut self.states, lane);
         self.steps[lane] = 0;
     }
 }
@@ -39,6 +40,9 @@ pub(super) const NO_LIMIT: u16 = u16::MAX;
 /// One step of all environments: what it reads, and the columns that it fills.
 pub(super) struct Step<'a, D: Native> {
     pub(super) dynamics: &'a D,
+    pub(super) constants: &'a <D::Constants as Packed>::Block,
+    /// What takes their place where environments have constants of their own.
+    pub(super) varied: Option<&'a mut Varied<D>>,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item],
@@ -63,9 +67,9 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block. Inlined into a function for each set of vector instructions.
+    /// Steps block by block, all with the usual constants or not. Inlined into a function for each set of vector instructions.
     #[inline(always)]
-    pub(super) fn run<R: Real>(
+    pub(super) fn run<R: Real, const USUAL: bool>(
         mut self,
         token: R::Token,
         blocks: &mut [Block<D>],
@@ -87,6 +91,7 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
+                constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
                 due: block.due,
@@ -96,7 +101,11 @@ impl<D: Native> Step<'_, D> {
                 rewards: &mut results.rewards,
                 terminated: &mut results.terminated,
             };
-            self.dynamics.step_block::<R>(token, &mut many);
+            if USUAL {
+                self.dynamics.step_usual_block::<R>(token, &mut many);
+            } else {
+                self.dynamics.step_block::<R>(token, &mut many);
+            }
             let done = count(block, &mut results, self.limit) & (u32::MAX >> (LANES - len));
             self.reset(block, streams, done, first, &mut results)?;
 
@@ -128,9 +137,16 @@ impl<D: Native> Step<'_, D> {
         let reset = Reset::default();
         let mut start =
             |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
-                let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
+                let state = streams[lane].lend(|rng| {
+                    if let Some(varied) = &mut self.varied
+                        && let Some(own) = varied.draw(first + lane, self.dynamics, rng)?
+                    {
+                        varied.keep(first + lane, &own);
+                    }
+                    self.dynamics.start(&reset, rng)
+                });
                 let state = state.map_err(|error| error.at_env(first + lane))?;
-                block.start(lane, &state);
+                block.start(self.dynamics, lane, &state);
                 results.observations[lane] = self.dynamics.observe(&state);
                 Ok(())
             };
@@ -166,11 +182,12 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and where its results go.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
+    pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],
     /// Which are due: what comes of them is overwritten.
-    due: u32,
-    streams: &'a mut [D::Stream; LANES],
+    pub(super) due: u32,
+    pub(super) streams: &'a mut [D::Stream; LANES],
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
     pub(super) observations: &'a mut [D::Observation; LANES],
     pub(super) rewards: &'a mut [f64; LANES],
@@ -191,10 +208,10 @@ impl<D: Native> Many<'_, D> {
             if self.due >> lane & 1 == 1 {
                 continue;
             }
-            let state = D::unpack(D::Packed::get(self.states, lane), self.steps[lane] == 0);
+            let state = dynamics.unpack(D::Packed::get(self.states, lane), self.steps[lane] == 0);
             let action = D::Action::from_item(self.actions[lane]);
             let transition = step(&state, action, &mut self.streams[lane]);
-            D::pack(&transition.state).set(self.states, lane);
+            dynamics.pack(&transition.state).set(self.states, lane);
             self.observations[lane] = dynamics.observe(&transition.state);
             self.rewards[lane] = transition.reward;
             *self.terminated |= u32::from(transition.terminated) << lane;

@@ -1,7 +1,7 @@
 use super::{cast_actions, reach};
 use crate::spaces::BoxSpace;
 use crate::transform::clip::clip;
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::wrappers::expect_box;
 use crate::{Result, Space, Value, WrapperSpec};
 
@@ -30,7 +30,7 @@ impl<V: VectorEnv> ClipAction<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for ClipAction<V> {
+impl<V: VectorEnv> crate::VectorWrapper for ClipAction<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,7 +1,7 @@
 use super::{each_reward, reach};
 use crate::transform::clip::RewardBounds;
 use crate::transform::number_to_json;
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::{Result, Value, WrapperSpec};
 
 /// Clips rewards between bounds, either of which may be left out.
@@ -27,7 +27,7 @@ impl<V: VectorEnv> ClipReward<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for ClipReward<V> {
+impl<V: VectorEnv> crate::VectorWrapper for ClipReward<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -122,7 +122,7 @@ impl Inner {
     }
 }
 
-/// The methods of [`VectorWrapper`](crate::vector::VectorWrapper) for a wrapper that changes observations by a function without state. The wrapper has the
+/// The methods of [`VectorWrapper`](crate::VectorWrapper) for a wrapper that changes observations by a function without state. The wrapper has the
 /// fields `envs` and `inner`, and a method `observe(&self, columns: &mut Columns) -> Result<()>` that maps
 /// from `inner`.
 macro_rules! observation_methods {

@@ -3,7 +3,7 @@ use crate::spaces::BoxSpace;
 use crate::statistics::moments::Rows;
 use crate::statistics::{RunningMeanStd, check_epsilon};
 use crate::vector::stored::Kept;
-use crate::vector::{Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
+use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
 use crate::{Array, DType, Error, Result, Snapshot, Space, Value, WrapperSpec, wrappers};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated over all sub-environments as it
@@ -125,7 +125,7 @@ fn normalize(
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for NormalizeObservation<V> {
+impl<V: VectorEnv> crate::VectorWrapper for NormalizeObservation<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -2,7 +2,7 @@ use super::reach;
 use crate::statistics::moments::{Batch, Samples};
 use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
 use crate::vector::stored::Kept;
-use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
+use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset};
 use crate::{BoxEnv, Error, Result, Snapshot, Value, WrapperSpec, wrappers};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated over all
@@ -81,7 +81,7 @@ impl<V: VectorEnv> NormalizeReward<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
+impl<V: VectorEnv> crate::VectorWrapper for NormalizeReward<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,16 +1,16 @@
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
 use super::reach;
-use crate::vector::{Columns, Progress, VectorEnv, VectorReset, VectorWrapper, infos};
+use crate::clock::Instant;
+use crate::vector::{Columns, Progress, VectorEnv, VectorReset, infos};
 use crate::wrappers::{EpisodeStatistics, episode_buffer};
 use crate::{Error, Result, Snapshot, Value, WrapperSpec};
 
 /// Keeps the return, length and duration of each sub-environment's episodes.
 ///
-/// For a step in which episodes ended, [`infos`](VectorEnv::infos) have an entry `episode` with the
+/// For a step in which episodes ended, [`infos`](VectorEnvExt::infos) have an entry `episode` with the
 /// columns `r` (return), `l` (length in steps) and `t` (seconds since the reset, to the microsecond), zero
 /// where no episode ended, and the mask `_episode`. The last episodes are kept in
 /// [`episodes`](Self::episodes). The entry belongs to the step that ended the episode in each
@@ -120,7 +120,7 @@ impl<V: VectorEnv> RecordEpisodeStatistics<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for RecordEpisodeStatistics<V> {
+impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,6 +1,6 @@
 use super::{cast_actions, reach};
 use crate::transform::affine::{Affine, Bound};
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::wrappers::rescale_action::affine_map;
 use crate::{Result, Space, Value, WrapperSpec};
 
@@ -29,7 +29,7 @@ impl<V: VectorEnv> RescaleAction<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for RescaleAction<V> {
+impl<V: VectorEnv> crate::VectorWrapper for RescaleAction<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,6 +1,6 @@
 use super::{Inner, observation_methods, reach};
 use crate::transform::affine::{Affine, Bound};
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::wrappers::expect_box;
 use crate::{Error, Result, Space, Value, WrapperSpec};
 
@@ -42,7 +42,7 @@ impl<V: VectorEnv> RescaleObservation<V> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for RescaleObservation<V> {
+impl<V: VectorEnv> crate::VectorWrapper for RescaleObservation<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use super::reach;
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::{Result, Space, Value};
 
 /// Applies a function to the actions of all sub-environments together, before they get them.
@@ -22,7 +22,7 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformAction<V, F
     }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for TransformAction<V, F> {
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> crate::VectorWrapper for TransformAction<V, F> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

@@ -1,7 +1,7 @@
 use std::fmt;
 
 use super::{Inner, observation_methods, reach};
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::{Error, Result, Space, Value};
 
 /// Applies a function to the observations of all sub-environments together, also to the final ones.
@@ -39,7 +39,9 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation
     }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for TransformObservation<V, F> {
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> crate::VectorWrapper
+    for TransformObservation<V, F>
+{
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

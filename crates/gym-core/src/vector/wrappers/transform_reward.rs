@@ -1,7 +1,7 @@
 use std::fmt;
 
 use super::{each_reward, reach};
-use crate::vector::{Columns, VectorEnv, VectorWrapper};
+use crate::vector::{Columns, VectorEnv};
 use crate::{Result, Value};
 
 /// Applies a function to each reward.
@@ -20,7 +20,7 @@ impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> TransformReward<V, F> {
     }
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> VectorWrapper for TransformReward<V, F> {
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> crate::VectorWrapper for TransformReward<V, F> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

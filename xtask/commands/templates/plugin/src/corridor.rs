@@ -13,25 +13,20 @@
 
 use gym_core::canvas::{Align, Canvas, Color};
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
 pub type Corridor = Stateful<CorridorDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The number of cells, from 2 to 100.
-    pub length: i64,
-    /// The probability that a step fails.
-    pub slip: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { length: 10, slip: 0.2 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// The number of cells, from 2 to 100.
+        pub length: i64 = 10,
+        /// The probability that a step fails.
+        pub slip: f64 = 0.2,
     }
 }
 
@@ -60,7 +55,7 @@ pub struct CorridorDynamics {
     config: Config,
 }
 
-impl Dynamics for CorridorDynamics {
+impl Task for CorridorDynamics {
     type Config = Config;
     type State = State;
     type Observation = i64;
@@ -95,21 +90,6 @@ impl Dynamics for CorridorDynamics {
         Ok(State { cell: rng.integers(0, self.config.length / 2), slipped: false })
     }
 
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let last = self.config.length - 1;
-        let slipped = rng.random() < self.config.slip;
-        let cell = match action {
-            _ if slipped => state.cell,
-            Action::Left => (state.cell - 1).max(0),
-            Action::Right => (state.cell + 1).min(last),
-        };
-        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
-    }
-
-    fn observe(&self, state: &State) -> i64 {
-        state.cell
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         (0..self.config.length).contains(&state.cell)
     }
@@ -136,6 +116,23 @@ impl Dynamics for CorridorDynamics {
     }
 }
 
+impl Dynamics for CorridorDynamics {
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let last = self.config.length - 1;
+        let slipped = rng.random() < self.config.slip;
+        let cell = match action {
+            _ if slipped => state.cell,
+            Action::Left => (state.cell - 1).max(0),
+            Action::Right => (state.cell + 1).min(last),
+        };
+        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
+    }
+
+    fn observe(&self, state: &State) -> i64 {
+        state.cell
+    }
+}
+
 const WALL: Color = Color::rgb(52, 56, 66);
 const FLOOR: Color = Color::rgb(120, 126, 140);
 const DAYLIGHT: Color = Color::rgb(250, 226, 150);
@@ -150,7 +147,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

@@ -153,8 +153,7 @@ fn good_policies_beat_chance() {
         let (good, random) = (mean(id, "good"), mean(id, "random"));
         assert!(good >= least && good > random, "{id}: {good}, at random {random}");
     }
-    let error =
-        fails(&["run", "CarRacing-v3", "--policy", "good", "--kwargs", r#"{"continuous": false}"#]);
+    let error = fails(&["run", "CarRacing-v3", "--policy", "good", "--kwargs", r#"{"continuous": false}"#]);
     assert!(error.contains("has no good policy"), "{error}");
 }
 
@@ -260,9 +259,7 @@ fn gif_follows_its_options() {
     let (frames, plain) = record("plain.gif", &[]);
     assert_eq!(frames, length + 1, "a frame after the reset and after each step, the last one too");
     assert_eq!(record("cut.gif", &["--max-frames", "3"]).0, 3);
-    for options in
-        [["--seed", "1"], ["--policy", "good"], ["--kwargs", r#"{"sutton_barto_reward": true}"#]]
-    {
+    for options in [["--seed", "1"], ["--policy", "good"], ["--kwargs", r#"{"sutton_barto_reward": true}"#]] {
         let (_, other) = record("other.gif", &options);
         // the reward is in no picture
         assert_eq!(other == plain, options[0] == "--kwargs", "{options:?}");

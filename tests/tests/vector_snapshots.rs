@@ -104,7 +104,7 @@ fn continues(spec: &VectorSpec, steps: usize) {
 }
 
 fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
-    let has_native = gym::registry::find(id).unwrap().native_vector().is_some();
+    let has_native = gym::registry::find(id).unwrap().vector_entry_point.is_some();
     KINDS.into_iter().filter(move |kind| *kind != VectorKind::Native || has_native)
 }
 
@@ -119,7 +119,10 @@ fn every_kind_continues_in_every_mode() {
             }
         }
     }
-    continues(&spec("LunarLander-v3", VectorKind::Async, Autoreset::NextStep, &json!([])), 17);
+    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        continues(&spec("LunarLander-v3", kind, mode, &json!([])), 17);
+    }
+    continues(&spec("BipedalWalker-v3", VectorKind::Native, Autoreset::NextStep, &json!([])), 17);
 }
 
 #[test]

@@ -17,9 +17,11 @@
 
 pub mod acrobot;
 pub mod cartpole;
+mod constants;
 pub mod mountain_car;
 pub mod mountain_car_continuous;
 pub mod pendulum;
+mod policy;
 mod reset;
 
 pub use acrobot::Acrobot;

@@ -9,6 +9,9 @@ use crate::{Error, Kwargs, Result};
 pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
+
+    /// Sets an argument that is a number; says whether there is one of this name.
+    fn set_number(&mut self, name: &str, x: f64) -> bool;
 }
 
 /// One argument of an environment or a wrapper.
@@ -76,7 +79,7 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
         let near = crate::registry::nearest(unknown, taken());
         let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
         let reason = match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
-            none if none.is_empty() => format!("unknown argument `{unknown}`: there are no arguments"),
+            none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
             all => format!("unknown argument `{unknown}`{near} (there are {all})"),
         };
         return Err(invalid(reason));
@@ -104,6 +107,25 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
 pub trait ArgumentType {
     /// The type in the words of JSON: `boolean`, `number`, `list of strings`.
     fn kind() -> String;
+
+    /// A number as this type, where it is one of numbers.
+    fn from_number(x: f64) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        let _ = x;
+        None
+    }
+}
+
+impl ArgumentType for f64 {
+    fn kind() -> String {
+        f32::kind()
+    }
+
+    fn from_number(x: f64) -> Option<f64> {
+        Some(x)
+    }
 }
 
 macro_rules! kinds {
@@ -120,7 +142,7 @@ macro_rules! kinds {
 
 kinds! {
     "boolean": bool;
-    "number": f32, f64;
+    "number": f32;
     "integer": i8, i16, i32, i64, u8, u16, u32, u64, usize;
     "string": String, std::path::PathBuf;
     "object": serde_json::Map<String, Json>;
@@ -130,6 +152,10 @@ kinds! {
 impl<T: ArgumentType> ArgumentType for Option<T> {
     fn kind() -> String {
         format!("{} or null", T::kind())
+    }
+
+    fn from_number(x: f64) -> Option<Self> {
+        T::from_number(x).map(Some)
     }
 }
 
@@ -150,6 +176,8 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 /// Each field has its documentation, then, where there is something to say, its unit and the versions of the id that take
 /// it, and its default value. A field under `#[flatten]` is another such struct, whose arguments are taken over; its default
 /// value may be left out, and `#[flatten(name = 3..)]` changes which versions take one of them.
+///
+/// `const struct` gives the default values as the constant `DEFAULT` too.
 ///
 /// The crate needs `serde` with the feature `derive`. A type that is not one of JSON's implements [`ArgumentType`].
 ///
@@ -219,6 +247,35 @@ macro_rules! arguments {
                     [$(flatten $($($other = $when),+)?)?]
                 )),*])
             }
+
+            fn set_number(&mut self, name: &str, x: f64) -> bool {
+                $($crate::arguments!(@number self, name, x, $field, [$(flatten $($($other),+)?)?]);)*
+                let _ = (name, x);
+                false
+            }
+        }
+    };
+    (@number $self:ident, $name:ident, $x:ident, $field:ident, []) => {
+        if $name == stringify!($field) {
+            let value = $crate::ArgumentType::from_number($x);
+            let is_number = value.is_some();
+            value.into_iter().for_each(|value| $self.$field = value);
+            return is_number;
+        }
+    };
+    (@number $self:ident, $name:ident, $x:ident, $field:ident, [flatten $($other:ident),*]) => {
+        if $crate::Arguments::set_number(&mut $self.$field, $name, $x) {
+            return true;
+        }
+    };
+    ($(#[$meta:meta])* $visibility:vis const struct $name:ident { $($body:tt)* }) => {
+        $crate::arguments! { $(#[$meta])* $visibility struct $name { $($body)* } }
+        $crate::arguments! { @constant $name { $($body)* } }
+    };
+    (@constant $name:ident { $($(#[$meta:meta])* pub $field:ident: $type:ty = $default:expr),* $(,)? }) => {
+        impl $name {
+            /// The default values.
+            pub const DEFAULT: Self = Self { $($field: $default),* };
         }
     };
     (@default) => { Default::default() };
@@ -336,7 +393,18 @@ mod tests {
         assert!(null.contains("NaN"), "{null}");
         assert!(serde_json::from_value::<Config>(json!({"gravty": 1.0})).is_err());
         let old = read(&Picture::default(), 1, &given_one("width"), "`A-v1`").unwrap_err().to_string();
-        assert!(old.contains("unknown argument `width`: there are no arguments"), "{old}");
+        assert!(old.contains("unknown argument `width`: it takes no arguments"), "{old}");
+    }
+
+    #[test]
+    fn numbers_are_set_by_name() {
+        let mut config = Config::default();
+        assert!(config.set_number("gravity", 2.5) && config.gravity == 2.5);
+        assert!(
+            !config.set_number("width", 2.0)
+                && !config.set_number("rewards", 2.0)
+                && !config.set_number("none", 2.0)
+        );
     }
 
     fn given_one(name: &str) -> Kwargs {

@@ -9,7 +9,9 @@ use gym::trace::{Event, Trace};
 use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, file};
 use serde_json::{Value as Json, json};
 
-use crate::keys::{Idle, Keys};
+use gym::keys::{Idle, Keys};
+
+use crate::keys;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -63,15 +65,15 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         ));
     }
     let mut session = Session::start(arguments)?;
-    let mut keys = Keys::of(&session.trace.id, &session.env.action_space());
-    arguments.keys.iter().for_each(|(key, action)| keys.set(key, action.clone()));
+    let mut keys = keys::of(&session.trace.id, &session.env)?;
+    arguments.keys.iter().for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
     match &arguments.idle {
         None => {}
         Some(Json::Null) => keys.idle = Idle::Wait,
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
-    keys.check(&session.env.action_space())?;
-    println!("{}", keys.describe());
+    keys::check(&keys, &session.env.action_space())?;
+    println!("{}", keys::describe(&keys));
     if arguments.terminal {
         println!("write a key's name or the start of it and press Enter; or `restart`, or `q` to quit");
         in_terminal(&mut session, &keys)?;
@@ -124,7 +126,11 @@ impl Session {
         let observation = self.env.reset(reset)?;
         (self.steps, self.score) = (0, 0.0);
         self.episode += 1;
-        self.record(Event { reset: Some(request), observation: Some(json!(observation)), ..Event::default() })
+        self.record(Event {
+            reset: Some(request),
+            observation: Some(observation.to_json()),
+            ..Event::default()
+        })
     }
 
     /// Takes a step; gives whether the episode is over.
@@ -135,7 +141,7 @@ impl Session {
         let done = step.done();
         self.record(Event {
             step: Some(action.clone()),
-            observation: Some(json!(step.observation)),
+            observation: Some(step.observation.to_json()),
             reward: Some(json!(step.reward)),
             terminated: Some(json!(step.terminated)),
             truncated: Some(json!(step.truncated)),
@@ -148,7 +154,8 @@ impl Session {
     }
 
     fn record(&mut self, event: Event) -> Result<()> {
-        self.trace.events.push(Event { info: Some(json!(self.env.info_map())), ..event });
+        let info = self.env.info_map().into_iter().map(|(key, value)| (key, value.to_json())).collect();
+        self.trace.events.push(Event { info: Some(info), ..event });
         let frame = self.env.render()?.into_frame();
         self.frame = frame.ok_or_else(|| Error::Contract("`rgb_array` rendered no frame".into()))?;
         self.video.as_mut().map_or(Ok(()), |video| video.write(&self.frame))
@@ -205,7 +212,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => println!("keys: {}, restart, q", keys.describe()),
+                None => println!("keys: {}, restart, q", keys::describe(&keys)),
             },
         }
     }
@@ -239,21 +246,20 @@ mod window {
             if down.iter().any(|key| key == "Escape") {
                 return Ok(());
             }
-            if down
-                .iter()
-                .any(|key| key == "R" && is_new(key) && keys.action(std::slice::from_ref(key)).is_none())
-            {
+            if down.iter().any(|key| {
+                key == "R" && is_new(key) && keys::action(keys, std::slice::from_ref(key)).is_none()
+            }) {
                 session.reset(Reset::default())?;
                 continue;
             }
             let action = if keys.idle == Idle::Wait {
                 let new: Vec<_> = down.iter().filter(|key| is_new(key)).cloned().collect();
-                keys.action(&new)
+                keys::action(keys, &new)
             } else if Instant::now() < due {
                 None
             } else {
                 due = (due + period).max(Instant::now());
-                keys.action(&down).or_else(|| match &keys.idle {
+                keys::action(keys, &down).or_else(|| match &keys.idle {
                     Idle::Action(action) => Some(action.clone()),
                     _ => last.clone(),
                 })

@@ -3,6 +3,7 @@
 mod action;
 mod config;
 pub(crate) mod ids;
+pub(crate) mod keys;
 
 use std::cell::Cell;
 
@@ -91,7 +92,7 @@ impl AtariEnv {
 
     /// The actions by index.
     pub fn actions(&self) -> &'static [Action] {
-        if self.config.full_action_space { &Action::ALL } else { self.game().minimal }
+        if self.config.full_action_space { self.game().legal } else { self.game().minimal }
     }
 
     fn game(&self) -> &'static Game {
@@ -319,7 +320,7 @@ impl Env for AtariEnv {
 impl Configure for AtariEnv {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
+    fn configure(config: Config, _version: u32) -> Result<Self> {
         Self::new(config)
     }
 }

@@ -1,8 +1,8 @@
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use crate::clock::Instant;
 use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
 
 /// Keeps the return, length and duration of each episode.

@@ -38,6 +38,12 @@ pub struct CameraConfig {
     pub trackbodyid: Option<i32>,
 }
 
+impl gym_core::ArgumentType for CameraConfig {
+    fn kind() -> String {
+        "object".to_owned()
+    }
+}
+
 impl CameraConfig {
     /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and follows a body.
     pub(crate) const fn following(
@@ -137,6 +143,19 @@ impl View {
             None => free(model, &data, &arguments.default_camera_config)?,
         };
         Ok(Self { mount, max_geom: arguments.max_geom })
+    }
+
+    /// Turns the free camera by degrees and multiplies its distance.
+    pub(crate) fn turn(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
+        if let Mount::Free { config, .. } = &mut self.mount
+            && azimuth.is_finite()
+            && elevation.is_finite()
+            && zoom > 0.0
+        {
+            config.azimuth = (config.azimuth + azimuth) % 360.0;
+            config.elevation = (config.elevation + elevation).clamp(-89.0, 89.0);
+            config.distance = (config.distance * zoom).clamp(0.1, 100.0);
+        }
     }
 
     fn camera(&self, data: &Data, (width, height): (u32, u32)) -> Camera {

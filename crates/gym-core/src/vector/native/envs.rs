@@ -1,13 +1,15 @@
 //! The vector made of blocks.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use fearless_simd::{Level, dispatch};
 
 use super::step::{Block, NO_LIMIT, Step};
+use super::varied::Varied;
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::{Kernel, Real, widest};
-use crate::registry::ResetOptions;
+use crate::registry::{Each, ResetOptions};
 use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
@@ -24,6 +26,8 @@ use crate::{Error, Generator, Result, Snapshot, Space, Value};
 pub struct NativeVectorEnv<D: Native> {
     pub(super) dynamics: D,
     constants: <D::Constants as Packed>::Block,
+    /// What takes their place where environments have constants of their own.
+    pub(super) varied: Option<Varied<D>>,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
     pub(super) num_envs: usize,
@@ -73,6 +77,7 @@ impl<D: Native> NativeVectorEnv<D> {
         size::check(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
             constants: dynamics.constants().splat(),
+            varied: None,
             dynamics,
             spec: None,
             reset_options: ResetOptions::default(),
@@ -89,6 +94,25 @@ impl<D: Native> NativeVectorEnv<D> {
             left_out: Vec::new(),
             cast: Value::Null,
         })
+    }
+
+    /// The same with a value of its own for each environment of some arguments that are numbers, or with new values at each
+    /// reset, drawn from a range by the environment's generator before the start.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a name or a value that cannot be, a list of another length, and for what changes a
+    /// space.
+    pub fn with_each(self, each: &BTreeMap<String, Each>) -> Result<Self> {
+        each.iter().try_for_each(|(name, each)| each.check(name, self.num_envs))?;
+        Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
+    }
+
+    /// The arguments of an environment that differ from those of others, by name.
+    pub fn arguments(&self, index: usize) -> Vec<(String, f64)> {
+        match &self.varied {
+            Some(varied) if index < self.num_envs => varied.of(index),
+            _ => Vec::new(),
+        }
     }
 
     /// As its id is registered.
@@ -247,8 +271,18 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                 None => self.streams[i].clone(),
             };
             // options are those of all environments: if one cannot start, the first cannot
-            let state =
-                stream.lend(|rng| self.dynamics.start(&start, rng)).map_err(|error| error.at_env(i))?;
+            let state = stream.lend(|rng| {
+                let own = match &mut self.varied {
+                    Some(varied) => varied.draw(i, &self.dynamics, rng)?,
+                    None => None,
+                };
+                let state = self.dynamics.start(&start, rng)?;
+                if let (Some(varied), Some(own)) = (&mut self.varied, own) {
+                    varied.keep(i, &own);
+                }
+                Ok(state)
+            });
+            let state = state.map_err(|error: Error| error.at_env(i))?;
             if self.blocks.is_empty() {
                 self.make_room(self.dynamics.pack(&state), &stream)?;
             }
@@ -293,9 +327,11 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             columns;
         has_final.fill(false);
         progress.fill(Progress::Stepped);
+        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
         let step = Step {
             dynamics: &self.dynamics,
             constants: &self.constants,
+            varied: self.varied.as_mut(),
             autoreset: self.autoreset,
             limit: self.limit,
             actions: items,
@@ -311,7 +347,12 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        let result = widest(level, Run { step, blocks, streams });
+        // two functions rather than one, which would need the stack of both where it is not optimised
+        let result = if is_usual {
+            widest(level, Run::<D, true> { step, blocks, streams })
+        } else {
+            widest(level, Run::<D, false> { step, blocks, streams })
+        };
         self.keep(cast);
         result
     }
@@ -362,18 +403,18 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 }
 
 /// One step, compiled for each set of vector instructions.
-struct Run<'a, D: Native> {
+struct Run<'a, D: Native, const USUAL: bool> {
     step: Step<'a, D>,
     blocks: &'a mut [Block<D>],
     streams: &'a mut [D::Stream],
 }
 
-impl<D: Native> Kernel for Run<'_, D> {
+impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn run<R: Real>(self, token: R::Token) -> Result<()> {
-        self.step.run::<R>(token, self.blocks, self.streams)
+        self.step.run::<R, USUAL>(token, self.blocks, self.streams)
     }
 }
 

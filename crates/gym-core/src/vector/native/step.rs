@@ -1,5 +1,6 @@
 //! The loop over environments.
 
+use super::varied::Varied;
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::Real;
 use crate::rng::Stream;
@@ -40,6 +41,8 @@ pub(super) const NO_LIMIT: u16 = u16::MAX;
 pub(super) struct Step<'a, D: Native> {
     pub(super) dynamics: &'a D,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
+    /// What takes their place where environments have constants of their own.
+    pub(super) varied: Option<&'a mut Varied<D>>,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item],
@@ -64,9 +67,9 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block. Inlined into a function for each set of vector instructions.
+    /// Steps block by block, all with the usual constants or not. Inlined into a function for each set of vector instructions.
     #[inline(always)]
-    pub(super) fn run<R: Real>(
+    pub(super) fn run<R: Real, const USUAL: bool>(
         mut self,
         token: R::Token,
         blocks: &mut [Block<D>],
@@ -88,7 +91,7 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
-                constants: self.constants,
+                constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
                 due: block.due,
@@ -98,7 +101,11 @@ impl<D: Native> Step<'_, D> {
                 rewards: &mut results.rewards,
                 terminated: &mut results.terminated,
             };
-            self.dynamics.step_block::<R>(token, &mut many);
+            if USUAL {
+                self.dynamics.step_usual_block::<R>(token, &mut many);
+            } else {
+                self.dynamics.step_block::<R>(token, &mut many);
+            }
             let done = count(block, &mut results, self.limit) & (u32::MAX >> (LANES - len));
             self.reset(block, streams, done, first, &mut results)?;
 
@@ -130,7 +137,14 @@ impl<D: Native> Step<'_, D> {
         let reset = Reset::default();
         let mut start =
             |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
-                let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
+                let state = streams[lane].lend(|rng| {
+                    if let Some(varied) = &mut self.varied
+                        && let Some(own) = varied.draw(first + lane, self.dynamics, rng)?
+                    {
+                        varied.keep(first + lane, &own);
+                    }
+                    self.dynamics.start(&reset, rng)
+                });
                 let state = state.map_err(|error| error.at_env(first + lane))?;
                 block.start(self.dynamics, lane, &state);
                 results.observations[lane] = self.dynamics.observe(&state);

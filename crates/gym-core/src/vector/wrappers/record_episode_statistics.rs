@@ -1,9 +1,9 @@
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
 use super::reach;
+use crate::clock::Instant;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset, infos};
 use crate::wrappers::{EpisodeStatistics, episode_buffer};
 use crate::{Error, Result, Snapshot, Value, WrapperSpec};

@@ -20,9 +20,9 @@ pub mod registry;
 pub mod render;
 mod reset;
 mod snapshot;
-mod snapshot_json;
 pub mod spaces;
 pub mod statistics;
+mod stored;
 
 pub mod trace;
 mod transform;

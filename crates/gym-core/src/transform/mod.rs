@@ -15,10 +15,7 @@ pub use bins::Bins;
 
 /// A number as JSON, where infinity is a string as in the stored form of spaces.
 pub(crate) fn number_to_json(number: impl Into<Option<f64>>) -> Json {
-    match number.into() {
-        Some(x) if x.is_infinite() => Json::from(if x > 0.0 { "inf" } else { "-inf" }),
-        number => Json::from(number),
-    }
+    number.into().map_or(Json::Null, |x| Value::Float(x).to_json())
 }
 
 /// The error of an observation that is none of the space's type.

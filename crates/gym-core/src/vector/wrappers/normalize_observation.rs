@@ -2,9 +2,8 @@ use super::{Inner, reach};
 use crate::spaces::BoxSpace;
 use crate::statistics::moments::Rows;
 use crate::statistics::{RunningMeanStd, check_epsilon};
-use crate::vector::stored::Kept;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
-use crate::{Array, DType, Error, Result, Snapshot, Space, Value, WrapperSpec, wrappers};
+use crate::{Array, DType, Error, Result, Snapshot, Space, Value, WrapperSpec, stored, wrappers};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated over all sub-environments as it
 /// goes, as `float32`.
@@ -157,12 +156,12 @@ impl<V: VectorEnv> crate::VectorWrapper for NormalizeObservation<V> {
 
     fn snapshot(&self) -> Result<Snapshot> {
         let Self { envs, statistics, update_running_mean, shown, .. } = self;
-        Snapshot::of(&(envs.snapshot()?, statistics, update_running_mean, Kept::numbers(shown)))
+        Snapshot::of(&(envs.snapshot()?, statistics, update_running_mean, Array::from(shown.clone())))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (envs, statistics, update, shown): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
-        let shown: Vec<f32> = shown.into_numbers(self.shown.len())?;
+        let (envs, statistics, update, shown): (_, RunningMeanStd, bool, Array) = snapshot.get()?;
+        let shown: Vec<f32> = stored::numbers(&shown, self.shown.len())?;
         statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
         (self.statistics, self.update_running_mean, self.shown) = (statistics, update, shown);

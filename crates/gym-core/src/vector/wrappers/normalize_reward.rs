@@ -1,9 +1,8 @@
 use super::reach;
 use crate::statistics::moments::{Batch, Samples};
 use crate::statistics::{RunningMeanStd, check_epsilon, check_gamma};
-use crate::vector::stored::Kept;
 use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset};
-use crate::{BoxEnv, Error, Result, Snapshot, Value, WrapperSpec, wrappers};
+use crate::{Array, BoxEnv, Error, Result, Snapshot, Value, WrapperSpec, stored, wrappers};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated over all
 /// sub-environments as it goes, to the bit as Gymnasium's does.
@@ -139,12 +138,17 @@ impl<V: VectorEnv> crate::VectorWrapper for NormalizeReward<V> {
 
     fn snapshot(&self) -> Result<Snapshot> {
         let Self { envs, statistics, update_running_mean, discounted_rewards, .. } = self;
-        Snapshot::of(&(envs.snapshot()?, statistics, update_running_mean, Kept::numbers(discounted_rewards)))
+        Snapshot::of(&(
+            envs.snapshot()?,
+            statistics,
+            update_running_mean,
+            Array::from(discounted_rewards.clone()),
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (envs, statistics, update, discounted): (_, RunningMeanStd, bool, Kept) = snapshot.get()?;
-        let discounted = discounted.into_numbers(self.discounted_rewards.len())?;
+        let (envs, statistics, update, discounted): (_, RunningMeanStd, bool, Array) = snapshot.get()?;
+        let discounted = stored::numbers(&discounted, self.discounted_rewards.len())?;
         statistics.expect_len(1).map_err(|error| Error::Snapshot(error.to_string()))?;
         self.envs.restore(&envs)?;
         (self.statistics, self.update_running_mean, self.discounted_rewards) =

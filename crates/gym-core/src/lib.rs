@@ -17,10 +17,7 @@ mod reset;
 mod snapshot;
 mod snapshot_json;
 pub mod spaces;
-pub mod statistics;
-
 pub mod trace;
-mod transform;
 mod value;
 pub mod vector;
 mod wrapper;
@@ -43,9 +40,8 @@ pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::{VectorEnv, VectorWrap};
+pub use vector::VectorEnv;
 pub use wrapper::Wrapper;
-pub use wrappers::Wrap;
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

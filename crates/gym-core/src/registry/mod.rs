@@ -11,7 +11,6 @@ mod registration;
 mod spec;
 mod stack;
 mod vector;
-mod vector_wrappers;
 mod wrappers;
 
 use std::collections::BTreeMap;
@@ -22,8 +21,7 @@ pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
-pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
-pub use wrappers::WrapperRegistration;
+pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
 
 use id::nearest;
 pub(crate) use options::ResetOptions;

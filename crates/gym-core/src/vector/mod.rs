@@ -1,7 +1,7 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
 
 mod columns;
-mod infos;
+pub(crate) mod infos;
 pub mod native;
 mod pool;
 mod reset;
@@ -10,7 +10,6 @@ pub(crate) mod slot;
 mod stored;
 mod sync;
 mod wrapper;
-pub mod wrappers;
 
 use std::any::Any;
 use std::fmt;
@@ -26,7 +25,6 @@ pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
 pub use wrapper::VectorWrapper;
-pub use wrappers::VectorWrap;
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

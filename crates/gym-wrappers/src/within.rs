@@ -1,0 +1,201 @@
+//! What wrappers have in common: the environment or vector within, and typed actions.
+
+use gym_core::registry::WrapperConfig;
+use gym_core::spaces::BoxSpace;
+use gym_core::{Element, Env, Error, Generator, Outcome, Result, Space, Value, VectorEnv};
+use serde_json::Value as Json;
+
+use crate::map::Seen;
+
+/// Marks what [`Within`] says of an environment.
+#[derive(Debug)]
+pub struct Single;
+
+/// Marks what [`Within`] says of a vector.
+#[derive(Debug)]
+pub struct Batch;
+
+/// An environment or a vector, as a wrapper of either sees it when it is made. The marker, [`Single`] or
+/// [`Batch`], follows from the type.
+pub trait Within<Kind> {
+    /// What a function of observations is given: one, or a batch.
+    type Observation: Element;
+    /// A buffer for what is observed within.
+    type Buffer;
+
+    /// An empty buffer.
+    fn buffer() -> Self::Buffer;
+
+    /// The space of each observation.
+    fn observations(&self) -> Space;
+
+    /// The space of each action.
+    fn actions(&self) -> Space;
+
+    /// How many environments there are.
+    fn len(&self) -> usize;
+}
+
+impl<E: Env> Within<Single> for E {
+    type Observation = E::Observation;
+    type Buffer = E::Observation;
+
+    fn buffer() -> E::Observation {
+        E::Observation::empty()
+    }
+
+    fn observations(&self) -> Space {
+        self.observation_space()
+    }
+
+    fn actions(&self) -> Space {
+        self.action_space()
+    }
+
+    fn len(&self) -> usize {
+        1
+    }
+}
+
+impl<V: VectorEnv> Within<Batch> for V {
+    type Observation = Value;
+    type Buffer = Seen;
+
+    fn buffer() -> Seen {
+        Seen::default()
+    }
+
+    fn observations(&self) -> Space {
+        self.single_observation_space()
+    }
+
+    fn actions(&self) -> Space {
+        self.single_action_space()
+    }
+
+    fn len(&self) -> usize {
+        self.num_envs()
+    }
+}
+
+/// Where the inner environment of a `Wrapper` is: in its field `inner`.
+macro_rules! env_within {
+    ($inner:ident) => {
+        type Inner = $inner;
+
+        fn inner(&self) -> &$inner {
+            &self.inner
+        }
+
+        fn inner_mut(&mut self) -> &mut $inner {
+            &mut self.inner
+        }
+    };
+}
+
+/// Where the inner vector of a `VectorWrapper` is: in its field `inner`.
+macro_rules! vector_within {
+    () => {
+        fn inner(&self) -> &dyn gym_core::VectorEnv {
+            &self.inner
+        }
+
+        fn inner_mut(&mut self) -> &mut dyn gym_core::VectorEnv {
+            &mut self.inner
+        }
+    };
+}
+
+/// `reset_into` of a `Wrapper` that changes no observations and keeps nothing of an episode.
+macro_rules! reset_within {
+    ($inner:ident) => {
+        fn reset_into(
+            &mut self,
+            reset: &gym_core::Reset,
+            observation: &mut $inner::Observation,
+        ) -> gym_core::Result<()> {
+            self.inner.reset_into(reset, observation)
+        }
+    };
+}
+
+/// `get_ref`, `get_mut` and `into_inner` of a wrapper with a field `inner`.
+macro_rules! reach {
+    ($name:ident<$inner:ident $(: $bound:path)? $(, $parameter:ident $(: $limit:path)?)*>) => {
+        impl<$inner $(: $bound)? $(, $parameter $(: $limit)?)*> $name<$inner $(, $parameter)*> {
+            /// What is within.
+            pub fn get_ref(&self) -> &$inner {
+                &self.inner
+            }
+
+            /// What is within, to change it. What is reset or stepped past the wrapper, it does not see.
+            pub fn get_mut(&mut self) -> &mut $inner {
+                &mut self.inner
+            }
+
+            /// What is within, without the wrapper.
+            pub fn into_inner(self) -> $inner {
+                self.inner
+            }
+        }
+    };
+}
+
+/// The arguments that may be given by position, in place of a whole `Config`.
+macro_rules! positional {
+    ($($field:ident: $type:ty),+) => {
+        impl From<($($type),+)> for Config {
+            fn from(($($field),+): ($($type),+)) -> Self {
+                Self { $($field,)+ ..Self::default() }
+            }
+        }
+    };
+}
+
+/// The box that a wrapper needs for a space.
+pub(crate) fn expect_box<'a, C: WrapperConfig>(kind: &str, space: &'a Space) -> Result<&'a BoxSpace> {
+    match space {
+        Space::Box(space) => Ok(space),
+        _ => Err(C::refuse(format!("it needs a Box {kind} space, and this one is {space}"))),
+    }
+}
+
+/// The picture space `Box(0, 255, ..., uint8)` that a wrapper needs.
+pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpace> {
+    let space = expect_box::<C>("observation", space)?;
+    let is_picture = space.dtype() == gym_core::DType::U8
+        && space.low().iter_f64().all(|x| x == 0.0)
+        && space.high().iter_f64().all(|x| x == 255.0);
+    if is_picture {
+        return Ok(space);
+    }
+    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and these are {space}")))
+}
+
+/// The error of an observation that is none of the space's type.
+pub(crate) fn not_an_array(value: &Value) -> Error {
+    Error::Contract(format!("{value} should be an array of the space's type"))
+}
+
+/// The generator of the environment within.
+pub(crate) fn lend<'a, C: WrapperConfig>(env: &'a mut impl Env) -> Result<&'a mut Generator> {
+    env.generator().ok_or_else(|| {
+        let name = C::NAME;
+        Error::Contract(format!(
+            "{name} draws from the environment's own generator: reset it first, and implement \
+             `Env::generator` where it is not"
+        ))
+    })
+}
+
+/// The typed element of a space that was stored as JSON.
+pub(crate) fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
+    let value = space.from_json(json).map_err(|error| Error::Snapshot(error.to_string()))?;
+    T::from_value(&value).ok_or_else(|| Error::Snapshot(format!("{value} has the wrong type")))
+}
+
+/// Takes a step with the typed form of an action.
+pub(crate) fn act<E: Env>(env: &mut E, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
+    E::Action::with(action, |action| env.step_into(action, observation))
+        .unwrap_or_else(|| Err(env.action_space().refuse_action(action)))
+}

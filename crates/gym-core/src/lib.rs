@@ -2,6 +2,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![warn(clippy::disallowed_methods)]
 
+pub mod arguments;
 pub mod array;
 mod boxed;
 pub mod canvas;
@@ -29,6 +30,7 @@ pub type Info = std::collections::BTreeMap<String, Value>;
 #[doc(hidden)]
 pub use inventory;
 
+pub use arguments::{Argument, ArgumentType, Arguments};
 pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};

@@ -30,12 +30,14 @@ use crate::tabular::{Cell, Distribution, Outcome, Table, WHOLE_AT_RESET};
 /// The environment.
 pub type CliffWalking = Stateful<CliffWalkingDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether a move goes to either side of where it should with probability 1/3 each.
-    pub is_slippery: bool,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether a move goes to either side of where it should with probability 1/3 each.
+        #[versions = 1..]
+        pub is_slippery: bool,
+    }
 }
 
 const ROWS: usize = 4;

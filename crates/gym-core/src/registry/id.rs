@@ -83,7 +83,7 @@ impl fmt::Display for EnvId {
 
 /// The most similar of some names, if it is similar at all. Case counts for nothing, so that
 /// `cartpole` finds `CartPole`.
-pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
     let name = name.to_lowercase();
     known

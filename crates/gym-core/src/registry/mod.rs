@@ -23,7 +23,7 @@ pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
 
-use id::nearest;
+pub(crate) use id::nearest;
 pub(crate) use options::ResetOptions;
 
 use crate::{Error, Result};

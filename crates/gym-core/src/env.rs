@@ -253,8 +253,7 @@ pub trait Env: Clone + Send + 'static {
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
     ///
-    /// Wrappers with randomness of their own, such as
-    /// [`StickyAction`](crate::wrappers::StickyAction), draw from it as well, so that one seed
+    /// Wrappers with randomness of their own, such as `StickyAction`, draw from it as well, so that one seed
     /// settles an episode. An environment without one gives `None` and cannot be wrapped in these.
     fn generator(&mut self) -> Option<&mut Generator> {
         None
@@ -295,17 +294,15 @@ pub trait Env: Clone + Send + 'static {
     /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
     ///
     /// The type is the whole type: a wrapper around what [`make`](crate::make) gives is a
-    /// `NormalizeObservation<BoxEnv>`, for which `NormalizeObservation` is short.
+    /// `RecordEpisodeStatistics<BoxEnv>`, for which `RecordEpisodeStatistics` is short.
     ///
     /// ```no_run
-    /// use gym_core::wrappers::NormalizeObservation;
-    /// use gym_core::{BoxEnv, Env, Result, Wrap, make};
+    /// use gym_core::wrappers::RecordEpisodeStatistics;
+    /// use gym_core::{BoxEnv, Env, Result, make};
     ///
     /// fn main() -> Result<()> {
-    ///     let mut env = BoxEnv::new(make("CartPole-v1")?.normalize_observation()?.clip_reward(-1.0, 1.0)?);
-    ///     if let Some(normalize) = env.wrapper_mut::<NormalizeObservation>() {
-    ///         normalize.update_running_mean(false);
-    ///     }
+    ///     let env = BoxEnv::new(RecordEpisodeStatistics::new(make("CartPole-v1")?));
+    ///     assert_eq!(env.wrapper::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
     ///     Ok(())
     /// }
     /// ```

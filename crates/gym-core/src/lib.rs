@@ -42,7 +42,7 @@ pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::VectorEnv;
+pub use vector::{BoxVector, VectorEnv};
 pub use wrapper::Wrapper;
 
 /// The example of the README, compiled and run.

@@ -4,7 +4,6 @@ use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Space, Value, WrapperSpec};
-use serde::{Deserialize, Serialize};
 
 use crate::filter_observation::{dict_like, entries};
 
@@ -22,21 +21,15 @@ pub struct AddRenderObservation<E = BoxEnv> {
     seen: Value,
 }
 
-/// The arguments of [`AddRenderObservation`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether the picture is observed alone, rather than in a dict.
-    pub render_only: bool,
-    /// The key of the picture.
-    pub render_key: String,
-    /// The key of the observation, unless it is a dict itself; then the picture is added to it.
-    pub obs_key: String,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { render_only: true, render_key: "pixels".into(), obs_key: "state".into() }
+gym_core::arguments! {
+    /// The arguments of [`AddRenderObservation`].
+    pub struct Config {
+        /// Whether the picture is observed alone, rather than in a dict.
+        pub render_only: bool = true,
+        /// The key of the picture.
+        pub render_key: String = "pixels".into(),
+        /// The key of the observation, unless it is a dict itself; then the picture is added to it.
+        pub obs_key: String = "state".into(),
     }
 }
 
@@ -65,7 +58,8 @@ impl<E: Env> AddRenderObservation<E> {
         let space = match inner_space {
             _ if *render_only => pixels,
             Space::Dict(space) => {
-                let members = std::iter::once((render_key.clone(), pixels)).chain(space.spaces().iter().cloned());
+                let members =
+                    std::iter::once((render_key.clone(), pixels)).chain(space.spaces().iter().cloned());
                 dict_like(&space, members.collect()).map_err(refuse)?.into()
             }
             space => DictSpace::new([(obs_key, space), (render_key, pixels)]).map_err(refuse)?.into(),

@@ -1,7 +1,6 @@
 //! Resets by itself.
 
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig};
-use serde::{Deserialize, Serialize};
 
 /// Resets by itself: the step after one that ended an episode ignores its action, starts the next
 /// episode and gives its first observation, with a reward of 0 and no flag set.
@@ -11,10 +10,10 @@ pub struct Autoreset<E = BoxEnv> {
     reset_is_due: bool,
 }
 
-/// [`Autoreset`] has no arguments.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {}
+gym_core::arguments! {
+    /// [`Autoreset`] has no arguments.
+    pub struct Config {}
+}
 
 gym_core::register_wrapper!(
     "Autoreset", "makes a reset of the step after an end", Config, env: |env, _| Ok(Autoreset::new(env))

@@ -27,6 +27,12 @@ impl<const N: usize> From<[u32; N]> for Bins {
     }
 }
 
+impl gym_core::ArgumentType for Bins {
+    fn kind() -> String {
+        "integer or list of integers".into()
+    }
+}
+
 impl Default for Bins {
     fn default() -> Self {
         Self::All(0)
@@ -36,16 +42,15 @@ impl Default for Bins {
 /// The arguments of a wrapper with bins, and its registration.
 macro_rules! bins_config {
     ($name:literal, $description:literal, $new:expr) => {
-        #[doc = concat!("The arguments of [`", $name, "`].")]
-        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct Config {
-            /// How many bins each element of the bounded `Box` is cut into, at least 1.
-            pub bins: Bins,
-            /// Whether there is an integer for each element, rather than one that counts the combinations in
-            /// row-major order.
-            #[serde(default)]
-            pub multidiscrete: bool,
+        gym_core::arguments! {
+            #[doc = concat!("The arguments of [`", $name, "`].")]
+            pub struct Config {
+                /// How many bins each element of the bounded `Box` is cut into, at least 1.
+                pub bins: Bins,
+                /// Whether there is an integer for each element, rather than one that counts the combinations in
+                /// row-major order.
+                pub multidiscrete: bool = false,
+            }
         }
 
         impl<B: Into<Bins>> From<(B, bool)> for Config {

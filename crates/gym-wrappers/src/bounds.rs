@@ -15,9 +15,15 @@ pub enum Bound {
     Array(Array),
 }
 
+impl gym_core::ArgumentType for Bound {
+    fn kind() -> String {
+        "number or nested lists of numbers".into()
+    }
+}
+
 impl Default for Bound {
     fn default() -> Self {
-        Self::Scalar(0.0)
+        Self::Scalar(f64::NAN)
     }
 }
 
@@ -139,7 +145,9 @@ impl TryFrom<Nested> for Bound {
         let mut numbers = Vec::new();
         match nested.flatten(&mut numbers)? {
             shape if shape.is_empty() => Ok(Self::Scalar(numbers[0])),
-            shape => Array::new(shape, Data::F64(numbers)).map(Self::Array).map_err(|error| error.to_string()),
+            shape => {
+                Array::new(shape, Data::F64(numbers)).map(Self::Array).map_err(|error| error.to_string())
+            }
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use gym_core::spaces::BoxSpace;
 use gym_core::{BoxEnv, Element, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
@@ -11,10 +10,10 @@ use crate::within::expect_box;
 /// unbounded.
 pub type ClipAction<T = BoxEnv> = MapAction<T, Clip>;
 
-/// [`ClipAction`] has no arguments.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {}
+gym_core::arguments! {
+    /// [`ClipAction`] has no arguments.
+    pub struct Config {}
+}
 
 /// The bounds of [`ClipAction`].
 #[derive(Clone, Debug)]

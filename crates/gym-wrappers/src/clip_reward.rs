@@ -2,7 +2,6 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Result};
-use serde::{Deserialize, Serialize};
 
 use crate::Bound;
 use crate::map::{MapReward, RewardMap};
@@ -10,14 +9,14 @@ use crate::map::{MapReward, RewardMap};
 /// Clips rewards between bounds, either of which may be left out.
 pub type ClipReward<T = BoxEnv> = MapReward<T, Clip>;
 
-/// The arguments of [`ClipReward`]; at least one bound is given.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The lower bound.
-    pub min_reward: Option<Bound>,
-    /// The upper bound.
-    pub max_reward: Option<Bound>,
+gym_core::arguments! {
+    /// The arguments of [`ClipReward`]; at least one bound is given.
+    pub struct Config {
+        /// The lower bound.
+        pub min_reward: Option<Bound>,
+        /// The upper bound.
+        pub max_reward: Option<Bound>,
+    }
 }
 
 impl<A: Into<Option<f64>>, B: Into<Option<f64>>> From<(A, B)> for Config {

@@ -3,7 +3,6 @@
 use gym_core::{
     BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
 };
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::ring::Ring;
@@ -19,12 +18,13 @@ pub struct DelayObservation<E: Env = BoxEnv> {
     ring: Ring<E::Observation>,
 }
 
-/// The arguments of [`DelayObservation`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// By how many steps observations are late.
-    pub delay: usize,
+gym_core::arguments! {
+    /// The arguments of [`DelayObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// By how many steps observations are late.
+        pub delay: usize,
+    }
 }
 
 positional!(delay: usize);

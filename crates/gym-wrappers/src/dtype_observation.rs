@@ -3,7 +3,6 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, MultiDiscrete};
 use gym_core::{Array, BoxEnv, DType, Data, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::not_an_array;
@@ -11,12 +10,13 @@ use crate::within::not_an_array;
 /// Casts array and integer observations to another type of number, as numpy's `astype`.
 pub type DtypeObservation<T = BoxEnv> = MapObservation<T, Cast>;
 
-/// The arguments of [`DtypeObservation`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The type, such as `float64`; it holds the bounds of the observations.
-    pub dtype: DType,
+gym_core::arguments! {
+    /// The arguments of [`DtypeObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// The type, such as `float64`; it holds the bounds of the observations.
+        pub dtype: DType,
+    }
 }
 
 impl From<DType> for Config {

@@ -12,12 +12,12 @@ use crate::map::{MapObservation, ObservationMap};
 /// Keeps some members of dict or tuple observations.
 pub type FilterObservation<T = BoxEnv> = MapObservation<T, Filter>;
 
-/// The arguments of [`FilterObservation`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The members to keep, at least one: names of a `Dict`, as in `["position"]`, or indices into a `Tuple`.
-    pub filter_keys: FilterKeys,
+gym_core::arguments! {
+    /// The arguments of [`FilterObservation`].
+    pub struct Config {
+        /// The members to keep, at least one: names of a `Dict`, as in `["position"]`, or indices into a `Tuple`.
+        pub filter_keys: FilterKeys,
+    }
 }
 
 /// The members that [`FilterObservation`] keeps.
@@ -28,6 +28,12 @@ pub enum FilterKeys {
     Names(Vec<String>),
     /// Indices into a `Tuple`, counted from 0.
     Indices(Vec<usize>),
+}
+
+impl gym_core::ArgumentType for FilterKeys {
+    fn kind() -> String {
+        "list of strings or of integers".into()
+    }
 }
 
 impl Default for FilterKeys {

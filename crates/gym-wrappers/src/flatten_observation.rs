@@ -1,17 +1,16 @@
 //! Observations flattened.
 
 use gym_core::{BoxEnv, Error, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{MapObservation, ObservationMap};
 
 /// Flattens observations to one row of numbers: [`Space::flatten`].
 pub type FlattenObservation<T = BoxEnv> = MapObservation<T, Flatten>;
 
-/// [`FlattenObservation`] has no arguments.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {}
+gym_core::arguments! {
+    /// [`FlattenObservation`] has no arguments.
+    pub struct Config {}
+}
 
 /// The map of [`FlattenObservation`], with the space of what it flattens.
 #[derive(Clone, Debug)]

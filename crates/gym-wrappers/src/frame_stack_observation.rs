@@ -1,9 +1,9 @@
 //! The last few observations at once.
 
 use gym_core::{
-    BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig,
+    BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+    registry::WrapperConfig,
 };
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::ring::Ring;
@@ -21,25 +21,14 @@ pub struct FrameStackObservation<E = BoxEnv> {
     seen: Value,
 }
 
-/// The arguments of [`FrameStackObservation`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// How many observations are stacked: at least 1.
-    pub stack_size: usize,
-    /// What stands for the observations before the first: `"reset"` for the first one, `"zero"`, or an element
-    /// of the space, as [`Space::to_json`] stores it.
-    #[serde(default = "reset")]
-    pub padding_type: Json,
-}
-
-fn reset() -> Json {
-    "reset".into()
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { stack_size: 0, padding_type: reset() }
+gym_core::arguments! {
+    /// The arguments of [`FrameStackObservation`].
+    pub struct Config {
+        /// How many observations are stacked: at least 1.
+        pub stack_size: usize,
+        /// What stands for the observations before the first: `"reset"` for the first one, `"zero"`, or an element
+        /// of the space, as [`Space::to_json`] stores it.
+        pub padding_type: Json = "reset".into(),
     }
 }
 

@@ -3,7 +3,6 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
 use gym_core::{BoxEnv, DType, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_picture, not_an_array};
@@ -15,12 +14,13 @@ const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 /// Turns colour pictures `(height, width, 3)` into grey ones `(height, width)`.
 pub type GrayscaleObservation<T = BoxEnv> = MapObservation<T, Grayscale>;
 
-/// The arguments of [`GrayscaleObservation`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether the shape is `(height, width, 1)`.
-    pub keep_dim: bool,
+gym_core::arguments! {
+    /// The arguments of [`GrayscaleObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether the shape is `(height, width, 1)`.
+        pub keep_dim: bool = false,
+    }
 }
 
 positional!(keep_dim: bool);

@@ -43,11 +43,11 @@ pub mod noise;
 pub mod normalize_observation;
 pub mod normalize_reward;
 pub mod repeat_action;
-mod ring;
 pub mod rescale_action;
 pub mod rescale_observation;
 pub mod reshape_observation;
 pub mod resize_observation;
+mod ring;
 pub mod statistics;
 pub mod sticky_action;
 pub mod time_aware_observation;
@@ -88,6 +88,3 @@ pub use transform_reward::TransformReward;
 pub use wrap::{VectorWrap, Wrap};
 
 pub use gym_core::wrappers::*;
-
-/// A vector of any kind: what a wrapper goes around that a spec has put around a vector.
-pub type BoxVector = Box<dyn gym_core::VectorEnv>;

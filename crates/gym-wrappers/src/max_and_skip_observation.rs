@@ -4,7 +4,6 @@ use gym_core::{
     Array, BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
     registry::WrapperConfig,
 };
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::within::element;
@@ -24,17 +23,12 @@ pub struct MaxAndSkipObservation<E = BoxEnv> {
     seen: Value,
 }
 
-/// The arguments of [`MaxAndSkipObservation`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// For how many steps each action is taken: at least 2.
-    pub skip: u32,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { skip: 4 }
+gym_core::arguments! {
+    /// The arguments of [`MaxAndSkipObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// For how many steps each action is taken: at least 2.
+        pub skip: u32 = 4,
     }
 }
 

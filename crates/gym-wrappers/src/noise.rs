@@ -18,17 +18,16 @@ pub type ObstructView<E = BoxEnv> = Noise<E, obstruct_view::Config>;
 
 /// The arguments of [`AddWhiteNoise`].
 pub mod add_white_noise {
-    use serde::{Deserialize, Serialize};
 
-    /// Which pixels are replaced, and by what.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-    #[serde(deny_unknown_fields)]
-    pub struct Config {
-        /// The probability that a pixel is replaced, in `[0, 1)`.
-        pub probability_of_noise_per_pixel: f64,
-        /// Whether the noise is grey rather than coloured.
-        #[serde(default)]
-        pub is_noise_grayscale: bool,
+    gym_core::arguments! {
+        /// Which pixels are replaced, and by what.
+        #[derive(Copy)]
+        pub struct Config {
+            /// The probability that a pixel is replaced, in `[0, 1)`.
+            pub probability_of_noise_per_pixel: f64,
+            /// Whether the noise is grey rather than coloured.
+            pub is_noise_grayscale: bool = false,
+        }
     }
 
     positional!(probability_of_noise_per_pixel: f64);
@@ -42,19 +41,18 @@ pub mod add_white_noise {
 
 /// The arguments of [`ObstructView`].
 pub mod obstruct_view {
-    use serde::{Deserialize, Serialize};
 
-    /// How much is covered, and by what.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-    #[serde(deny_unknown_fields)]
-    pub struct Config {
-        /// About which share of the pixels is covered, in `[0, 1)`.
-        pub obstructed_pixels_ratio: f64,
-        /// The width and height of a patch in pixels: at least 1.
-        pub obstruction_width: u32,
-        /// Whether the noise is grey rather than coloured.
-        #[serde(default)]
-        pub is_noise_grayscale: bool,
+    gym_core::arguments! {
+        /// How much is covered, and by what.
+        #[derive(Copy)]
+        pub struct Config {
+            /// About which share of the pixels is covered, in `[0, 1)`.
+            pub obstructed_pixels_ratio: f64,
+            /// The width and height of a patch in pixels: at least 1.
+            pub obstruction_width: u32,
+            /// Whether the noise is grey rather than coloured.
+            pub is_noise_grayscale: bool = false,
+        }
     }
 
     positional!(obstructed_pixels_ratio: f64, obstruction_width: u32);

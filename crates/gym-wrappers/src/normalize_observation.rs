@@ -4,9 +4,9 @@ use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::vector::{Columns, Progress, VectorReset, VectorWrapper};
 use gym_core::{
-    BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec,
+    BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    WrapperSpec,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
@@ -32,19 +32,14 @@ pub struct NormalizeObservation<T = BoxEnv> {
     shown: Vec<f32>,
 }
 
-/// The arguments of [`NormalizeObservation`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// What is added to the variance: above 0.
-    pub epsilon: f64,
-    /// Whether it goes on estimating.
-    pub update_running_mean: bool,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { epsilon: 1e-8, update_running_mean: true }
+gym_core::arguments! {
+    /// The arguments of [`NormalizeObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// What is added to the variance: above 0.
+        pub epsilon: f64 = 1e-8,
+        /// Whether it goes on estimating.
+        pub update_running_mean: bool = true,
     }
 }
 

@@ -3,7 +3,6 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset, VectorWrapper};
 use gym_core::{BoxEnv, DType, Env, Error, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
-use serde::{Deserialize, Serialize};
 
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
@@ -23,21 +22,16 @@ pub struct NormalizeReward<T = BoxEnv> {
     returns: Vec<f64>,
 }
 
-/// The arguments of [`NormalizeReward`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The discount for each step, in `[0, 1]`.
-    pub gamma: f64,
-    /// What is added to the variance: above 0.
-    pub epsilon: f64,
-    /// Whether it goes on estimating.
-    pub update_running_mean: bool,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { gamma: 0.99, epsilon: 1e-8, update_running_mean: true }
+gym_core::arguments! {
+    /// The arguments of [`NormalizeReward`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// The discount for each step, in `[0, 1]`.
+        pub gamma: f64 = 0.99,
+        /// What is added to the variance: above 0.
+        pub epsilon: f64 = 1e-8,
+        /// Whether it goes on estimating.
+        pub update_running_mean: bool = true,
     }
 }
 
@@ -82,7 +76,8 @@ impl<T> NormalizeReward<T> {
         snapshot: &Snapshot,
         restore: impl FnOnce(&mut T, &Snapshot) -> Result<()>,
     ) -> Result<()> {
-        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Vec<f64>)) = snapshot.get()?;
+        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Vec<f64>)) =
+            snapshot.get()?;
         self.normalizer.check(&statistics)?;
         if returns.len() != self.returns.len() {
             let [there, here] = [returns.len(), self.returns.len()];

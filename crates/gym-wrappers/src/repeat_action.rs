@@ -1,7 +1,6 @@
 //! Actions repeated.
 
 use gym_core::{BoxEnv, Env, Outcome, Result, WrapperSpec, registry::WrapperConfig};
-use serde::{Deserialize, Serialize};
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the repetition.
 ///
@@ -13,12 +12,13 @@ pub struct RepeatAction<E = BoxEnv> {
     config: Config,
 }
 
-/// The arguments of [`RepeatAction`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// How often each action is taken: at least once.
-    pub num_repeats: u32,
+gym_core::arguments! {
+    /// The arguments of [`RepeatAction`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// How often each action is taken: at least once.
+        pub num_repeats: u32,
+    }
 }
 
 positional!(num_repeats: u32);

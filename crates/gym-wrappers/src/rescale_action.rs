@@ -2,7 +2,6 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Element, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::Bound;
 use crate::affine::Affine;
@@ -12,14 +11,14 @@ use crate::within::expect_box;
 /// Maps actions linearly from other bounds to those of the environment's `Box`.
 pub type RescaleAction<T = BoxEnv> = MapAction<T, Rescale>;
 
-/// The arguments of [`RescaleAction`]: the new bounds of one action: infinite where they were, the lower ones below the upper ones.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The lower bound.
-    pub min_action: Bound,
-    /// The upper bound.
-    pub max_action: Bound,
+gym_core::arguments! {
+    /// The arguments of [`RescaleAction`]: the new bounds of one action: infinite where they were, the lower ones below the upper ones.
+    pub struct Config {
+        /// The lower bound.
+        pub min_action: Bound,
+        /// The upper bound.
+        pub max_action: Bound,
+    }
 }
 
 impl<A: Into<Bound>, B: Into<Bound>> From<(A, B)> for Config {

@@ -2,7 +2,6 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::Bound;
 use crate::affine::Affine;
@@ -12,14 +11,14 @@ use crate::within::{expect_box, not_an_array};
 /// Maps observations linearly from the bounds of their `Box` to others.
 pub type RescaleObservation<T = BoxEnv> = MapObservation<T, Rescale>;
 
-/// The arguments of [`RescaleObservation`]: the new bounds of one observation: infinite where they were, and not above each other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The lower bound.
-    pub min_obs: Bound,
-    /// The upper bound.
-    pub max_obs: Bound,
+gym_core::arguments! {
+    /// The arguments of [`RescaleObservation`]: the new bounds of one observation: infinite where they were, and not above each other.
+    pub struct Config {
+        /// The lower bound.
+        pub min_obs: Bound,
+        /// The upper bound.
+        pub max_obs: Bound,
+    }
 }
 
 impl<A: Into<Bound>, B: Into<Bound>> From<(A, B)> for Config {

@@ -3,7 +3,6 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, BoxEnv, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_box, not_an_array};
@@ -11,12 +10,12 @@ use crate::within::{expect_box, not_an_array};
 /// Gives array observations another shape of as many elements.
 pub type ReshapeObservation<T = BoxEnv> = MapObservation<T, Reshape>;
 
-/// The arguments of [`ReshapeObservation`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The shape of one observation.
-    pub shape: Vec<usize>,
+gym_core::arguments! {
+    /// The arguments of [`ReshapeObservation`].
+    pub struct Config {
+        /// The shape of one observation.
+        pub shape: Vec<usize>,
+    }
 }
 
 impl<const N: usize> From<[usize; N]> for Config {

@@ -23,16 +23,15 @@ pub struct StickyAction<E: Env = BoxEnv> {
     state: Stickiness,
 }
 
-/// The arguments of [`StickyAction`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The probability that the last action is repeated, in `[0, 1)`.
-    pub repeat_action_probability: f64,
-    /// For how many steps it is repeated: a number, or the least and the most, between which one is drawn each
-    /// time.
-    #[serde(default)]
-    pub repeat_action_duration: Duration,
+gym_core::arguments! {
+    /// The arguments of [`StickyAction`].
+    pub struct Config {
+        /// The probability that the last action is repeated, in `[0, 1)`.
+        pub repeat_action_probability: f64,
+        /// For how many steps it is repeated: a number, or the least and the most, between which one is drawn each
+        /// time.
+        pub repeat_action_duration: Duration = Default::default(),
+    }
 }
 
 positional!(repeat_action_probability: f64);
@@ -51,6 +50,12 @@ pub enum Duration {
     Steps(u32),
     /// The least and the most.
     Range(u32, u32),
+}
+
+impl gym_core::ArgumentType for Duration {
+    fn kind() -> String {
+        "integer or list of 2 integers".into()
+    }
 }
 
 impl Default for Duration {

@@ -5,7 +5,6 @@ use gym_core::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
 use gym_core::{
     Array, BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
 };
-use serde::{Deserialize, Serialize};
 
 use crate::filter_observation::dict_like;
 
@@ -27,23 +26,17 @@ pub struct TimeAwareObservation<E = BoxEnv> {
     seen: Value,
 }
 
-/// The arguments of [`TimeAwareObservation`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether the observation and the time are flattened to one row of numbers.
-    pub flatten: bool,
-    /// Whether the time is the share of the limit that has gone by, in `[0, 1]`, instead of steps.
-    pub normalize_time: bool,
-    /// The key of the time in dict observations.
-    pub dict_time_key: String,
-    /// The time limit, above 0; where it is not given, that of the environment's [`spec`](Env::spec).
-    pub max_timesteps: Option<u32>,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { flatten: true, normalize_time: false, dict_time_key: "time".into(), max_timesteps: None }
+gym_core::arguments! {
+    /// The arguments of [`TimeAwareObservation`].
+    pub struct Config {
+        /// Whether the observation and the time are flattened to one row of numbers.
+        pub flatten: bool = true,
+        /// Whether the time is the share of the limit that has gone by, in `[0, 1]`, instead of steps.
+        pub normalize_time: bool = false,
+        /// The key of the time in dict observations.
+        pub dict_time_key: String = "time".into(),
+        /// The time limit, above 0; where it is not given, that of the environment's [`spec`](Env::spec).
+        pub max_timesteps: Option<u32> = None,
     }
 }
 
@@ -79,8 +72,8 @@ impl<E: Env> TimeAwareObservation<E> {
         let (full_space, full) = match env.observation_space() {
             Space::Dict(space) => {
                 let members = std::iter::once((key.clone(), time)).chain(space.spaces().iter().cloned());
-                let space =
-                    dict_like(&space, members.collect()).map_err(|error| Config::refuse(error.to_string()))?;
+                let space = dict_like(&space, members.collect())
+                    .map_err(|error| Config::refuse(error.to_string()))?;
                 let value = |name: &String| if name == key { zero.clone() } else { Value::Null };
                 let full = space.spaces().iter().map(|(name, _)| (name.clone(), value(name))).collect();
                 (Space::from(space), Value::Dict(full))

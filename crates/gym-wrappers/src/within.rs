@@ -143,9 +143,18 @@ macro_rules! reach {
 
 /// The arguments that may be given by position, in place of a whole `Config`.
 macro_rules! positional {
+    ($field:ident: $type:ty) => {
+        impl From<$type> for Config {
+            fn from($field: $type) -> Self {
+                #[allow(clippy::needless_update, reason = "there may be one argument alone")]
+                Self { $field, ..Self::default() }
+            }
+        }
+    };
     ($($field:ident: $type:ty),+) => {
         impl From<($($type),+)> for Config {
             fn from(($($field),+): ($($type),+)) -> Self {
+                #[allow(clippy::needless_update, reason = "these may be all arguments")]
                 Self { $($field,)+ ..Self::default() }
             }
         }

@@ -1,7 +1,6 @@
 //! Wrappers by method chaining.
 
-use gym_core::wrappers::{RecordEpisodeStatistics, TimeLimit};
-use gym_core::{Element, Env, Result, Space, Value, VectorEnv, vector};
+use gym_core::{Element, Env, Result, Space, Value, VectorEnv};
 
 use crate::*;
 
@@ -133,9 +132,9 @@ impl<E: Env> Wrap for E {}
 /// # }
 /// ```
 pub trait VectorWrap: VectorEnv + Sized {
-    /// [`RecordEpisodeStatistics`](vector::RecordEpisodeStatistics) of the last 100 episodes.
-    fn record_episode_statistics(self) -> vector::RecordEpisodeStatistics<Self> {
-        vector::RecordEpisodeStatistics::new(self)
+    /// [`RecordEpisodeStatistics`] of the last 100 episodes.
+    fn record_episode_statistics(self) -> RecordEpisodeStatistics<Self> {
+        RecordEpisodeStatistics::new(self)
     }
 
     methods! {

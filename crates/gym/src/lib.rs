@@ -40,6 +40,8 @@ pub use gym_mujoco as mujoco;
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+pub use gym_wrappers as wrappers;
+pub use gym_wrappers::{VectorWrap, Wrap};
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use gym::statistics::RunningMeanStd;
-use gym::wrappers::NormalizeObservation;
+use gym::wrappers::{RunningMeanStd, normalize_observation};
 use gym::{Array, BoxEnv, Env, EnvSpec, Error, Result, Space, Value};
 use serde::Deserialize;
 
@@ -82,10 +81,9 @@ pub(crate) fn controller(env: &BoxEnv) -> Result<Option<Controller>> {
         let x = match &moments {
             Some((mean, variance)) => {
                 let moments = mean.iter().zip(variance);
-                let normalized = seen
-                    .iter_f64()
-                    .zip(moments)
-                    .map(|(x, (m, v))| (x - m) / (v + NormalizeObservation::<BoxEnv>::EPSILON).sqrt());
+                let normalized = seen.iter_f64().zip(moments).map(|(x, (m, v))| {
+                    (x - m) / (v + normalize_observation::Config::default().epsilon).sqrt()
+                });
                 normalized.map(|x| x as f32).collect()
             }
             None => seen.iter_f64().map(|x| x as f32).collect(),

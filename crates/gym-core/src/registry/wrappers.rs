@@ -1,10 +1,9 @@
 //! Wrappers by name: how specs rebuild them, and what the book says of them.
 
-use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
 use crate::vector::VectorEnv;
-use crate::{BoxEnv, Error, Kwargs, Result, WrapperSpec};
+use crate::{Argument, Arguments, BoxEnv, Error, Kwargs, Result, WrapperSpec, arguments};
 
 /// Puts a wrapper around an environment, with the arguments in a spec.
 pub type WrapEnv = fn(BoxEnv, &Kwargs) -> Result<BoxEnv>;
@@ -19,6 +18,7 @@ pub struct WrapperRegistration {
     pub name: &'static str,
     /// What it does, in a few words.
     pub description: &'static str,
+    arguments: fn() -> Vec<Argument>,
     env: Option<WrapEnv>,
     vector: Option<WrapVector>,
 }
@@ -26,9 +26,15 @@ pub struct WrapperRegistration {
 inventory::collect!(WrapperRegistration);
 
 impl WrapperRegistration {
-    /// A wrapper of that name, around nothing yet.
-    pub const fn new(name: &'static str, description: &'static str) -> Self {
-        Self { name, description, env: None, vector: None }
+    /// The wrapper of these arguments, around nothing yet, and what it does.
+    pub const fn new<C: WrapperConfig>(description: &'static str) -> Self {
+        let arguments = || arguments::table(&C::default(), 0);
+        Self { name: C::NAME, description, arguments, env: None, vector: None }
+    }
+
+    /// Its arguments, with their defaults.
+    pub fn arguments(&self) -> Vec<Argument> {
+        (self.arguments)()
     }
 
     /// Goes around environments.
@@ -61,8 +67,8 @@ pub fn wrappers() -> Vec<&'static WrapperRegistration> {
     wrappers
 }
 
-/// The arguments of a wrapper: plain data, named by [`register_wrapper!`](crate::register_wrapper!).
-pub trait WrapperConfig: Serialize + DeserializeOwned {
+/// The arguments of a wrapper, named by [`register_wrapper!`](crate::register_wrapper!).
+pub trait WrapperConfig: Arguments {
     /// The wrapper's name in [`WrapperSpec`].
     const NAME: &'static str;
 
@@ -80,8 +86,11 @@ pub trait WrapperConfig: Serialize + DeserializeOwned {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument that is missing, unknown, or of another type.
     fn from_kwargs(kwargs: &Kwargs) -> Result<Self> {
-        serde_json::from_value(Json::Object(kwargs.clone()))
-            .map_err(|error| Error::argument(Self::NAME, error.to_string()))
+        let missing = Self::table().into_iter().find(|row| row.required && !kwargs.contains_key(row.name));
+        match missing {
+            Some(Argument { name, kind, .. }) => Err(Self::refuse(format!("it needs `{name}`: {kind}"))),
+            None => arguments::read(&Self::default(), 0, kwargs, Self::NAME),
+        }
     }
 
     /// The error of an argument that the wrapper refuses.
@@ -91,20 +100,21 @@ pub trait WrapperConfig: Serialize + DeserializeOwned {
 }
 
 /// Registers a wrapper at link time, so that specs can name it: its name, what it does, the type of its
-/// arguments, and the functions that put it around an environment, a vector, or either.
+/// [arguments](crate::arguments!), and the functions that put it around an environment, a vector, or either.
 ///
 /// ```
 /// use gym_core::wrappers::TimeLimit;
-/// use serde::{Deserialize, Serialize};
 ///
-/// #[derive(Serialize, Deserialize)]
-/// #[serde(deny_unknown_fields)]
-/// struct Config {
-///     minutes: u32,
+/// gym_core::arguments! {
+///     /// The arguments.
+///     pub struct Config {
+///         /// After how many minutes, at 60 steps per second.
+///         pub minutes: u32,
+///     }
 /// }
 ///
 /// gym_core::register_wrapper!(
-///     "my_envs/Minutes", "truncates after some minutes at 60 steps per second", Config,
+///     "my_envs/Minutes", "truncates after some minutes", Config,
 ///     env: |env, config: Config| TimeLimit::new(env, 3600 * config.minutes)
 /// );
 /// ```
@@ -116,7 +126,7 @@ macro_rules! register_wrapper {
         }
 
         $crate::inventory::submit! {
-            $crate::registry::WrapperRegistration::new($name, $description)
+            $crate::registry::WrapperRegistration::new::<$config>($description)
                 $(.env(|env, kwargs| {
                     let config = <$config as $crate::registry::WrapperConfig>::from_kwargs(kwargs)?;
                     let wrapped: $crate::Result<_> = ($env)(env, config);

@@ -53,6 +53,9 @@ pub enum ObservationMode {
     Different,
 }
 
+/// A vector of any kind: what [`make_vec`](crate::make_vec) returns.
+pub type BoxVector = Box<dyn VectorEnv>;
+
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
 ///
 /// Results go to the caller's [`Columns`], which have a row for each sub-environment, so that a
@@ -341,12 +344,13 @@ impl dyn VectorEnv {
     /// [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
-    /// use gym_core::vector::wrappers::{ClipAction, NormalizeObservation};
+    /// use gym_core::BoxVector;
     /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
+    /// use gym_core::wrappers::RecordEpisodeStatistics;
     ///
     /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.wrapper::<NormalizeObservation>();
-    ///     let around_a_wrapper = envs.wrapper::<NormalizeObservation<ClipAction>>();
+    ///     let statistics = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>();
+    ///     let around_another = envs.wrapper::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
     ///     let workers = envs.wrapper::<AsyncVectorEnv>();
     /// }
     /// ```

@@ -5,7 +5,6 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::array::Scalar;
 use crate::spaces::number::{with_numbers, with_type};
 use crate::{Array, DType, Error, GraphInstance, Result, Value};
 
@@ -30,21 +29,6 @@ pub(super) fn unpack<T: DeserializeOwned>(text: &str) -> Result<T> {
 #[serde(try_from = "Stored", into = "Stored")]
 #[derive(Clone)]
 pub(super) struct Kept(pub(super) Value);
-
-impl Kept {
-    /// A row of numbers.
-    pub(super) fn numbers<T: Scalar>(numbers: &[T]) -> Self {
-        Self(Value::Array(numbers.to_vec().into()))
-    }
-
-    /// What [`numbers`](Self::numbers) kept, if there are so many.
-    pub(super) fn into_numbers<T: Scalar>(self, len: usize) -> Result<Vec<T>> {
-        let numbers = self.0.as_slice::<T>().filter(|numbers| numbers.len() == len);
-        numbers.map(<[T]>::to_vec).ok_or_else(|| {
-            Error::Snapshot(format!("it does not hold {len} numbers of type {} where it should", T::DTYPE))
-        })
-    }
-}
 
 #[derive(Clone, Serialize, Deserialize)]
 enum Stored {

@@ -2,12 +2,12 @@
 //!
 //! A wrapper takes any [`Env`], typed or erased, and is an `Env` again.
 
-mod order_enforcing;
-mod passive_env_checker;
+pub mod order_enforcing;
+pub mod passive_env_checker;
 pub mod record_episode_statistics;
 mod render;
-mod render_collection;
-mod time_limit;
+pub mod render_collection;
+pub mod time_limit;
 
 pub use order_enforcing::OrderEnforcing;
 pub use passive_env_checker::PassiveEnvChecker;

@@ -1,3 +1,5 @@
+//! Calls in an order that makes no sense.
+
 use crate::registry::WrapperConfig;
 use crate::render::Rendered;
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
@@ -19,10 +21,10 @@ enum Stage {
     Closed,
 }
 
-/// [`OrderEnforcing`] has no arguments.
-#[derive(serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {}
+crate::arguments! {
+    /// [`OrderEnforcing`] has no arguments.
+    pub struct Config {}
+}
 
 crate::register_wrapper!(
     "OrderEnforcing", "refuses steps before a reset", Config, env: |env, _| Ok(OrderEnforcing::new(env))

@@ -1,3 +1,5 @@
+//! The cheap part of conformance.
+
 use crate::registry::WrapperConfig;
 use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space};
 
@@ -17,10 +19,10 @@ pub struct PassiveEnvChecker<E = BoxEnv> {
     has_options: bool,
 }
 
-/// [`PassiveEnvChecker`] has no arguments.
-#[derive(serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {}
+crate::arguments! {
+    /// [`PassiveEnvChecker`] has no arguments.
+    pub struct Config {}
+}
 
 crate::register_wrapper!(
     "PassiveEnvChecker", "refuses observations outside of their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))

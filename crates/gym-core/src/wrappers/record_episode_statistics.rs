@@ -28,19 +28,13 @@ pub struct RecordEpisodeStatistics<T = BoxEnv> {
     record: Record,
 }
 
-/// The arguments of [`RecordEpisodeStatistics`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// How many of the last episodes are kept: at least 1.
-    pub buffer_length: usize,
-    /// The key of the entry of `info`: another one for each of two of these wrappers.
-    pub stats_key: String,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { buffer_length: 100, stats_key: "episode".into() }
+crate::arguments! {
+    /// The arguments of [`RecordEpisodeStatistics`].
+    pub struct Config {
+        /// How many of the last episodes are kept: at least 1.
+        pub buffer_length: usize = 100,
+        /// The key of the entry of `info`: another one for each of two of these wrappers.
+        pub stats_key: String = "episode".into(),
     }
 }
 

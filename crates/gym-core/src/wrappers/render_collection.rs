@@ -1,3 +1,5 @@
+//! Frames gathered.
+
 use crate::render::{RenderMode, Rendered};
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
@@ -11,10 +13,10 @@ pub struct RenderCollection<E = BoxEnv> {
     items: Vec<Rendered>,
 }
 
-/// [`RenderCollection`] has no arguments.
-#[derive(serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {}
+crate::arguments! {
+    /// [`RenderCollection`] has no arguments.
+    pub struct Config {}
+}
 
 crate::register_wrapper!(
     "RenderCollection", "gathers frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))

@@ -1,3 +1,5 @@
+//! Episodes cut off.
+
 use crate::registry::WrapperConfig;
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
@@ -10,12 +12,12 @@ pub struct TimeLimit<E = BoxEnv> {
     elapsed_steps: u32,
 }
 
-/// The arguments of [`TimeLimit`].
-#[derive(serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {
-    /// After how many steps an episode is truncated: at least 1.
-    max_episode_steps: u32,
+crate::arguments! {
+    /// The arguments of [`TimeLimit`].
+    pub struct Config {
+        /// After how many steps an episode is truncated: at least 1.
+        pub max_episode_steps: u32,
+    }
 }
 
 crate::register_wrapper!(

@@ -6,13 +6,13 @@
 //! ```
 //! use gym_core::{Env, Result};
 //! use gym_wrappers::map::{MapReward, RewardMap};
-//! use serde::{Deserialize, Serialize};
 //!
-//! /// The arguments.
-//! #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-//! #[serde(deny_unknown_fields)]
-//! struct Config {
-//!     factor: f64,
+//! gym_core::arguments! {
+//!     /// The arguments.
+//!     pub struct Config {
+//!         /// What rewards are multiplied by.
+//!         pub factor: f64,
+//!     }
 //! }
 //!
 //! /// Scales rewards.

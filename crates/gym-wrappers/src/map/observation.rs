@@ -72,13 +72,7 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
     }
 
     fn observe(&self, out: &mut Value) -> Result<()> {
-        if let Space::Box(space) = &self.space {
-            array_of(out, space.dtype(), space.shape());
-        } else if let (Space::MultiDiscrete(_) | Space::MultiBinary(_), Some(dtype), Some(shape)) =
-            (&self.space, self.space.dtype(), self.space.shape())
-        {
-            array_of(out, dtype, shape);
-        }
+        prepare(&self.space, out);
         self.map.map(&self.seen.observations, out)
     }
 
@@ -88,14 +82,12 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
         if M::TAKES_BATCHES {
             return seen.map(columns, |inner, out| map.map(inner, out));
         }
+        prepare(space, after);
         let mut map_row = |index: usize, inner: &Value, out: &mut Value| {
             inner_space.read_row(inner, index, before)?;
             map.map(before, after)?;
             space.write_row(out, index, after)
         };
-        if let (Some(dtype), Some(shape)) = (space.dtype(), space.shape()) {
-            array_of(after, dtype, shape);
-        }
         for index in 0..n {
             map_row(index, &seen.observations, &mut columns.observations)?;
             if columns.has_final[index] {
@@ -103,6 +95,15 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
             }
         }
         Ok(())
+    }
+}
+
+/// Makes `out` an array of the type and shape of the space, if its elements are arrays.
+fn prepare(space: &Space, out: &mut Value) {
+    if let (false, Some(dtype), Some(shape)) =
+        (matches!(space, Space::Discrete(_)), space.dtype(), space.shape())
+    {
+        array_of(out, dtype, shape);
     }
 }
 

@@ -5,7 +5,6 @@ mod area;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
 use gym_core::{BoxEnv, DType, Result, Space, Value};
-use serde::{Deserialize, Serialize};
 
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_picture, not_an_array};
@@ -15,12 +14,13 @@ use area::AreaResize;
 /// picture shrinks, linear between pixels where it grows.
 pub type ResizeObservation<T = BoxEnv> = MapObservation<T, Resize>;
 
-/// The arguments of [`ResizeObservation`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Config {
-    /// The new height and width, at least 1.
-    pub shape: [usize; 2],
+gym_core::arguments! {
+    /// The arguments of [`ResizeObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// The new height and width, at least 1.
+        pub shape: [usize; 2],
+    }
 }
 
 positional!(shape: [usize; 2]);

@@ -4,10 +4,11 @@
 mod moments;
 mod normalizer;
 
+use gym_core::{Array, DType, Data, Error, Result};
 use serde::{Deserialize, Serialize};
 
-use gym_core::{Array, DType, Data, Error, Result};
-use moments::{Batch, Rows};
+use moments::{Batch, Real, Rows};
+pub(crate) use normalizer::{Normalizer, normalizes};
 
 /// The weight of the initial mean 0 and variance 1.
 const INITIAL_COUNT: f64 = 1e-4;
@@ -274,7 +275,8 @@ impl<T: Real> Of<T> {
         scaled: impl Iterator<Item = T>,
         batches: impl Iterator<Item = Batch<T>>,
     ) {
-        for (((mean, var), scaled), batch) in self.mean.iter_mut().zip(&mut self.var).zip(scaled).zip(batches) {
+        for (((mean, var), scaled), batch) in self.mean.iter_mut().zip(&mut self.var).zip(scaled).zip(batches)
+        {
             update(mean, var, scaled, count, batch);
         }
     }

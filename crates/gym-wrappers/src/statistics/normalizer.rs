@@ -54,7 +54,13 @@ impl Normalizer {
     }
 
     /// Normalizes the selected ones of `n` rows.
-    pub(crate) fn normalize(&self, array: &Array, n: usize, out: &mut [f32], selects: impl Fn(usize) -> bool) {
+    pub(crate) fn normalize(
+        &self,
+        array: &Array,
+        n: usize,
+        out: &mut [f32],
+        selects: impl Fn(usize) -> bool,
+    ) {
         let len = array.len() / n;
         for (i, out) in out.chunks_exact_mut(len.max(1)).enumerate().filter(|(i, _)| selects(*i)) {
             let row = (i * len..(i + 1) * len).map(|j| array.data().get_f64(j));

@@ -1,7 +1,7 @@
 //! Inputs to start from: what the library itself writes.
 
 use gym::trace::{Event, Trace};
-use gym::{Env, Reset, registry};
+use gym::{Env, EnvExt, Reset, registry};
 use serde_json::{Value as Json, json};
 
 /// The registered ids, and some that are none.

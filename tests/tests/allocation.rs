@@ -1,7 +1,10 @@
 //! A step allocates nothing: typed, through `make`, or in a vector.
 
 use gym::vector::{Autoreset, VectorKind};
-use gym::{Element, Env, Outcome, Registration, Value, VectorEnv, VectorWrap, make_vec, registry};
+use gym::{
+    Element, Env, EnvExt, Outcome, Registration, Value, VectorEnv, VectorEnvExt, VectorWrap, make_vec,
+    registry,
+};
 
 /// The number of allocations of `steps` steps into one buffer, with resets where episodes end left
 /// out of the count.

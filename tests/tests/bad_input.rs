@@ -1,7 +1,7 @@
 //! Bad input gives an `Err` that tells a newcomer what to do.
 
 use gym::render::RenderMode;
-use gym::{Array, Env, Error, Kwargs, Reset, Value};
+use gym::{Array, Env, EnvExt, Error, Kwargs, Reset, Value};
 use serde_json::json;
 
 /// The message of an error, which must contain some words.

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use gym::rendering::Recording;
-use gym::{Env, Registration, registry};
+use gym::{Env, EnvExt, Registration, registry};
 
 #[test]
 fn drawings_are_as_kept() {

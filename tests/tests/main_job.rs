@@ -1,7 +1,7 @@
 //! The notebook's job on every linked environment: make, reset, step until it ends, look at it.
 
 use gym::render::{RenderMode, Rendered};
-use gym::{Env, registry};
+use gym::{Env, EnvExt, registry};
 
 #[test]
 fn every_environment_is_played_and_seen() {

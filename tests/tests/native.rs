@@ -6,8 +6,8 @@ use gym::classic::mountain_car::MountainCarDynamics;
 use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
 use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
-use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec};
-use gym::{Array, BoxEnv, Dynamics, Env, EnvSpec, Generator, Result, Seed, Value, builder, registry};
+use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec};
+use gym::{Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
 use serde_json::{Value as Json, json};
 
 const TABLES: [&str; 8] = [
@@ -227,7 +227,7 @@ fn steps_to_compare() -> usize {
 /// let episodes start anywhere; those that autoreset starts begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(config: D::Config, options: [(&str, f64); 2])
 where
-    D: Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
+    D: Native<Packed = [f64; K]> + Task<Observation = [f32; O]>,
 {
     const N: usize = 1000;
     let dynamics = D::new(config).unwrap();
@@ -254,7 +254,7 @@ where
             let action = D::Action::from_item(items[i]);
             let one = dynamics.transition(&before[i], &action, &mut rng).unwrap();
             let place = || format!("{}: step {step} of {i}, from {:?}", D::NAME, before[i]);
-            let bits = |state: &D::State| D::pack(state).map(f64::to_bits);
+            let bits = |state: &D::State| dynamics.pack(state).map(f64::to_bits);
             assert_eq!(bits(&envs.state(i).unwrap()), bits(&one.state), "{}", place());
             let seen = dynamics.observe(&one.state).map(f32::to_bits);
             assert_eq!(observations[i].map(f32::to_bits), seen, "{}", place());

@@ -7,7 +7,7 @@ use gym::spaces::{
 };
 use gym::trace::Trace;
 use gym::vector::VectorKind;
-use gym::{BoxEnv, DType, Env, Generator, Seed, Space, VectorEnv};
+use gym::{BoxEnv, DType, Env, EnvExt, Generator, Seed, Space, VectorEnv, VectorEnvExt};
 use gym_tests::{Reference, references};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use gym::box2d::{BipedalWalker, CarRacing, LunarLander, bipedal_walker, car_racing, lunar_lander};
-use gym::{BoxEnv, Element, Env, Value};
+use gym::{BoxEnv, Element, EnvExt, Value};
 use gym_tests::{Reference, references};
 use serde_json::{Value as Json, json};
 

@@ -5,7 +5,7 @@ use gym::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
     TextSpace, TupleSpace,
 };
-use gym::{DType, Env, EnvSpec, Registration, Snapshot, Space, WrapperSpec, registry};
+use gym::{DType, Env, EnvExt, EnvSpec, Registration, Snapshot, Space, WrapperSpec, registry};
 use proptest::prelude::*;
 
 fn dtype() -> impl Strategy<Value = DType> {

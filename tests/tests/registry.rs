@@ -2,7 +2,7 @@
 
 use gym::classic::{CartPole, Pendulum};
 use gym::toytext::FrozenLake;
-use gym::{Env, EnvSpec, Error, Registration, Reset, make, registry};
+use gym::{Env, EnvExt, EnvSpec, Error, Registration, Reset, VectorEnvExt, make, registry};
 
 // A second crate that claims a taken id, and one with broken arguments.
 gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").from_crate("first-crate") }

@@ -1,7 +1,7 @@
 //! Pictures of other sizes than Gymnasium's are not drawn as pygame does. They look alike all the same.
 
 use gym::render::{Frame, painter};
-use gym::{Env, registry};
+use gym::{Env, EnvExt, registry};
 
 /// How far a picture and one of twice its size differ on average in these pixels, in 255ths.
 fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize, usize)>) -> f64 {

@@ -6,8 +6,8 @@ use gym::vector::{
 };
 use gym::wrappers::{ClipReward, TimeLimit};
 use gym::{
-    BoxEnv, Env, Error, Info, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec,
-    builder, make_vec, registry,
+    BoxEnv, Env, EnvExt, Error, Info, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    VectorEnvExt, WrapperSpec, builder, make_vec, registry,
 };
 
 const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];

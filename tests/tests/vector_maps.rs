@@ -2,7 +2,7 @@
 
 use gym::render::RenderMode;
 use gym::vector::{Autoreset, Columns, VectorKind};
-use gym::{EnvSpec, VectorEnv, WrapperSpec, builder, registry};
+use gym::{EnvSpec, VectorEnv, VectorEnvExt, WrapperSpec, builder, registry};
 use serde_json::{Value as Json, json};
 
 /// Environments, and wrappers around them.

@@ -6,7 +6,8 @@ use std::process::Command;
 use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::{
-    BoxEnv, BoxVector, Env, Info, Sampler, Snapshot, Value, VectorEnv, Wrap, WrapperSpec, builder, make_vec,
+    BoxEnv, BoxVector, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, Wrap,
+    WrapperSpec, builder, make_vec,
 };
 use serde_json::{Value as Json, json};
 

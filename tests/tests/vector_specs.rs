@@ -3,7 +3,7 @@
 
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::*;
-use gym::{Error, Info, Result, Value, VectorEnv, WrapperSpec, builder, make_vec};
+use gym::{Error, Info, Result, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder, make_vec};
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 

@@ -5,7 +5,7 @@ use gym::wrappers::{
     Bound, NormalizeObservation, RecordEpisodeStatistics, TransformAction, TransformObservation,
     normalize_observation, record_episode_statistics,
 };
-use gym::{DType, Error, Space, Value, VectorEnv, VectorWrap, builder, make_vec};
+use gym::{DType, Error, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, builder, make_vec};
 
 fn pendulums(n: usize, autoreset: Autoreset) -> Box<dyn VectorEnv> {
     let vector = builder("Pendulum-v1").max_episode_steps(5).vector(n);

@@ -6,7 +6,7 @@ use gym::wrappers::{
     OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, RenderCollection, TimeLimit,
     record_episode_statistics,
 };
-use gym::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
 fn pendulum() -> Pendulum {
     Pendulum::new(gym::classic::pendulum::Config::default()).unwrap()

@@ -1,7 +1,7 @@
 //! Every wrapper is rebuilt from JSON, continues from a snapshot, and steps without allocating.
 
 use gym::render::RenderMode;
-use gym::{BoxEnv, Element, Env, EnvSpec, Outcome, Reset, Result, Value, Wrap, WrapperSpec};
+use gym::{BoxEnv, Element, Env, EnvExt, EnvSpec, Outcome, Reset, Result, Value, Wrap, WrapperSpec};
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 

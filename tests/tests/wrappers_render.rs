@@ -3,8 +3,8 @@
 use gym::render::{Frame, RenderMode, Rendered};
 use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView, add_render_observation};
 use gym::{
-    Array, DType, Data, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, Wrap,
-    spaces::BoxSpace,
+    Array, DType, Data, Env, EnvExt, Generator, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    VectorEnvExt, Wrap, spaces::BoxSpace,
 };
 
 /// Observes a picture, and renders another of one colour.

@@ -73,7 +73,8 @@ impl Plugin {
              fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
             self.krate, self.name
         );
-        for (path, text) in [(folder.join("Cargo.toml"), self.manifest()), (source.join("main.rs"), main)] {
+        let manifest = self.manifest(&our_crates()?, &our_profiles()?);
+        for (path, text) in [(folder.join("Cargo.toml"), manifest), (source.join("main.rs"), main)] {
             // an unchanged file is not built again
             if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
                 fs::write(&path, text).map_err(error_at(&path))?;
@@ -88,16 +89,18 @@ impl Plugin {
         Ok(())
     }
 
-    fn manifest(&self) -> String {
+    /// The manifest of that program: with this workspace's crates instead of published ones, and its profiles, so that
+    /// what both need is built once.
+    fn manifest(&self, crates: &[PathBuf], profiles: &str) -> String {
         let Self { name, folder, source, .. } = self;
         let commands = root().join("xtask").join("commands");
         // a plugin that takes gym-core from elsewhere shares the one that the commands use
         let patch = source.as_ref().map_or_else(String::new, |source| {
-            let crates = ["gym", "gym-core", "gym-render"].map(|name| {
-                let path = root().join("crates").join(name);
+            let entry = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 format!("{name} = {{ path = {path:?} }}\n")
-            });
-            format!("\n[patch.{source:?}]\n{}", crates.concat())
+            };
+            format!("\n[patch.{source:?}]\n{}", crates.iter().map(entry).collect::<String>())
         });
         format!(
             "[package]\n\
@@ -116,16 +119,37 @@ impl Plugin {
              {name} = {{ path = {folder:?} }}\n\
              xtask-commands = {{ path = {commands:?}, default-features = false }}\n\
              \n\
-             [profile.quick]\n\
-             inherits = \"dev\"\n\
-             debug = false\n\
-             debug-assertions = false\n\
-             incremental = false\n\
-             overflow-checks = false\n\
-             panic = \"abort\"\n\
-             {patch}"
+             {profiles}{patch}"
         )
     }
+}
+
+/// The folders of this workspace's crates, by name.
+fn our_crates() -> Result<Vec<PathBuf>, String> {
+    let folder = root().join("crates");
+    let wrong = |error: io::Error| format!("{}: {error}", folder.display());
+    let entries = fs::read_dir(&folder).map_err(wrong)?;
+    let mut crates = entries
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<io::Result<Vec<_>>>()
+        .map_err(wrong)?;
+    crates.retain(|folder| folder.join("Cargo.toml").exists());
+    crates.sort();
+    Ok(crates)
+}
+
+/// The profiles of this workspace's manifest.
+fn our_profiles() -> Result<String, String> {
+    let manifest = root().join("Cargo.toml");
+    let text = fs::read_to_string(&manifest).map_err(|error| format!("{}: {error}", manifest.display()))?;
+    let mut is_profile = false;
+    let lines = text.lines().filter(|line| {
+        if line.starts_with('[') {
+            is_profile = line.starts_with("[profile.");
+        }
+        is_profile
+    });
+    Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
 /// What `[patch]` calls the place that a dependency comes from; `None` for a folder.
@@ -152,6 +176,24 @@ mod tests {
         assert_eq!(source(&registry).as_deref(), Some("crates-io"));
         let git = json!({"source": "git+https://example.org/gym?branch=main#abc", "req": "*"});
         assert_eq!(source(&git).as_deref(), Some("https://example.org/gym"));
+    }
+
+    #[test]
+    fn a_plugins_program_is_built_as_this_workspace() {
+        let plugin = Plugin {
+            name: "x".into(),
+            krate: "x".into(),
+            folder: "/x".into(),
+            source: Some("crates-io".into()),
+        };
+        let manifest = plugin.manifest(&our_crates().unwrap(), &our_profiles().unwrap());
+        for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
+        {
+            assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");
+        }
+        for name in ["gym", "gym-core", "gym-conform", "gym-box2d"] {
+            assert!(manifest.contains(&format!("\n{name} = {{ path = ")), "{name} is missing:\n{manifest}");
+        }
     }
 
     #[test]

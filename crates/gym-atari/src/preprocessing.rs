@@ -37,7 +37,7 @@ gym_core::arguments! {
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
-/// use gym_core::Env;
+/// use gym_core::{Env, EnvExt};
 /// use gym_wrappers::Wrap;
 ///
 /// # fn main() -> gym_core::Result<()> {

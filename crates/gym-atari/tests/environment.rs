@@ -5,8 +5,8 @@ use gym_atari::{
 };
 use gym_core::wrappers::{OrderEnforcing, TimeLimit};
 use gym_core::{
-    BoxEnv, Configure, Env, Error, NoArguments, Outcome, Registration, Reset, Result, Value, WrapperSpec,
-    builder,
+    BoxEnv, Configure, Env, EnvExt, Error, NoArguments, Outcome, Registration, Reset, Result, Value,
+    WrapperSpec, builder,
 };
 
 /// Shows a colour that depends on the stick and on a counter of frames.

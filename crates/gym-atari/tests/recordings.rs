@@ -4,7 +4,7 @@ use gym_atari::ale::Settings;
 use gym_atari::games::by_md5;
 use gym_atari::recording::Recording;
 use gym_atari::{Ale, AtariAction, AtariEnv, Config, ObsType, RomDir, games};
-use gym_core::{Env, Reset};
+use gym_core::{EnvExt, Reset};
 
 #[test]
 fn games_are_ale_pys() {

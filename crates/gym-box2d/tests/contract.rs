@@ -2,7 +2,7 @@
 //! snapshot in mid-flight; errors instead of panics.
 
 use gym_box2d as _;
-use gym_core::{BoxEnv, Env, Value, builder, make};
+use gym_core::{BoxEnv, Env, EnvExt, Value, builder, make};
 
 const IDS: [&str; 8] = [
     "LunarLander-v2",

@@ -2,7 +2,7 @@
 //!
 //! ```no_run
 //! use gym_bridge as _;
-//! use gym_core::{Env, builder};
+//! use gym_core::{Env, EnvExt, builder};
 //!
 //! # fn main() -> gym_core::Result<()> {
 //! let mut env = builder("GymV26Environment-v0").arg("env_id", "CartPole-v1").build()?;

@@ -8,7 +8,7 @@ use gym_bridge as _;
 use gym_core::registry::EnvBuilder;
 use gym_core::render::{RenderMode, Rendered};
 use gym_core::vector::{Columns, VectorKind};
-use gym_core::{BoxEnv, Env, Reset, Value, builder};
+use gym_core::{BoxEnv, Env, EnvExt, Reset, Value, builder};
 
 const MODULE: &str = "tests.python.envs";
 

@@ -20,14 +20,10 @@
 use std::f64::consts::{PI, TAU};
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::{Fma, Real, numpy_sin_cos_f32, sin_cos};
+use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos};
 use gym_core::render::Metadata;
-use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{
-    Dynamics, Generator, NoArguments, Outcome, Registration, Reset, Result, Space, Stateful, Transition,
-    pygame,
-};
+use gym_core::vector::native::{self, Equations, Next};
+use gym_core::{Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -79,7 +75,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct AcrobotDynamics;
 
-impl Dynamics for AcrobotDynamics {
+impl Task for AcrobotDynamics {
     type Config = NoArguments;
     type State = State;
     type Observation = [f32; 6];
@@ -108,27 +104,6 @@ impl Dynamics for AcrobotDynamics {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.1, 0.1)?;
         let [theta1, theta2, dtheta1, dtheta2] = [(); 4].map(|()| f64::from(rng.uniform(low, high) as f32));
         Ok(State { theta1, theta2, dtheta1, dtheta2, fresh: true })
-    }
-
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(native::transition(self, state, *action))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> [f32; 6] {
-        native::observe(self, state)
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        state: &mut State,
-        action: &Action,
-        _rng: &mut Generator,
-        observation: &mut [f32; 6],
-    ) -> Result<Outcome> {
-        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -176,16 +151,41 @@ impl Dynamics for AcrobotDynamics {
     }
 }
 
-impl Equations<4, 6> for AcrobotDynamics {
+impl Equations for AcrobotDynamics {
+    type Numbers = [f64; 4];
+    type Input = [f64; 1];
+    type Constants = [f64; 0];
+
+    #[inline(always)]
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn numbers(&self, state: &State) -> [f64; 4] {
+        [state.theta1, state.theta2, state.dtheta1, state.dtheta2]
+    }
+
+    #[inline(always)]
+    fn state(&self, [theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
+        State { theta1, theta2, dtheta1, dtheta2, fresh }
+    }
+
     /// The torque.
     #[inline(always)]
-    fn input(action: Action) -> f64 {
-        f64::from(action as i8 - 1)
+    fn input(&self, action: Action) -> [f64; 1] {
+        [f64::from(action as i8 - 1)]
     }
 
     /// One step in time.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, torque: R) -> Next<R, 4, 6> {
+    fn advance<R: Real>(
+        &self,
+        []: [R; 0],
+        state: [R; 4],
+        _fresh: R::Mask,
+        [torque]: [R; 1],
+    ) -> Next<R, Self> {
         let [theta1, theta2, dtheta1, dtheta2] = rk4(state, torque);
         let (theta1, theta2) = (wrap(theta1), wrap(theta2));
         let dtheta1 = dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1);
@@ -205,23 +205,15 @@ impl Equations<4, 6> for AcrobotDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 6]) {
-        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        let (state, reward, terminated, seen) =
-            native::advance::<_, F, 4, 6>(self, [theta1, theta2, dtheta1, dtheta2], fresh, action);
-        let [theta1, theta2, dtheta1, dtheta2] = state;
-        let state = State { theta1, theta2, dtheta1, dtheta2, fresh: false };
-        (Transition { state, reward, terminated }, seen)
+    fn is_fresh(&self, state: &State) -> bool {
+        state.fresh
     }
 
-    #[inline(always)]
-    fn look_at<F: Fma>(&self, state: &State) -> [f32; 6] {
+    /// The first state of an episode is of `float32`, and so is what numpy computes of it.
+    fn see_otherwise(&self, state: &State) -> Option<[f32; 6]> {
         let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        if !fresh {
-            return native::see::<_, F, 4, 6>(self, [theta1, theta2, dtheta1, dtheta2]);
-        }
         let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
-        [cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32]
+        fresh.then_some([cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32])
     }
 }
 
@@ -302,25 +294,6 @@ fn wrap<R: Real>(x: R) -> R {
 fn wrap_many<R: Real>(x: R, few: R::Mask) -> R {
     let at_once = (x + PI).modulo(TAU) - PI;
     R::select(few, wrap(R::select(few, x, x.same(0.0))), at_once)
-}
-
-impl Native for AcrobotDynamics {
-    type Packed = [f64; 4];
-    type Stream = WordStream;
-
-    fn pack(state: &State) -> [f64; 4] {
-        [state.theta1, state.theta2, state.dtheta1, state.dtheta2]
-    }
-
-    #[inline(always)]
-    fn unpack([theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
-        State { theta1, theta2, dtheta1, dtheta2, fresh }
-    }
-
-    #[inline(always)]
-    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, _, _>(token, self);
-    }
 }
 
 gym_core::register!(

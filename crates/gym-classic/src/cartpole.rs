@@ -16,13 +16,10 @@
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::{Fma, Real};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
-use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{
-    Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
-};
+use gym_core::vector::native::{self, Equations, Next};
+use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -89,17 +86,42 @@ pub struct CartPoleDynamics {
     config: Config,
 }
 
-impl Equations<4, 4> for CartPoleDynamics {
+impl Equations for CartPoleDynamics {
+    type Numbers = [f64; 4];
+    type Input = [f64; 1];
+    type Constants = [f64; 0];
+
+    #[inline(always)]
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn numbers(&self, state: &State) -> [f64; 4] {
+        [state.x, state.x_dot, state.theta, state.theta_dot]
+    }
+
+    /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
+    #[inline(always)]
+    fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
+        State { x, x_dot, theta, theta_dot, fallen: !fresh && !is_within(x, theta), fresh }
+    }
+
     /// The force.
     #[inline(always)]
-    fn input(action: Action) -> f64 {
-        if action == Action::Right { FORCE_MAG } else { -FORCE_MAG }
+    fn input(&self, action: Action) -> [f64; 1] {
+        [if action == Action::Right { FORCE_MAG } else { -FORCE_MAG }]
     }
 
     /// The equations of motion, for a pole that has not fallen.
     #[inline(always)]
-    fn advance<R: Real>(&self, state: [R; 4], _fresh: R::Mask, force: R) -> Next<R, 4, 4> {
-        let [x, x_dot, theta, theta_dot] = state;
+    fn advance<R: Real>(
+        &self,
+        []: [R; 0],
+        [x, x_dot, theta, theta_dot]: [R; 4],
+        _fresh: R::Mask,
+        [force]: [R; 1],
+    ) -> Next<R, Self> {
         let (sintheta, costheta) = theta.sin_cos();
 
         let temp = (force + theta_dot * theta_dot * POLEMASS_LENGTH * sintheta) / TOTAL_MASS;
@@ -122,26 +144,17 @@ impl Equations<4, 4> for CartPoleDynamics {
         state
     }
 
+    /// A pole that has fallen before earns nothing more.
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 4]) {
-        let State { x, x_dot, theta, theta_dot, fallen, .. } = *state;
-        let (state, mut reward, terminated, seen) =
-            native::advance::<_, F, 4, 4>(self, [x, x_dot, theta, theta_dot], false, action);
-        if fallen && terminated && !self.config.sutton_barto_reward {
-            reward = 0.0; // the end of the episode was paid before
+    fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
+        if before.fallen && transition.terminated && !self.config.sutton_barto_reward {
+            transition.reward = 0.0; // the end of the episode was paid before
         }
-        let [x, x_dot, theta, theta_dot] = state;
-        let state = State { x, x_dot, theta, theta_dot, fallen: fallen | terminated, fresh: false };
-        (Transition { state, reward, terminated }, seen)
-    }
-
-    #[inline(always)]
-    fn look_at<F: Fma>(&self, state: &State) -> [f32; 4] {
-        [state.x as f32, state.x_dot as f32, state.theta as f32, state.theta_dot as f32]
+        transition.state.fallen = before.fallen | transition.terminated;
     }
 }
 
-impl Dynamics for CartPoleDynamics {
+impl Task for CartPoleDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 4];
@@ -171,27 +184,6 @@ impl Dynamics for CartPoleDynamics {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.05, 0.05)?;
         let [x, x_dot, theta, theta_dot] = [(); 4].map(|()| rng.uniform(low, high));
         Ok(State { x, x_dot, theta, theta_dot, fallen: false, fresh: true })
-    }
-
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(native::transition(self, state, *action))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> [f32; 4] {
-        native::observe(self, state)
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        state: &mut State,
-        action: &Action,
-        _rng: &mut Generator,
-        observation: &mut [f32; 4],
-    ) -> Result<Outcome> {
-        Ok(native::step(self, state, *action, observation))
     }
 
     /// Between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
@@ -235,26 +227,6 @@ impl Dynamics for CartPoleDynamics {
     }
 }
 
-impl Native for CartPoleDynamics {
-    type Packed = [f64; 4];
-    type Stream = WordStream;
-
-    fn pack(state: &State) -> [f64; 4] {
-        [state.x, state.x_dot, state.theta, state.theta_dot]
-    }
-
-    /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
-    #[inline(always)]
-    fn unpack([x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
-        State { x, x_dot, theta, theta_dot, fallen: !fresh && !is_within(x, theta), fresh }
-    }
-
-    #[inline(always)]
-    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, _, _>(token, self);
-    }
-}
-
 gym_core::register!(
     Registration::new::<CartPole>("CartPole-v0")
         .description("Balance a pole on a cart.")
@@ -274,7 +246,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

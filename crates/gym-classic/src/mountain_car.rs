@@ -13,13 +13,10 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
-use gym_core::math::{Fma, Real, cos, numpy_sin_cos_f32, sin};
+use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
 use gym_core::render::Metadata;
-use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{
-    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
-};
+use gym_core::vector::native::{self, Equations, Next};
+use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -69,16 +66,41 @@ pub struct MountainCarDynamics {
     config: Config,
 }
 
-impl Equations<2, 2> for MountainCarDynamics {
+impl Equations for MountainCarDynamics {
+    type Numbers = [f64; 2];
+    type Input = [f64; 1];
+    type Constants = [f64; 0];
+
+    #[inline(always)]
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn numbers(&self, state: &State) -> [f64; 2] {
+        [state.position, state.velocity]
+    }
+
+    #[inline(always)]
+    fn state(&self, [position, velocity]: [f64; 2], _fresh: bool) -> State {
+        State { position, velocity }
+    }
+
     /// The direction to accelerate in.
     #[inline(always)]
-    fn input(action: Action) -> f64 {
-        f64::from(action as i8 - 1)
+    fn input(&self, action: Action) -> [f64; 1] {
+        [f64::from(action as i8 - 1)]
     }
 
     /// The equations of motion.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], _fresh: R::Mask, push: R) -> Next<R, 2, 2> {
+    fn advance<R: Real>(
+        &self,
+        []: [R; 0],
+        [position, velocity]: [R; 2],
+        _fresh: R::Mask,
+        [push]: [R; 1],
+    ) -> Next<R, Self> {
         let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
         let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
         let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
@@ -95,22 +117,9 @@ impl Equations<2, 2> for MountainCarDynamics {
     fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
         state
     }
-
-    #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: Action) -> (Transition<State>, [f32; 2]) {
-        let (state, reward, terminated, seen) =
-            native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], false, action);
-        let [position, velocity] = state;
-        (Transition { state: State { position, velocity }, reward, terminated }, seen)
-    }
-
-    #[inline(always)]
-    fn look_at<F: Fma>(&self, state: &State) -> [f32; 2] {
-        [state.position as f32, state.velocity as f32]
-    }
 }
 
-impl Dynamics for MountainCarDynamics {
+impl Task for MountainCarDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 2];
@@ -138,27 +147,6 @@ impl Dynamics for MountainCarDynamics {
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.6, -0.4)?;
         Ok(State { position: rng.uniform(low, high), velocity: 0.0 })
-    }
-
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, _rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(native::transition(self, state, *action))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> [f32; 2] {
-        native::observe(self, state)
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        state: &mut State,
-        action: &Action,
-        _rng: &mut Generator,
-        observation: &mut [f32; 2],
-    ) -> Result<Outcome> {
-        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -226,25 +214,6 @@ pub(crate) fn draw(position: f64, is_single: bool, goal_position: f64, canvas: &
     let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
     pygame::gfx_polygon(canvas, &flag, Color::rgb(204, 204, 0));
     canvas.pop();
-}
-
-impl Native for MountainCarDynamics {
-    type Packed = [f64; 2];
-    type Stream = WordStream;
-
-    fn pack(state: &State) -> [f64; 2] {
-        [state.position, state.velocity]
-    }
-
-    #[inline(always)]
-    fn unpack([position, velocity]: [f64; 2], _fresh: bool) -> State {
-        State { position, velocity }
-    }
-
-    #[inline(always)]
-    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, _, _>(token, self);
-    }
 }
 
 gym_core::register!(

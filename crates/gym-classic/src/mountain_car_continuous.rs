@@ -14,11 +14,10 @@
 //! the state is `float64` after a reset and `float32` from the first step on.
 
 use gym_core::canvas::Canvas;
-use gym_core::math::{Fma, Real};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
-use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{Dynamics, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::vector::native::{self, Equations, Next};
+use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, MAX_POSITION, MAX_SPEED, MIN_POSITION};
@@ -49,16 +48,41 @@ pub struct MountainCarContinuousDynamics {
     config: Config,
 }
 
-impl Equations<2, 2> for MountainCarContinuousDynamics {
+impl Equations for MountainCarContinuousDynamics {
+    type Numbers = [f64; 2];
+    type Input = [f64; 1];
+    type Constants = [f64; 0];
+
+    #[inline(always)]
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn numbers(&self, state: &State) -> [f64; 2] {
+        [state.position, state.velocity]
+    }
+
+    #[inline(always)]
+    fn state(&self, [position, velocity]: [f64; 2], fresh: bool) -> State {
+        State { position, velocity, fresh }
+    }
+
     /// The force.
     #[inline(always)]
-    fn input([force]: [f32; 1]) -> f64 {
-        f64::from(force)
+    fn input(&self, [force]: [f32; 1]) -> [f64; 1] {
+        [f64::from(force)]
     }
 
     /// The equations of motion, for a force of any size.
     #[inline(always)]
-    fn advance<R: Real>(&self, [position, velocity]: [R; 2], fresh: R::Mask, force: R) -> Next<R, 2, 2> {
+    fn advance<R: Real>(
+        &self,
+        []: [R; 0],
+        [position, velocity]: [R; 2],
+        fresh: R::Mask,
+        [force]: [R; 1],
+    ) -> Next<R, Self> {
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
         let state_type = |x: R| R::select(fresh, x, x.single());
         let same = |x: f64| position.same(x);
@@ -89,20 +113,12 @@ impl Equations<2, 2> for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> (Transition<State>, [f32; 2]) {
-        let (state, reward, terminated, seen) =
-            native::advance::<_, F, 2, 2>(self, [state.position, state.velocity], state.fresh, action);
-        let [position, velocity] = state;
-        (Transition { state: State { position, velocity, fresh: false }, reward, terminated }, seen)
-    }
-
-    #[inline(always)]
-    fn look_at<F: Fma>(&self, state: &State) -> [f32; 2] {
-        [state.position as f32, state.velocity as f32]
+    fn is_fresh(&self, state: &State) -> bool {
+        state.fresh
     }
 }
 
-impl Dynamics for MountainCarContinuousDynamics {
+impl Task for MountainCarContinuousDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 2];
@@ -132,34 +148,6 @@ impl Dynamics for MountainCarContinuousDynamics {
         Ok(State { position: rng.uniform(low, high), velocity: 0.0, fresh: true })
     }
 
-    #[inline]
-    fn transition(
-        &self,
-        state: &State,
-        action: &[f32; 1],
-        _rng: &mut Generator,
-    ) -> Result<Transition<State>> {
-        reset::finite(*action, || self.action_space())?;
-        Ok(native::transition(self, state, *action))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> [f32; 2] {
-        native::observe(self, state)
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        state: &mut State,
-        action: &[f32; 1],
-        _rng: &mut Generator,
-        observation: &mut [f32; 2],
-    ) -> Result<Outcome> {
-        reset::finite(*action, || self.action_space())?;
-        Ok(native::step(self, state, *action, observation))
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         reset::plausible(&[state.position, state.velocity])
     }
@@ -180,25 +168,6 @@ fn clip<R: Real>(x: R, low: R, high: R) -> R {
     R::select(x.gt(high), high, x)
 }
 
-impl Native for MountainCarContinuousDynamics {
-    type Packed = [f64; 2];
-    type Stream = WordStream;
-
-    fn pack(state: &State) -> [f64; 2] {
-        [state.position, state.velocity]
-    }
-
-    #[inline(always)]
-    fn unpack([position, velocity]: [f64; 2], fresh: bool) -> State {
-        State { position, velocity, fresh }
-    }
-
-    #[inline(always)]
-    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, _, _>(token, self);
-    }
-}
-
 gym_core::register!(
     Registration::new::<MountainCarContinuous>("MountainCarContinuous-v0")
         .description("Drive an underpowered car out of a valley, with little effort.")
@@ -210,7 +179,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::EnvExt;
 
     use super::*;
 

@@ -15,13 +15,10 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
-use gym_core::math::{Fma, One, Real, sin};
+use gym_core::math::Real;
 use gym_core::render::Metadata;
-use gym_core::rng::WordStream;
-use gym_core::vector::native::{self, Equations, Many, Native, Next};
-use gym_core::{
-    Dynamics, Error, Generator, Outcome, Registration, Reset, Result, Space, Stateful, Transition, pygame,
-};
+use gym_core::vector::native::{self, Equations, Next};
+use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
 use serde::{Deserialize, Serialize};
 
 use crate::reset;
@@ -75,16 +72,47 @@ struct Start {
     y_init: Option<f64>,
 }
 
-impl Equations<3, 3> for PendulumDynamics {
-    /// The torque.
+impl Equations for PendulumDynamics {
+    type Numbers = [f64; 3];
+    type Input = [f64; 1];
+    type Constants = [f64; 0];
+
     #[inline(always)]
-    fn input([torque]: [f32; 1]) -> f64 {
-        f64::from(torque)
+    fn constants(&self) -> [f64; 0] {
+        []
     }
 
-    /// The equation of motion, for a torque of any size. The third number of the state is the angle's sine.
     #[inline(always)]
-    fn advance<R: Real>(&self, [theta, theta_dot, sin]: [R; 3], _fresh: R::Mask, torque: R) -> Next<R, 3, 3> {
+    fn numbers(&self, state: &State) -> [f64; 3] {
+        [state.theta, state.theta_dot, 0.0]
+    }
+
+    /// The third number is the sine of the angle: it was computed to be seen, and the next step needs it.
+    #[inline(always)]
+    fn complete<R: Real>([theta, theta_dot, _]: [R; 3]) -> [R; 3] {
+        [theta, theta_dot, theta.sin()]
+    }
+
+    #[inline(always)]
+    fn state(&self, [theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
+        State { theta, theta_dot, last_torque: None }
+    }
+
+    /// The torque.
+    #[inline(always)]
+    fn input(&self, [torque]: [f32; 1]) -> [f64; 1] {
+        [f64::from(torque)]
+    }
+
+    /// The equation of motion, for a torque of any size.
+    #[inline(always)]
+    fn advance<R: Real>(
+        &self,
+        []: [R; 0],
+        [theta, theta_dot, sin]: [R; 3],
+        _fresh: R::Mask,
+        [torque]: [R; 1],
+    ) -> Next<R, Self> {
         let u = torque.clamp(-f64::from(MAX_TORQUE), f64::from(MAX_TORQUE));
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
         // the last product and its sum with nothing are those of `float32`
@@ -108,25 +136,12 @@ impl Equations<3, 3> for PendulumDynamics {
     }
 
     #[inline(always)]
-    fn move_on<F: Fma>(&self, state: &State, action: [f32; 1]) -> (Transition<State>, [f32; 3]) {
-        let (state, reward, terminated, seen) = native::advance::<_, F, 3, 3>(
-            self,
-            [state.theta, state.theta_dot, One::<F>::new(state.theta).sin().value()],
-            false,
-            action,
-        );
-        let [theta, theta_dot, _] = state;
-        let last_torque = Some(action[0].clamp(-MAX_TORQUE, MAX_TORQUE));
-        (Transition { state: State { theta, theta_dot, last_torque }, reward, terminated }, seen)
-    }
-
-    #[inline(always)]
-    fn look_at<F: Fma>(&self, state: &State) -> [f32; 3] {
-        native::see::<_, F, 3, 3>(self, [state.theta, state.theta_dot, 0.0])
+    fn finish(&self, _before: &State, [torque]: [f32; 1], transition: &mut Transition<State>) {
+        transition.state.last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
     }
 }
 
-impl Dynamics for PendulumDynamics {
+impl Task for PendulumDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 3];
@@ -163,34 +178,6 @@ impl Dynamics for PendulumDynamics {
         let x = reset::check(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
         let y = reset::check(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
         Ok(State { theta: rng.uniform(-x, x), theta_dot: rng.uniform(-y, y), last_torque: None })
-    }
-
-    #[inline]
-    fn transition(
-        &self,
-        state: &State,
-        action: &[f32; 1],
-        _rng: &mut Generator,
-    ) -> Result<Transition<State>> {
-        reset::finite(*action, || self.action_space())?;
-        Ok(native::transition(self, state, *action))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> [f32; 3] {
-        native::observe(self, state)
-    }
-
-    #[inline]
-    fn step(
-        &self,
-        state: &mut State,
-        action: &[f32; 1],
-        _rng: &mut Generator,
-        observation: &mut [f32; 3],
-    ) -> Result<Outcome> {
-        reset::finite(*action, || self.action_space())?;
-        Ok(native::step(self, state, *action, observation))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -247,26 +234,6 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
         std::array::from_fn(|i| place(outer.get(i).copied().unwrap_or_else(|| inner[2 * POINTS - 1 - i])));
     pygame::gfx_polygon(canvas, &ring, Color::BLACK);
     pygame::gfx_polygon(canvas, &HEAD.map(place), Color::BLACK);
-}
-
-impl Native for PendulumDynamics {
-    /// The third number is the sine of the angle: it was computed to be seen, and the next step needs it.
-    type Packed = [f64; 3];
-    type Stream = WordStream;
-
-    fn pack(state: &State) -> [f64; 3] {
-        [state.theta, state.theta_dot, sin(state.theta)]
-    }
-
-    #[inline(always)]
-    fn unpack([theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
-        State { theta, theta_dot, last_torque: None }
-    }
-
-    #[inline(always)]
-    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, _, _>(token, self);
-    }
 }
 
 gym_core::register!(

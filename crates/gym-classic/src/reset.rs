@@ -1,6 +1,6 @@
-//! Reset options that the environments share, and the check of continuous actions.
+//! Reset options that the environments share.
 
-use gym_core::{Error, Reset, Result, Space};
+use gym_core::{Error, Reset, Result};
 use serde::{Deserialize, Deserializer};
 
 /// The largest magnitude of a state's numbers that is worked with. Far beyond any episode, and
@@ -47,19 +47,4 @@ pub(crate) fn bounds(reset: &Reset, env: &str, default_low: f64, default_high: f
         return Err(Error::argument(format!("reset options of {env}"), reason));
     }
     Ok((low, high))
-}
-
-/// The one number of a continuous action. Gymnasium lets NaN through, and every later state is
-/// then NaN; here it is refused, as is an infinite number. A finite one beyond the bounds is left
-/// to the environment.
-pub(crate) fn finite(action: [f32; 1], space: impl Fn() -> Space) -> Result<f32> {
-    let [value] = action;
-    if value.is_finite() {
-        return Ok(value);
-    }
-    Err(Error::InvalidAction {
-        action: format!("[{value}]"),
-        space: space().to_string(),
-        hint: "; it must be a finite number".into(),
-    })
 }

@@ -2,7 +2,7 @@
 
 use gym_classic as _; // a crate that is not named is not linked, and its environments are missing
 use gym_core::render::RenderMode;
-use gym_core::{Env, builder, make, registry};
+use gym_core::{EnvExt, builder, make, registry};
 
 #[test]
 fn only_this_family_is_linked() {

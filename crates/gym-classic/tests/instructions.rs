@@ -9,7 +9,7 @@
 use std::process::Command;
 
 use gym_classic as _;
-use gym_core::VectorEnv;
+use gym_core::{VectorEnv, VectorEnvExt};
 
 const IDS: [&str; 5] =
     ["Acrobot-v1", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];

@@ -2,7 +2,7 @@
 
 use gym_classic as _;
 use gym_core::vector::{Autoreset, VectorKind};
-use gym_core::{VectorEnv, builder};
+use gym_core::{VectorEnv, VectorEnvExt, builder};
 
 const IDS: [&str; 6] =
     ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];

@@ -3,7 +3,7 @@
 use crate::inputs::{corners, invalid};
 use crate::subject::{SEEDS, Subject, carry_on, same};
 use crate::verdict::{Trouble, Verdict, broken};
-use gym_core::Env;
+use gym_core::{Env, EnvExt};
 
 pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.reset(0)?;

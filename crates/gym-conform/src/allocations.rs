@@ -2,7 +2,7 @@
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken};
-use gym_core::{Element, Env, Value};
+use gym_core::{Element, Env, EnvExt, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     const STEPS: usize = 200;

@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
 use crate::verdict::{Verdict, broken};
-use gym_core::{BoxEnv, Env, Error, Result, Snapshot};
+use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot};
 
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {

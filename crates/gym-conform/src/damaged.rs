@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 use crate::damage::damages;
 use crate::look::look;
 use crate::verdict::{Verdict, broken, message};
-use gym_core::{BoxEnv, Env, Result, Snapshot, Space, Step, Value};
+use gym_core::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Step, Value};
 
 /// The first of each kind of fault.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use crate::verdict::{Verdict, broken, skipped};
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::render::{RenderMode, Rendered, painter};
 use gym_core::wrappers::Render;
-use gym_core::{BoxEnv, Env};
+use gym_core::{BoxEnv, Env, EnvExt};
 
 /// The largest frame that [`Render`] makes.
 const MAX_SIDE: u32 = 16384;

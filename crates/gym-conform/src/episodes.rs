@@ -2,7 +2,7 @@
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken};
-use gym_core::{Env, Error};
+use gym_core::{EnvExt, Error};
 
 pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;

@@ -3,7 +3,7 @@
 use crate::inputs::{corners, huge};
 use crate::look::look;
 use crate::verdict::{Verdict, broken};
-use gym_core::{BoxEnv, Env, Result, Space, Step, Value};
+use gym_core::{BoxEnv, Env, EnvExt, Result, Space, Step, Value};
 
 /// The first of each kind of fault.
 pub(crate) struct LongRuns {

@@ -1,7 +1,7 @@
 //! Every call that only looks.
 
 use gym_core::canvas::Blank;
-use gym_core::{BoxEnv, Env};
+use gym_core::{BoxEnv, Env, EnvExt};
 
 /// Asks an environment for all that it shows.
 pub(crate) fn look(env: &BoxEnv) {

@@ -1,7 +1,7 @@
 //! Whether two environments are the same task: Gymnasium's `check_environments_match`.
 
 use crate::subject::alike;
-use gym_core::{Element, Env, Error, Info, Result};
+use gym_core::{Element, Env, EnvExt, Error, Info, Result};
 
 /// How much of `info` two environments must share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

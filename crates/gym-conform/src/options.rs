@@ -6,7 +6,7 @@ use crate::arguments::{others, surroundings};
 use crate::subject::Subject;
 use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{Env, Reset};
+use gym_core::{EnvExt, Reset};
 
 /// The options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {

@@ -8,7 +8,7 @@ use crate::inputs::{corners, huge, invalid, uniform};
 use crate::look::look;
 use crate::subject::{Subject, carry_on};
 use crate::verdict::{Verdict, broken, message};
-use gym_core::{BoxEnv, Env, Reset, Result, Value};
+use gym_core::{BoxEnv, Env, EnvExt, Reset, Result, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     attempt("before the first reset", || out_of_order(&mut subject.make()?))?;

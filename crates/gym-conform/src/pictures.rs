@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use gym_core::Env;
 use gym_core::render::{Frame, RenderMode, painter};
 use gym_core::wrappers::Render;
+use gym_core::{Env, EnvExt};
 
 use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken, skipped};

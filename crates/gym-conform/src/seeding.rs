@@ -2,7 +2,7 @@
 
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{BoxEnv, Env, Error, Generator, Reset, Result, Seed};
+use gym_core::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed};
 
 /// How many seeds or resets must tell episodes apart.
 const TRIES: u64 = 20;

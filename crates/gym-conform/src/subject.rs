@@ -6,7 +6,8 @@ use crate::damaged::Damaged;
 use crate::long::LongRuns;
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{
-    BoxEnv, Element, Env, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step, Value, registry,
+    BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step, Value,
+    registry,
 };
 
 /// Episodes are compared over this many steps, through several resets where they are short.

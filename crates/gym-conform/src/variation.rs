@@ -9,7 +9,7 @@ use crate::damage::moves;
 use crate::drawing::Calls;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, info};
 use gym_core::spaces::Sampler;
-use gym_core::{BoxEnv, Env, EnvSpec, Kwargs, Reset, Result, Snapshot};
+use gym_core::{BoxEnv, Env, EnvExt, EnvSpec, Kwargs, Reset, Result, Snapshot};
 
 /// A way to make an environment, and to reset it.
 #[derive(Clone)]

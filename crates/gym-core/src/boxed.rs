@@ -5,7 +5,7 @@ use std::fmt;
 
 use crate::canvas::Canvas;
 use crate::render::{Metadata, RenderMode, Rendered};
-use crate::wrapper::forward;
+use crate::wrapper::{all_methods, forward};
 use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// An environment whose type is erased, with [`Value`]s for observations and actions.
@@ -57,30 +57,19 @@ impl fmt::Debug for BoxEnv {
     }
 }
 
-/// [`Env`] without its types and generic methods, so that it can be a trait object.
+/// [`Env`] without its types, so that it can be a trait object.
 trait Erased: Send {
     fn clone_box(&self) -> Box<dyn Erased>;
-    fn observation_space(&self) -> Space;
-    fn action_space(&self) -> Space;
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()>;
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome>;
-    fn snapshot(&self) -> Result<Snapshot>;
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
-    fn info(&self, visit: &mut dyn FnMut(&str, Value));
-    fn metadata(&self) -> Metadata;
-    fn draw(&self, canvas: &mut dyn Canvas);
-    fn start_rendering(&mut self);
-    fn picture_taken(&mut self);
-    fn ansi(&self) -> Option<String>;
-    fn render_mode(&self) -> Option<RenderMode>;
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()>;
-    fn spec(&self) -> Option<EnvSpec>;
-    fn describe(&self) -> String;
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any>;
-    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any>;
-    fn generator(&mut self) -> Option<&mut Generator>;
-    fn close(&mut self);
+    all_methods!(declare!);
 }
+
+macro_rules! declare {
+    ($($method:tt)*) => { $($method)*; };
+}
+use declare;
 
 /// An environment of its own type behind the trait object.
 #[derive(Clone)]
@@ -107,7 +96,7 @@ impl<E: Env> Erased for Layer<E> {
         self.0.restore(snapshot)
     }
 
-    forward!(0);
+    all_methods!(forward! [Env] {.0} {.0});
 }
 
 impl Env for BoxEnv {
@@ -129,5 +118,5 @@ impl Env for BoxEnv {
         self.env.restore(snapshot)
     }
 
-    forward!(env);
+    all_methods!(forward! [Env] {.env} {.env});
 }

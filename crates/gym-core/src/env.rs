@@ -4,17 +4,17 @@ use std::any::{Any, TypeId};
 
 use crate::canvas::Canvas;
 use crate::render::{Metadata, RenderMode, Rendered};
-use crate::{Element, EnvSpec, Error, Generator, Info, Reset, Result, Sampler, Seed, Snapshot, Space, Value};
+use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, Value};
 
 /// A task for an agent: Gymnasium's `Env`.
 ///
-/// An episode starts with [`reset`](Env::reset), which gives the first observation. Then each
-/// [`step`](Env::step) takes an action and gives the next observation, a reward, and whether the
+/// An episode starts with [`reset`](EnvExt::reset), which gives the first observation. Then each
+/// [`step`](EnvExt::step) takes an action and gives the next observation, a reward, and whether the
 /// episode has ended: `terminated` if the task itself ended it, `truncated` if something outside
 /// the task did, such as a time limit.
 ///
 /// ```
-/// use gym_core::{Env, Result};
+/// use gym_core::{Env, EnvExt, Result};
 ///
 /// /// The return of one episode of random actions.
 /// fn random_return<E: Env>(env: &mut E, seed: u64) -> Result<f64> {
@@ -119,14 +119,15 @@ pub trait Env: Clone + Send + 'static {
     /// Starts an episode and leaves its first observation in `observation`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a reset option with a bad value.
+    /// [`Error::InvalidArgument`] for a reset option with a bad value. The state is then as it was before.
     fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
 
     /// Takes one step and leaves the next observation in `observation`, without allocating.
     ///
     /// # Errors
     /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that
-    /// cannot be executed. The state is then as it was before.
+    /// cannot be executed. The state is then as it was before. Wrappers that take several steps at once, or judge a
+    /// step by its outcome, say what has happened instead.
     fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
 
     /// The whole state, generator included, in a form that can be stored.
@@ -148,27 +149,6 @@ pub trait Env: Clone + Send + 'static {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let _ = snapshot;
         Err(no_snapshots(&self.describe()))
-    }
-
-    /// Starts an episode: `reset(42)` with a seed, `reset(())` without,
-    /// `reset(Reset::seed(42).option("low", -0.1))` with options.
-    ///
-    /// # Errors
-    /// As [`reset_into`](Env::reset_into).
-    fn reset(&mut self, reset: impl Into<Reset>) -> Result<Self::Observation> {
-        let mut observation = Self::Observation::empty();
-        self.reset_into(&reset.into(), &mut observation)?;
-        Ok(observation)
-    }
-
-    /// Takes one step.
-    ///
-    /// # Errors
-    /// As [`step_into`](Env::step_into).
-    fn step(&mut self, action: &Self::Action) -> Result<Step<Self::Observation>> {
-        let mut observation = Self::Observation::empty();
-        let Outcome { reward, terminated, truncated } = self.step_into(action, &mut observation)?;
-        Ok(Step { observation, reward, terminated, truncated })
     }
 
     /// Shows `visit` each entry of Gymnasium's `info` about the last reset or step. Nothing is
@@ -200,7 +180,7 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// What [`render`](Env::render) gives; `None` where the environment was made without a render mode.
+    /// What [`render`](EnvExt::render) gives; `None` where the environment was made without a render mode.
     fn render_mode(&self) -> Option<RenderMode> {
         None
     }
@@ -220,16 +200,6 @@ pub trait Env: Clone + Send + 'static {
         })
     }
 
-    /// The picture or text that the render mode asks for.
-    ///
-    /// # Errors
-    /// As [`render_into`](Self::render_into).
-    fn render(&mut self) -> Result<Rendered> {
-        let mut rendered = Rendered::Shown;
-        self.render_into(&mut rendered)?;
-        Ok(rendered)
-    }
-
     /// How [`make`](crate::make) would build this environment and its wrappers again, if it can.
     fn spec(&self) -> Option<EnvSpec> {
         None
@@ -241,7 +211,7 @@ pub trait Env: Clone + Send + 'static {
     }
 
     /// The outermost layer of a type, a wrapper or the environment itself: what
-    /// [`wrapper`](Env::wrapper) and [`unwrapped`](Env::unwrapped) look up.
+    /// [`wrapper`](EnvExt::wrapper) and [`unwrapped`](EnvExt::unwrapped) look up.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }
@@ -261,59 +231,6 @@ pub trait Env: Clone + Send + 'static {
 
     /// Ends the use of the environment: later steps are an `Err`.
     fn close(&mut self) {}
-
-    /// Random actions from the action space, of this environment's own action type.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] if that type cannot hold what the space describes, which is a
-    /// mistake in the environment.
-    fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
-        self.action_space().sampler(seed).typed()
-    }
-
-    /// The entries of [`info`](Env::info) by name.
-    fn info_map(&self) -> Info {
-        let mut map = Info::new();
-        self.info(&mut |key, value| {
-            map.insert(key.to_owned(), value);
-        });
-        map
-    }
-
-    /// The environment under all wrappers, if it is a `T`: reaches what is not part of the
-    /// interface, such as a transition table.
-    fn unwrapped<T: 'static>(&self) -> Option<&T> {
-        self.layer(TypeId::of::<T>())?.downcast_ref()
-    }
-
-    /// As [`unwrapped`](Self::unwrapped), to change it.
-    fn unwrapped_mut<T: 'static>(&mut self) -> Option<&mut T> {
-        self.layer_mut(TypeId::of::<T>())?.downcast_mut()
-    }
-
-    /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
-    ///
-    /// The type is the whole type: a wrapper around what [`make`](crate::make) gives is a
-    /// `RecordEpisodeStatistics<BoxEnv>`, for which `RecordEpisodeStatistics` is short.
-    ///
-    /// ```no_run
-    /// use gym_core::wrappers::RecordEpisodeStatistics;
-    /// use gym_core::{BoxEnv, Env, Result, make};
-    ///
-    /// fn main() -> Result<()> {
-    ///     let env = BoxEnv::new(RecordEpisodeStatistics::new(make("CartPole-v1")?));
-    ///     assert_eq!(env.wrapper::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
-    ///     Ok(())
-    /// }
-    /// ```
-    fn wrapper<W: 'static>(&self) -> Option<&W> {
-        self.layer(TypeId::of::<W>())?.downcast_ref()
-    }
-
-    /// As [`wrapper`](Self::wrapper), to change it.
-    fn wrapper_mut<W: 'static>(&mut self) -> Option<&mut W> {
-        self.layer_mut(TypeId::of::<W>())?.downcast_mut()
-    }
 }
 
 /// The error of an environment without [`Env::snapshot`] and [`Env::restore`].

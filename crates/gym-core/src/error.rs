@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
+use std::sync::Arc;
 
 use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
@@ -16,7 +17,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 ///
 /// The variants follow Gymnasium's `gymnasium.error`; their texts are written for the person
 /// who reads them in a terminal.
-#[derive(ThisError)]
+#[derive(Clone, ThisError)]
 #[non_exhaustive]
 pub enum Error {
     /// The id does not follow the grammar `[namespace/]name[-vN]`.
@@ -127,7 +128,7 @@ pub enum Error {
     Closed(&'static str),
 
     /// A seed that is not a whole number of zero or more.
-    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater, of any size")]
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
     InvalidSeed(String),
 
     /// A render mode that the environment does not have, or that was not asked for.
@@ -164,7 +165,7 @@ pub enum Error {
         /// The file.
         path: String,
         /// What the system answered.
-        source: std::io::Error,
+        source: Arc<std::io::Error>,
     },
 
     /// Anything an environment of another crate wants to report.
@@ -195,7 +196,7 @@ impl Error {
 
     /// [`Error::Io`] of a file.
     pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.display().to_string(), source }
+        Self::Io { path: path.display().to_string(), source: Arc::new(source) }
     }
 }
 

@@ -9,88 +9,11 @@ use crate::canvas::Canvas;
 use crate::render::Metadata;
 use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
-/// The dynamics of a task, written once: three functions of a plain state.
+/// What is to be done, written once: the arguments of a task, its spaces, its starts and its pictures.
 ///
-/// | function | Gymnasium's `FuncEnv` | what it gives |
-/// |---|---|---|
-/// | [`start`](Self::start)`(reset, rng)` | `initial` | a state |
-/// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
-/// | [`observe`](Self::observe)`(state)` | `observation` | what the agent sees |
-///
-/// Nothing but the arguments and the generator decides a result. [`Stateful`] turns them into an [`Env`]; a planner calls
-/// them directly, from any state and as often as it likes:
-///
-/// ```
-/// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Transition};
-///
-/// gym_core::discrete! {
-///     /// One step along the corridor.
-///     enum Move { /// towards cell 0
-///         Left, /// towards cell 4
-///         Right }
-/// }
-///
-/// /// Walk right from cell 0 to cell 4.
-/// #[derive(Clone, Debug)]
-/// struct Corridor;
-///
-/// impl Dynamics for Corridor {
-///     type Config = NoArguments;
-///     type State = i64;
-///     type Observation = i64;
-///     type Action = Move;
-///     const NAME: &'static str = "Corridor";
-///
-///     fn new(_: NoArguments) -> Result<Self> {
-///         Ok(Self)
-///     }
-///     fn config(&self) -> &NoArguments {
-///         &NoArguments {}
-///     }
-///     fn observation_space(&self) -> Space {
-///         Space::discrete(5)
-///     }
-///     fn action_space(&self) -> Space {
-///         Move::space()
-///     }
-///     fn start(&self, _reset: &Reset, _rng: &mut Generator) -> Result<i64> {
-///         Ok(0)
-///     }
-///     fn transition(&self, cell: &i64, action: &Move, _rng: &mut Generator) -> Result<Transition<i64>> {
-///         let cell = match action {
-///             Move::Left => (cell - 1).max(0),
-///             Move::Right => cell + 1,
-///         };
-///         Ok(Transition { state: cell, reward: -1.0, terminated: cell == 4 })
-///     }
-///     fn observe(&self, cell: &i64) -> i64 {
-///         *cell
-///     }
-///     fn is_valid(&self, cell: &i64) -> bool {
-///         (0..5).contains(cell)
-///     }
-/// }
-///
-/// /// The best return from a state within some steps, by trying everything.
-/// fn best_return(corridor: &Corridor, state: i64, steps: u32) -> Result<f64> {
-///     let mut best = f64::NEG_INFINITY;
-///     for action in Move::ALL {
-///         let next = corridor.transition(&state, &action, &mut Generator::from(0))?;
-///         let rest = if next.terminated || steps == 1 { 0.0 } else { best_return(corridor, next.state, steps - 1)? };
-///         best = best.max(next.reward + rest);
-///     }
-///     Ok(best)
-/// }
-///
-/// let env = Stateful::<Corridor>::new(NoArguments {})?;
-/// let start = env.dynamics().start(&Reset::seed(0), &mut Generator::from(0))?;
-/// assert_eq!(best_return(env.dynamics(), start, 8)?, -4.0);
-/// # Ok::<(), gym_core::Error>(())
-/// ```
-///
-/// Where randomness matters, each call gets a generator of its own: the same generator state gives the same outcome. The
-/// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
-pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
+/// How a state follows from another is [`Dynamics`], or [`Equations`](crate::vector::native::Equations) where one function
+/// serves one environment and many.
+pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
     type Config: Default + PartialEq + Serialize + DeserializeOwned;
     /// All that changes from step to step.
@@ -124,6 +47,117 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for a reset option with a bad value.
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<Self::State>;
 
+    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
+    /// refused.
+    fn is_valid(&self, state: &Self::State) -> bool;
+
+    /// Shows `visit` each entry of `info` about the transition into `state`.
+    fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (state, visit);
+    }
+
+    /// Render modes, frames per second and frame size.
+    fn metadata(&self) -> Metadata {
+        Metadata::default()
+    }
+
+    /// Draws a state.
+    fn draw(&self, state: &Self::State, canvas: &mut dyn Canvas) {
+        let _ = (state, canvas);
+    }
+
+    /// A state as text, for the mode `ansi`.
+    fn ansi(&self, state: &Self::State) -> Option<String> {
+        let _ = state;
+        None
+    }
+}
+
+/// How the state of a [`Task`] changes, as functions of a plain state.
+///
+/// | function | Gymnasium's `FuncEnv` | what it gives |
+/// |---|---|---|
+/// | [`start`](Task::start)`(reset, rng)` | `initial` | a state |
+/// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
+/// | [`observe`](Self::observe)`(state)` | `observation` | what the agent sees |
+///
+/// Nothing but the arguments and the generator decides a result. [`Stateful`] turns them into an [`Env`]; a planner calls
+/// them directly, from any state and as often as it likes:
+///
+/// ```
+/// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Task, Transition};
+///
+/// gym_core::discrete! {
+///     /// One step along the corridor.
+///     enum Move { /// towards cell 0
+///         Left, /// towards cell 4
+///         Right }
+/// }
+///
+/// /// Walk right from cell 0 to cell 4.
+/// #[derive(Clone, Debug)]
+/// struct Corridor;
+///
+/// impl Task for Corridor {
+///     type Config = NoArguments;
+///     type State = i64;
+///     type Observation = i64;
+///     type Action = Move;
+///     const NAME: &'static str = "Corridor";
+///
+///     fn new(_: NoArguments) -> Result<Self> {
+///         Ok(Self)
+///     }
+///     fn config(&self) -> &NoArguments {
+///         &NoArguments {}
+///     }
+///     fn observation_space(&self) -> Space {
+///         Space::discrete(5)
+///     }
+///     fn action_space(&self) -> Space {
+///         Move::space()
+///     }
+///     fn start(&self, _reset: &Reset, _rng: &mut Generator) -> Result<i64> {
+///         Ok(0)
+///     }
+///     fn is_valid(&self, cell: &i64) -> bool {
+///         (0..5).contains(cell)
+///     }
+/// }
+///
+/// impl Dynamics for Corridor {
+///     fn transition(&self, cell: &i64, action: &Move, _rng: &mut Generator) -> Result<Transition<i64>> {
+///         let cell = match action {
+///             Move::Left => (cell - 1).max(0),
+///             Move::Right => cell + 1,
+///         };
+///         Ok(Transition { state: cell, reward: -1.0, terminated: cell == 4 })
+///     }
+///     fn observe(&self, cell: &i64) -> i64 {
+///         *cell
+///     }
+/// }
+///
+/// /// The best return from a state within some steps, by trying everything.
+/// fn best_return(corridor: &Corridor, state: i64, steps: u32) -> Result<f64> {
+///     let mut best = f64::NEG_INFINITY;
+///     for action in Move::ALL {
+///         let next = corridor.transition(&state, &action, &mut Generator::from(0))?;
+///         let rest = if next.terminated || steps == 1 { 0.0 } else { best_return(corridor, next.state, steps - 1)? };
+///         best = best.max(next.reward + rest);
+///     }
+///     Ok(best)
+/// }
+///
+/// let env = Stateful::<Corridor>::new(NoArguments {})?;
+/// let start = env.dynamics().start(&Reset::seed(0), &mut Generator::from(0))?;
+/// assert_eq!(best_return(env.dynamics(), start, 8)?, -4.0);
+/// # Ok::<(), gym_core::Error>(())
+/// ```
+///
+/// Where randomness matters, each call gets a generator of its own: the same generator state gives the same outcome. The
+/// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
+pub trait Dynamics: Task {
     /// The state that follows, the reward of getting there, and whether the episode ends in it.
     ///
     /// # Errors
@@ -170,31 +204,6 @@ pub trait Dynamics: Clone + fmt::Debug + Send + 'static {
         let truncated = self.truncates(&next);
         *state = next;
         Ok(Outcome { reward, terminated, truncated })
-    }
-
-    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
-    /// refused.
-    fn is_valid(&self, state: &Self::State) -> bool;
-
-    /// Shows `visit` each entry of `info` about the transition into `state`.
-    fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
-        let _ = (state, visit);
-    }
-
-    /// Render modes, frames per second and frame size.
-    fn metadata(&self) -> Metadata {
-        Metadata::default()
-    }
-
-    /// Draws a state.
-    fn draw(&self, state: &Self::State, canvas: &mut dyn Canvas) {
-        let _ = (state, canvas);
-    }
-
-    /// A state as text, for the mode `ansi`.
-    fn ansi(&self, state: &Self::State) -> Option<String> {
-        let _ = state;
-        None
     }
 }
 

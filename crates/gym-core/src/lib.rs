@@ -8,6 +8,7 @@ mod boxed;
 pub mod canvas;
 mod data;
 mod env;
+mod env_ext;
 mod error;
 pub mod file;
 mod functional;
@@ -24,6 +25,14 @@ pub mod vector;
 mod wrapper;
 pub mod wrappers;
 
+/// What a program that uses environments needs: `use gym::prelude::*`.
+pub mod prelude {
+    #[doc(no_inline)]
+    pub use crate::{
+        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, builder, make, make_vec,
+    };
+}
+
 /// The entries of [`Env::info`] by name.
 pub type Info = std::collections::BTreeMap<String, Value>;
 
@@ -34,15 +43,17 @@ pub use arguments::{Argument, ArgumentType, Arguments};
 pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
 pub use env::{Env, Outcome, Step};
+pub use env_ext::EnvExt;
 pub use error::{Error, Result};
-pub use functional::{Dynamics, Stateful, Transition};
+pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
 pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
 pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
-pub use vector::{BoxVector, VectorEnv};
+pub use vector::wrapper::VectorWrapper;
+pub use vector::{BoxVector, VectorEnv, VectorEnvExt};
 pub use wrapper::Wrapper;
 
 /// The example of the README, compiled and run.

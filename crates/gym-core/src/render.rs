@@ -75,7 +75,7 @@ impl FromStr for RenderMode {
 /// What an environment says about its rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
-    /// The modes that [`render`](crate::Env::render) can be asked for; empty if there is nothing
+    /// The modes that [`render`](crate::EnvExt::render) can be asked for; empty if there is nothing
     /// to see. The `_list` forms follow from these and are not named.
     pub render_modes: &'static [RenderMode],
     /// Frames per second at which the motion has its natural speed.
@@ -173,7 +173,7 @@ impl fmt::Debug for Frame {
     }
 }
 
-/// What [`render`](crate::Env::render) returns, by render mode.
+/// What [`render`](crate::EnvExt::render) returns, by render mode.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rendered {
     /// `human`: the picture went to the window.

@@ -28,8 +28,8 @@ use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use crate::registry::EnvBuilder;
 use crate::render::{RenderMode, Rendered};
-use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset};
-use crate::{BoxEnv, DType, Env, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
+use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
+use crate::{BoxEnv, DType, Env, EnvExt, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
 ///

@@ -123,24 +123,6 @@ pub trait Wrapper: Clone + Send + 'static {
         if layer == TypeId::of::<Self>() { Some(self) } else { self.inner_mut().layer_mut(layer) }
     }
 
-    /// As [`Env::observation_space`].
-    fn observation_space(&self) -> Space {
-        self.inner().observation_space()
-    }
-
-    /// As [`Env::action_space`].
-    fn action_space(&self) -> Space {
-        self.inner().action_space()
-    }
-
-    /// As [`Env::snapshot`].
-    ///
-    /// # Errors
-    /// Those of the inner environment, and the wrapper's own.
-    fn snapshot(&self) -> Result<Snapshot> {
-        self.inner().snapshot()
-    }
-
     /// As [`Env::restore`].
     ///
     /// # Errors
@@ -149,132 +131,56 @@ pub trait Wrapper: Clone + Send + 'static {
         self.inner_mut().restore(snapshot)
     }
 
-    /// As [`Env::info`].
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.inner().info(visit);
-    }
-
-    /// As [`Env::metadata`].
-    fn metadata(&self) -> Metadata {
-        self.inner().metadata()
-    }
-
-    /// As [`Env::draw`].
-    fn draw(&self, canvas: &mut dyn Canvas) {
-        self.inner().draw(canvas);
-    }
-
-    /// As [`Env::start_rendering`].
-    fn start_rendering(&mut self) {
-        self.inner_mut().start_rendering();
-    }
-
-    /// As [`Env::picture_taken`].
-    fn picture_taken(&mut self) {
-        self.inner_mut().picture_taken();
-    }
-
-    /// As [`Env::ansi`].
-    fn ansi(&self) -> Option<String> {
-        self.inner().ansi()
-    }
-
-    /// As [`Env::render_mode`].
-    fn render_mode(&self) -> Option<RenderMode> {
-        self.inner().render_mode()
-    }
-
-    /// As [`Env::render_into`].
-    ///
-    /// # Errors
-    /// Those of the inner environment, and the wrapper's own.
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
-        self.inner_mut().render_into(rendered)
-    }
-
-    /// As [`Env::generator`].
-    fn generator(&mut self) -> Option<&mut Generator> {
-        self.inner_mut().generator()
-    }
-
-    /// As [`Env::close`].
-    fn close(&mut self) {
-        self.inner_mut().close();
-    }
+    methods!(forward! [Env] {.inner()} {.inner_mut()});
 }
 
-/// Every method of [`Env`] that an implementation can change, but for those that move it to another state, by calling the same method of `self` or of a field of it.
+/// Gives another macro every method of [`Env`] that passes through a wrapper unchanged, one by one, behind `$words`.
 ///
-/// This is the one list of them: a method that is new in `Env` is added here, and the compiler asks for it
-/// wherever the list is used. A test compares it with the trait.
+/// `reset_into`, `step_into` and `restore` are not among them, as a layer may keep something beside what they move.
+macro_rules! methods {
+    ($then:ident! $($words:tt)*) => {
+        $then! { $($words)* fn observation_space(&self) -> Space }
+        $then! { $($words)* fn action_space(&self) -> Space }
+        $then! { $($words)* fn snapshot(&self) -> Result<Snapshot> }
+        $then! { $($words)* fn info(&self, visit: &mut dyn FnMut(&str, Value)) }
+        $then! { $($words)* fn metadata(&self) -> Metadata }
+        $then! { $($words)* fn draw(&self, canvas: &mut dyn Canvas) }
+        $then! { $($words)* fn start_rendering(&mut self) }
+        $then! { $($words)* fn picture_taken(&mut self) }
+        $then! { $($words)* fn ansi(&self) -> Option<String> }
+        $then! { $($words)* fn render_mode(&self) -> Option<RenderMode> }
+        $then! { $($words)* fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> }
+        $then! { $($words)* fn generator(&mut self) -> Option<&mut Generator> }
+        $then! { $($words)* fn close(&mut self) }
+    };
+}
+pub(crate) use methods;
+
+/// As [`methods`], with those that tell of layers: they pass through whatever is no layer of its own.
+macro_rules! all_methods {
+    ($then:ident! $($words:tt)*) => {
+        $crate::wrapper::methods!($then! $($words)*);
+        $then! { $($words)* fn spec(&self) -> Option<EnvSpec> }
+        $then! { $($words)* fn describe(&self) -> String }
+        $then! { $($words)* fn layer(&self, layer: TypeId) -> Option<&dyn Any> }
+        $then! { $($words)* fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
+    };
+}
+pub(crate) use all_methods;
+
+/// A method that calls the same one of another place: that of `self.env`, given `{.env}`. A place is given
+/// twice, to be read and to be changed.
 macro_rules! forward {
-    ($($field:tt)?) => {
-        fn observation_space(&self) -> Space {
-            self$(.$field)?.observation_space()
+    ([$trait:ident] {$($place:tt)*} {$($_:tt)*} fn $name:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        #[doc = concat!("As [`", stringify!($trait), "::", stringify!($name), "`].")]
+        fn $name(&self $(, $arg: $type)*) $(-> $result)? {
+            self$($place)*.$name($($arg),*)
         }
-
-        fn action_space(&self) -> Space {
-            self$(.$field)?.action_space()
-        }
-
-        fn snapshot(&self) -> Result<Snapshot> {
-            self$(.$field)?.snapshot()
-        }
-
-        fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-            self$(.$field)?.info(visit);
-        }
-
-        fn metadata(&self) -> Metadata {
-            self$(.$field)?.metadata()
-        }
-
-        fn draw(&self, canvas: &mut dyn Canvas) {
-            self$(.$field)?.draw(canvas);
-        }
-
-        fn start_rendering(&mut self) {
-            self$(.$field)?.start_rendering();
-        }
-
-        fn picture_taken(&mut self) {
-            self$(.$field)?.picture_taken();
-        }
-
-        fn ansi(&self) -> Option<String> {
-            self$(.$field)?.ansi()
-        }
-
-        fn render_mode(&self) -> Option<RenderMode> {
-            self$(.$field)?.render_mode()
-        }
-
-        fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
-            self$(.$field)?.render_into(rendered)
-        }
-
-        fn spec(&self) -> Option<EnvSpec> {
-            self$(.$field)?.spec()
-        }
-
-        fn describe(&self) -> String {
-            self$(.$field)?.describe()
-        }
-
-        fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
-            self$(.$field)?.layer(layer)
-        }
-
-        fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
-            self$(.$field)?.layer_mut(layer)
-        }
-
-        fn generator(&mut self) -> Option<&mut Generator> {
-            self$(.$field)?.generator()
-        }
-
-        fn close(&mut self) {
-            self$(.$field)?.close();
+    };
+    ([$trait:ident] {$($_:tt)*} {$($place:tt)*} fn $name:ident(&mut self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        #[doc = concat!("As [`", stringify!($trait), "::", stringify!($name), "`].")]
+        fn $name(&mut self $(, $arg: $type)*) $(-> $result)? {
+            self$($place)*.$name($($arg),*)
         }
     };
 }
@@ -299,5 +205,5 @@ impl<W: Wrapper> Env for W {
         Wrapper::restore(self, snapshot)
     }
 
-    forward!();
+    all_methods!(forward! [Env] {} {});
 }

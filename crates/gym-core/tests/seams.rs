@@ -3,8 +3,8 @@
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics};
 use gym_core::{
-    Array, BoxEnv, Dynamics, Env, Error, Generator, NoArguments, Registration, Reset, Result, Snapshot,
-    Space, Stateful, Transition, Value, Wrap, registry,
+    Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
+    Snapshot, Space, Stateful, Task, Transition, Value, Wrap, registry,
 };
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ impl Default for Config {
     }
 }
 
-impl Dynamics for Budget {
+impl Task for Budget {
     type Config = Config;
     type State = i64;
     type Observation = Array;
@@ -51,6 +51,12 @@ impl Dynamics for Budget {
         Ok(0)
     }
 
+    fn is_valid(&self, state: &i64) -> bool {
+        (0..=10).contains(state)
+    }
+}
+
+impl Dynamics for Budget {
     fn transition(&self, state: &i64, _action: &i64, _rng: &mut Generator) -> Result<Transition<i64>> {
         Ok(Transition { state: state + 1, reward: 1.0, terminated: *state == 9 })
     }
@@ -68,10 +74,6 @@ impl Dynamics for Budget {
 
     fn truncates(&self, state: &i64) -> bool {
         *state as f64 >= self.0.budget
-    }
-
-    fn is_valid(&self, state: &i64) -> bool {
-        (0..=10).contains(state)
     }
 }
 

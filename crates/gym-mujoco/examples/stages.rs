@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use gym_core::{Element, Env, Error, Value};
+use gym_core::{Element, Env, EnvExt, Error, Value};
 use gym_mujoco::physics as p;
 use gym_mujoco::{Data, Model, simulated};
 

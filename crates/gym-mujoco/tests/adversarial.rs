@@ -1,6 +1,6 @@
 //! Actions that try to break a simulation: no task answers them with numbers that are not finite, a panic or a hang.
 
-use gym_core::{Array, BoxEnv, Env, Space, Value, builder, registry};
+use gym_core::{Array, BoxEnv, Env, EnvExt, Space, Value, builder, registry};
 use gym_mujoco::simulated;
 
 /// The newest version of each task.

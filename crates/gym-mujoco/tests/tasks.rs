@@ -1,6 +1,6 @@
 //! Arguments of the tasks, by version; snapshots; models of users.
 
-use gym_core::{Array, BoxEnv, Env, Value, builder, make, registry};
+use gym_core::{Array, BoxEnv, Env, EnvExt, Value, builder, make, registry};
 use gym_mujoco as _;
 use serde_json::{Value as Json, json};
 

@@ -1,6 +1,6 @@
 //! Vectors of the tasks: the same bits on any number of threads.
 
-use gym_core::vector::{Columns, VectorEnv, VectorKind};
+use gym_core::vector::{Columns, VectorEnv, VectorEnvExt, VectorKind};
 use gym_core::{builder, registry};
 
 /// The bits of all that a step gives back.

@@ -5,7 +5,7 @@ use anyhow::Context;
 use gym::registry::EnvBuilder;
 use gym::render::RenderMode;
 use gym::rendering::RecordVideo;
-use gym::{BoxEnv, Env, Generator, Space, Wrap, wrappers};
+use gym::{BoxEnv, Env, EnvExt, Generator, Space, Wrap, wrappers};
 
 use crate::Evaluation;
 use crate::agent::{Agent, tensor};

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use candle_core::{Device, Tensor};
-use gym::vector::{Columns, VectorEnv};
+use gym::vector::{Columns, VectorEnv, VectorEnvExt};
 use gym::{Array, DType, Generator, Value};
 
 use crate::agent::{Agent, Sample, tensor};

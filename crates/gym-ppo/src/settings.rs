@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
-use gym::{BoxEnv, Env, Space};
+use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use gym::rendering::Plot;
-use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
+use gym::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorKind, VectorSpec};
 use gym::wrappers::RecordEpisodeStatistics;
 use gym::{BoxVector, Generator, WrapperSpec, builder};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -196,7 +196,7 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use gym::spaces::BoxSpace;
-    use gym::{Array, DType, Dynamics, NoArguments, Registration, Reset, Space, Stateful, Transition};
+    use gym::{Array, DType, Dynamics, NoArguments, Registration, Reset, Space, Stateful, Task, Transition};
 
     use super::*;
 
@@ -211,7 +211,7 @@ mod tests {
     #[derive(Clone, Debug)]
     struct Bars;
 
-    impl Dynamics for Bars {
+    impl Task for Bars {
         type Config = NoArguments;
         type State = (bool, usize);
         type Observation = Array;
@@ -233,6 +233,12 @@ mod tests {
         fn start(&self, _reset: &Reset, rng: &mut Generator) -> gym::Result<(bool, usize)> {
             Ok((rng.random() < 0.5, rng.integers(4, SIDE as i64 - 6) as usize))
         }
+        fn is_valid(&self, (_, place): &(bool, usize)) -> bool {
+            *place < SIDE - 2
+        }
+    }
+
+    impl Dynamics for Bars {
         fn transition(
             &self,
             bar: &(bool, usize),
@@ -248,9 +254,6 @@ mod tests {
                 if (*place..place + 2).contains(&across) { 255u8 } else { 40 }
             };
             Array::from((0..SIDE * SIDE).map(pixel).collect::<Vec<_>>()).reshape([1, SIDE, SIDE]).unwrap()
-        }
-        fn is_valid(&self, (_, place): &(bool, usize)) -> bool {
-            *place < SIDE - 2
         }
     }
 

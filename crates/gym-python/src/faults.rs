@@ -1,7 +1,7 @@
 //! An environment that panics when it is told to, for the tests of what becomes of panics.
 
 use gym::{
-    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition,
+    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, Transition,
 };
 
 gym::discrete! {
@@ -20,7 +20,7 @@ gym::discrete! {
 #[derive(Clone, Debug)]
 pub(crate) struct Panics;
 
-impl Dynamics for Panics {
+impl Task for Panics {
     type Config = NoArguments;
     type State = i64;
     type Observation = i64;
@@ -49,6 +49,12 @@ impl Dynamics for Panics {
         Ok(0)
     }
 
+    fn is_valid(&self, state: &i64) -> bool {
+        (0..1000).contains(state)
+    }
+}
+
+impl Dynamics for Panics {
     fn transition(&self, state: &i64, action: &Action, _rng: &mut Generator) -> Result<Transition<i64>> {
         match action {
             Action::Wait => Ok(Transition { state: state + 1, reward: 0.0, terminated: false }),
@@ -59,10 +65,6 @@ impl Dynamics for Panics {
 
     fn observe(&self, state: &i64) -> i64 {
         *state
-    }
-
-    fn is_valid(&self, state: &i64) -> bool {
-        (0..1000).contains(state)
     }
 }
 

@@ -3,7 +3,7 @@
 use gym::toytext::tabular::Table;
 use gym::vector::VectorEnv;
 use gym::vector::native::NativeVectorEnv;
-use gym::{BoxEnv, Env, Stateful, classic, toytext};
+use gym::{BoxEnv, EnvExt, Stateful, classic, toytext};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};

@@ -4,7 +4,7 @@ use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use gym::vector::{
-    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorKind, VectorReset, VectorSpec,
+    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
 };
 use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, builder};
 use numpy::{PyArray1, PyArrayMethods};

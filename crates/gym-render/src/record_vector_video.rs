@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
-use gym_core::vector::{Autoreset, Columns, Progress, VectorReset, VectorWrapper};
+use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{Error, Result, Value, VectorEnv, WrapperSpec};
 
 use crate::png::tile;
@@ -146,7 +146,7 @@ fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     grids.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(n)
 }
 
-impl<V: VectorEnv> VectorWrapper for RecordVectorVideo<V> {
+impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.envs
     }

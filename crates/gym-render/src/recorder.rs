@@ -18,7 +18,7 @@ use crate::record_video::check_mode;
 /// Dropping the recorder finishes the file, but cannot report errors.
 ///
 /// ```
-/// use gym_core::{Env, Result};
+/// use gym_core::{Env, EnvExt, Result};
 /// use gym_render::Recorder;
 ///
 /// /// Records an episode of random actions; the environment has the mode `rgb_array`.
@@ -80,7 +80,7 @@ impl Recorder {
     /// frames are recorded, nothing is rendered any more.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if it has another render mode, what [`Env::render`] answers, and
+    /// [`Error::UnsupportedMode`] if it has another render mode, what [`EnvExt::render`] answers, and
     /// as [`VideoWriter::write`].
     pub fn capture<E: Env>(&mut self, env: &mut E) -> Result<()> {
         if self.frames >= self.max_frames {

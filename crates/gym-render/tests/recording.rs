@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::{Frame, Metadata, RenderMode};
 use gym_core::wrappers::{Render, RenderCollection};
-use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Space};
+use gym_core::{BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space};
 use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
 use tempfile::TempDir;
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::{Frame, Metadata, RenderMode, open_screen};
 use gym_core::wrappers::Render;
-use gym_core::{Env, Error, Outcome, Reset, Result, Snapshot, Space};
+use gym_core::{Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space};
 use gym_render as _;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{

@@ -20,7 +20,7 @@ use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::vector::native::{self, Many, Native, Whole};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition};
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -207,7 +207,7 @@ impl BlackjackDynamics {
     }
 }
 
-impl Dynamics for BlackjackDynamics {
+impl Task for BlackjackDynamics {
     type Config = Config;
     type State = State;
     type Observation = (usize, usize, usize);
@@ -238,15 +238,6 @@ impl Dynamics for BlackjackDynamics {
         let suit = SUITS[rng.choice(SUITS.len())];
         let face = (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
         Ok(State { dealer, player, suit, face })
-    }
-
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        Ok(self.play(state, *action, rng))
-    }
-
-    fn observe(&self, state: &State) -> (usize, usize, usize) {
-        let State { dealer, player, .. } = state;
-        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -290,6 +281,17 @@ impl Dynamics for BlackjackDynamics {
             _ => "",
         };
         canvas.text(note, [296.0, 326.0], 12.0, Align::Center, Color::WHITE);
+    }
+}
+
+impl Dynamics for BlackjackDynamics {
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        Ok(self.play(state, *action, rng))
+    }
+
+    fn observe(&self, state: &State) -> (usize, usize, usize) {
+        let State { dealer, player, .. } = state;
+        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
     }
 }
 
@@ -416,14 +418,19 @@ fn blank(canvas: &mut dyn Canvas, corner: Point) {
 impl Native for BlackjackDynamics {
     type Packed = Whole<State>;
     type Stream = Generator;
+    type Constants = [f64; 0];
+
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
 
     #[inline(always)]
-    fn pack(state: &State) -> Whole<State> {
+    fn pack(&self, state: &State) -> Whole<State> {
         Whole(*state)
     }
 
     #[inline(always)]
-    fn unpack(Whole(state): Whole<State>, _fresh: bool) -> State {
+    fn unpack(&self, Whole(state): Whole<State>, _fresh: bool) -> State {
         state
     }
 
@@ -442,7 +449,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, Snapshot};
+    use gym_core::{EnvExt, Snapshot};
 
     use super::*;
 

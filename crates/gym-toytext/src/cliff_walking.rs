@@ -21,7 +21,7 @@ use gym_core::math::Real;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
@@ -107,7 +107,7 @@ impl CliffWalkingDynamics {
     }
 }
 
-impl Dynamics for CliffWalkingDynamics {
+impl Task for CliffWalkingDynamics {
     type Config = Config;
     type State = State;
     type Observation = usize;
@@ -153,16 +153,6 @@ impl Dynamics for CliffWalkingDynamics {
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
-    }
-
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> usize {
-        state.cell
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -232,6 +222,18 @@ impl Dynamics for CliffWalkingDynamics {
     }
 }
 
+impl Dynamics for CliffWalkingDynamics {
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
+    }
+}
+
 const GRASS: Color = Color::rgb(140, 190, 92);
 const LIGHT_GRASS: Color = Color::rgb(154, 202, 104);
 const DARK_GRASS: Color = Color::rgb(116, 166, 76);
@@ -268,17 +270,22 @@ fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
 impl Native for CliffWalkingDynamics {
     type Packed = Cell;
     type Stream = WordStream;
+    type Constants = [f64; 0];
 
     const INFO: bool = true;
 
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
     #[inline(always)]
-    fn pack(state: &State) -> Cell {
+    fn pack(&self, state: &State) -> Cell {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
     /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, fresh: bool) -> State {
+    fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };
         State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
@@ -314,7 +321,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, builder};
+    use gym_core::{Env, EnvExt, builder};
 
     use super::*;
 

@@ -22,7 +22,9 @@ use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{
+    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
@@ -140,7 +142,7 @@ impl FrozenLakeDynamics {
     }
 }
 
-impl Dynamics for FrozenLakeDynamics {
+impl Task for FrozenLakeDynamics {
     type Config = Config;
     type State = State;
     type Observation = usize;
@@ -220,16 +222,6 @@ impl Dynamics for FrozenLakeDynamics {
         Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
     }
 
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> usize {
-        state.cell
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         state.cell < self.p.states() && (0.0..=1.0).contains(&state.probability)
     }
@@ -287,6 +279,18 @@ impl Dynamics for FrozenLakeDynamics {
             }
             canvas.pop();
         }
+    }
+}
+
+impl Dynamics for FrozenLakeDynamics {
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.cell
     }
 }
 
@@ -441,6 +445,7 @@ fn has_path(board: &[Vec<u8>]) -> bool {
 impl Native for FrozenLakeDynamics {
     type Packed = Cell;
     type Stream = WordStream;
+    type Constants = [f64; 0];
 
     const INFO: bool = true;
 
@@ -453,14 +458,18 @@ impl Native for FrozenLakeDynamics {
         }
     }
 
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
     #[inline(always)]
-    fn pack(state: &State) -> Cell {
+    fn pack(&self, state: &State) -> Cell {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
     /// Which action was the last is not kept.
     #[inline(always)]
-    fn unpack(cell: Cell, fresh: bool) -> State {
+    fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };
         State { cell: cell.state as usize, last_action, probability: cell.probability }
     }
@@ -494,7 +503,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

@@ -4,7 +4,7 @@
 //!
 //! ```
 //! use gym_toytext::frozen_lake::{Config, FrozenLakeDynamics};
-//! use gym_core::Dynamics;
+//! use gym_core::Task;
 //!
 //! let lake = FrozenLakeDynamics::new(Config::default())?;
 //! let p = lake.p();

@@ -23,7 +23,7 @@ use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
-    Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value,
+    Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -192,7 +192,7 @@ fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<
     })
 }
 
-impl Dynamics for TaxiDynamics {
+impl Task for TaxiDynamics {
     type Config = Config;
     type State = State;
     type Observation = usize;
@@ -268,16 +268,6 @@ impl Dynamics for TaxiDynamics {
         })
     }
 
-    #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.encoded))
-    }
-
-    #[inline]
-    fn observe(&self, state: &State) -> usize {
-        state.encoded
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         state.encoded < STATES
             && (self.config.fickle_passenger || !state.fickle_step)
@@ -343,6 +333,18 @@ impl Dynamics for TaxiDynamics {
             let [x, y] = corner(*stand);
             art::person(canvas, [x + 76.0, y + 74.0], Facing::Down, COAT);
         }
+    }
+}
+
+impl Dynamics for TaxiDynamics {
+    #[inline]
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.encoded))
+    }
+
+    #[inline]
+    fn observe(&self, state: &State) -> usize {
+        state.encoded
     }
 }
 
@@ -426,6 +428,7 @@ fn finish(canvas: &mut dyn Canvas, foot: Point) {
 impl Native for TaxiDynamics {
     type Packed = Cell;
     type Stream = WordStream;
+    type Constants = [f64; 0];
 
     const INFO: bool = true;
 
@@ -433,13 +436,17 @@ impl Native for TaxiDynamics {
         if config.fickle_passenger { Err("there are no fickle passengers") } else { Ok(()) }
     }
 
+    fn constants(&self) -> [f64; 0] {
+        []
+    }
+
     #[inline(always)]
-    fn pack(state: &State) -> Cell {
+    fn pack(&self, state: &State) -> Cell {
         Cell { state: state.encoded as u32, probability: state.probability }
     }
 
     #[inline(always)]
-    fn unpack(cell: Cell, _fresh: bool) -> State {
+    fn unpack(&self, cell: Cell, _fresh: bool) -> State {
         State {
             encoded: cell.state as usize,
             fickle_step: false,
@@ -475,7 +482,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::{Env, builder};
+    use gym_core::{EnvExt, builder};
 
     use super::*;
 

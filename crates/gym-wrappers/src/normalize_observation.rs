@@ -2,7 +2,7 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
-use gym_core::vector::{Columns, Progress, VectorReset, VectorWrapper};
+use gym_core::vector::{Columns, Progress, VectorReset};
 use gym_core::{
     BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
     WrapperSpec,
@@ -150,7 +150,7 @@ impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for NormalizeObservation<V> {
+impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
     vector_within!();
 
     fn single_observation_space(&self) -> Space {

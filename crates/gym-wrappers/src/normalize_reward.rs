@@ -1,7 +1,7 @@
 //! Rewards normalised.
 
 use gym_core::registry::WrapperConfig;
-use gym_core::vector::{Autoreset, Columns, Progress, VectorReset, VectorWrapper};
+use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{BoxEnv, DType, Env, Error, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
 
 use crate::map::Within;
@@ -121,7 +121,7 @@ impl<E: Env> gym_core::Wrapper for NormalizeReward<E> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
+impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeReward<V> {
     vector_within!();
 
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use gym_core::vector::{Columns, VectorWrapper};
+use gym_core::vector::Columns;
 use gym_core::{Element, Env, Outcome, Result, Space, Value, VectorEnv};
 
 /// Applies a function to each action for an environment, which may change its type, or to the actions for
@@ -49,7 +49,9 @@ where
     }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for TransformAction<V, F, Value> {
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> gym_core::VectorWrapper
+    for TransformAction<V, F, Value>
+{
     vector_within!();
 
     fn single_action_space(&self) -> Space {
@@ -57,7 +59,7 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper for Tr
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        VectorWrapper::single_action_space(self).check_batch(actions, self.inner.num_envs())?;
+        gym_core::VectorWrapper::single_action_space(self).check_batch(actions, self.inner.num_envs())?;
         self.inner.step_into(&(self.func)(actions), columns)
     }
 }

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gym_core::vector::{Columns, VectorReset, VectorWrapper};
+use gym_core::vector::{Columns, VectorReset};
 use gym_core::{Element, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv};
 
 use crate::map::{Seen, Within};
@@ -61,7 +61,7 @@ where
 
 impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation<V, F, Seen> {
     fn observe(&self, columns: &mut Columns) -> Result<()> {
-        let (n, space) = (self.inner.num_envs(), VectorWrapper::single_observation_space(self));
+        let (n, space) = (self.inner.num_envs(), gym_core::VectorWrapper::single_observation_space(self));
         self.seen.map(columns, |inner, out| {
             *out = (self.func)(inner);
             if space.is_batch(out, n) {
@@ -75,7 +75,7 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation
     }
 }
 
-impl<V, F> VectorWrapper for TransformObservation<V, F, Seen>
+impl<V, F> gym_core::VectorWrapper for TransformObservation<V, F, Seen>
 where
     V: VectorEnv,
     F: Fn(&Value) -> Value + Send + 'static,

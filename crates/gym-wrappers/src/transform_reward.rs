@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gym_core::vector::{Columns, VectorWrapper};
+use gym_core::vector::Columns;
 use gym_core::{Env, Outcome, Result, Value, VectorEnv};
 
 use crate::map::step_rewards;
@@ -36,7 +36,7 @@ impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> gym_core::Wrapper for T
     }
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> VectorWrapper for TransformReward<V, F> {
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> gym_core::VectorWrapper for TransformReward<V, F> {
     vector_within!();
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {

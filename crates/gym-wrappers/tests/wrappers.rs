@@ -7,7 +7,9 @@ use gym_core::statistics::RunningMeanStd;
 use gym_core::wrappers::{
     FrameStackObservation, NormalizeObservation, NormalizeReward, Padding, StickyAction, TransformObservation,
 };
-use gym_core::{Array, DType, Data, Env, Generator, GraphInstance, Outcome, Reset, Result, Space, Value};
+use gym_core::{
+    Array, DType, Data, Env, EnvExt, Generator, GraphInstance, Outcome, Reset, Result, Space, Value,
+};
 
 /// Shows prepared observations, one after the other, with prepared rewards; the last one ends the episode.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use gym::classic::cartpole::{CartPole, Config};
 use gym::vector::VectorKind;
 use gym::wrappers::TimeLimit;
-use gym::{Element, Env, VectorEnv, registry};
+use gym::{Element, Env, EnvExt, VectorEnv, VectorEnvExt, registry};
 
 /// Plays `steps` random steps, with the resets that come between.
 fn play<E: Env>(env: &mut E, actions: &[E::Action], observation: &mut E::Observation) {

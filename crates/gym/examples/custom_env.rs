@@ -1,7 +1,8 @@
 //! An environment of your own, registered at link time and used by id like any other.
 //! Run it with `cargo run --release --example custom_env`.
 
-use gym::{Dynamics, Env, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Transition};
+use gym::prelude::*;
+use gym::{Dynamics, Generator, NoArguments, Registration, Stateful, Task, Transition};
 
 gym::discrete! {
     /// A step along the corridor.
@@ -12,7 +13,7 @@ gym::discrete! {
 #[derive(Clone, Debug)]
 struct Corridor;
 
-impl Dynamics for Corridor {
+impl Task for Corridor {
     type Config = NoArguments;
     type State = i64;
     type Observation = i64;
@@ -34,6 +35,12 @@ impl Dynamics for Corridor {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<i64> {
         Ok(rng.integers(0, 5))
     }
+    fn is_valid(&self, cell: &i64) -> bool {
+        (0..10).contains(cell)
+    }
+}
+
+impl Dynamics for Corridor {
     fn transition(&self, cell: &i64, action: &Move, rng: &mut Generator) -> Result<Transition<i64>> {
         let step = if *action == Move::Right { 1 } else { -1 };
         let cell = if rng.random() < 0.2 { *cell } else { (cell + step).clamp(0, 9) };
@@ -41,9 +48,6 @@ impl Dynamics for Corridor {
     }
     fn observe(&self, cell: &i64) -> i64 {
         *cell
-    }
-    fn is_valid(&self, cell: &i64) -> bool {
-        (0..10).contains(cell)
     }
 }
 

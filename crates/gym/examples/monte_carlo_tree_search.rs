@@ -2,7 +2,8 @@
 //! LunarLander, whose state is a whole world of rigid bodies.
 //! Run it with `cargo run --release --example monte_carlo_tree_search`.
 
-use gym::{BoxEnv, Env, Error, Generator, Result, Space, Value};
+use gym::prelude::*;
+use gym::{Error, Generator};
 
 /// What came of an action, and in `children` of each action after it. Chance may lead the same actions
 /// to different states; a node is the mean over them.

@@ -1,7 +1,7 @@
 //! The course notebook's own loop: make, reset, step with random actions, see the spaces, and write
 //! every frame to a GIF. Run it with `cargo run --release --example notebook`.
 
-use gym::Env;
+use gym::prelude::*;
 use gym::render::RenderMode;
 use gym::rendering::write_gif;
 

@@ -1,10 +1,11 @@
 //! Tabular Q-learning on Taxi, with a typed environment: observations index the table directly.
 //! Run it with `cargo run --release --example q_learning_taxi`.
 
+use gym::Generator;
+use gym::prelude::*;
 use gym::toytext::Taxi;
 use gym::toytext::taxi::{Action, Config};
 use gym::wrappers::TimeLimit;
-use gym::{Env, Generator, Result};
 
 const EPISODES: usize = 3_000;
 const LEARNING_RATE: f64 = 0.5;

@@ -1,9 +1,9 @@
 //! The notebook's exercise: let random policies play some environments for some episodes, record the
 //! frames, and plot returns and lengths. Run it with `cargo run --release --example random_interaction`.
 
+use gym::prelude::*;
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::{GifWriter, Plot};
-use gym::{Env, Result};
 
 /// Plays `episodes` episodes of random actions, hands each rendered frame to `recorder`, and gives
 /// return and length of each episode. Takes a typed environment as well as one from `make`.

@@ -1,10 +1,10 @@
 //! Value iteration on FrozenLake from its transition table `P`, then 1000 episodes of the policy
 //! found. Run it with `cargo run --release --example value_iteration_frozen_lake`.
 
+use gym::prelude::*;
 use gym::toytext::FrozenLake;
 use gym::toytext::frozen_lake::{Action, Config, FrozenLakeDynamics};
 use gym::wrappers::TimeLimit;
-use gym::{Env, Result};
 
 const DISCOUNT: f64 = 0.999;
 

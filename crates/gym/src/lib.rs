@@ -1,7 +1,7 @@
 //! Gymnasium's environments in Rust: the same seed gives the same episode.
 //!
 //! ```
-//! use gym::Env;
+//! use gym::prelude::*;
 //!
 //! # fn main() -> gym::Result<()> {
 //! let mut env = gym::make("CartPole-v1")?;
@@ -42,6 +42,14 @@ pub use gym_render as rendering;
 pub use gym_toytext as toytext;
 pub use gym_wrappers as wrappers;
 pub use gym_wrappers::{VectorWrap, Wrap};
+
+/// What a program that uses environments needs: `use gym::prelude::*`.
+pub mod prelude {
+    #[doc(no_inline)]
+    pub use gym_core::prelude::*;
+    #[doc(no_inline)]
+    pub use gym_wrappers::{VectorWrap, Wrap};
+}
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use clap::{ValueEnum, builder::PossibleValue};
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
-use gym::vector::VectorKind;
-use gym::{Element, Env, Error, Registration, Result, registry};
+use gym::vector::{VectorEnvExt, VectorKind};
+use gym::{Element, Env, EnvExt, Error, Registration, Result, registry};
 
 use crate::selection::Selection;
 use serde::{Deserialize, Serialize};

@@ -7,7 +7,7 @@ use gym::box2d::{BipedalWalker, CarRacing, LunarLander, bipedal_walker, lunar_la
 use gym::classic::{Acrobot, CartPole, MountainCar, MountainCarContinuous, Pendulum};
 use gym::toytext::tabular::Table;
 use gym::toytext::{Blackjack, CliffWalking, FrozenLake, Taxi};
-use gym::{BoxEnv, Element, Env, Space};
+use gym::{BoxEnv, Element, Env, EnvExt, Space};
 
 use crate::policy::Controller;
 

@@ -1,7 +1,7 @@
 //! The policies that commands can play.
 
 use clap::ValueEnum;
-use gym::{BoxEnv, Env, Error, Result, Value};
+use gym::{BoxEnv, EnvExt, Error, Result, Value};
 
 #[cfg(feature = "families")]
 use crate::heuristic::controller;

@@ -42,7 +42,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 /// What a trace pins down beside the observation: of CarRacing the bodies, of the MuJoCo tasks positions and velocities.
 #[cfg(feature = "families")]
 fn state(env: &BoxEnv) -> Option<Json> {
-    use gym::Env;
+    use gym::EnvExt;
 
     if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
         return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));

@@ -30,96 +30,86 @@ pub fn make(id: &str) -> Result<BoxEnv> {
 /// # }
 /// ```
 pub fn builder(id: &str) -> EnvBuilder {
-    EnvBuilder { source: Source::Id(id.to_owned()), ..EnvBuilder::default() }
+    let spec = resolve(id).and_then(|(registration, note)| {
+        if let Some(note) = note {
+            log::warn!("{note}");
+        }
+        registration.spec()
+    });
+    EnvBuilder { spec }
 }
 
-/// Options for making an environment; see [`builder`].
-#[derive(Clone, Debug, Default)]
-pub struct EnvBuilder {
-    source: Source,
-    kwargs: Kwargs,
-    render_mode: Option<RenderMode>,
-    render_size: Option<(u32, u32)>,
-    time_limit: Option<Option<u32>>,
-    disable_env_checker: Option<bool>,
-    order_enforce: Option<bool>,
-    wrappers: Vec<WrapperSpec>,
-}
-
+/// An [`EnvSpec`] to be changed, and then made; see [`builder`]. What is wrong with it is told when it is made.
 #[derive(Clone, Debug)]
-enum Source {
-    Id(String),
-    Spec(Box<EnvSpec>),
-}
-
-impl Default for Source {
-    fn default() -> Self {
-        Self::Id(String::new())
-    }
+pub struct EnvBuilder {
+    spec: Result<EnvSpec>,
 }
 
 impl EnvBuilder {
     /// Starts from a spec: its arguments, render mode and wrappers.
     pub fn from_spec(spec: EnvSpec) -> Self {
-        Self { source: Source::Spec(Box::new(spec)), ..Self::default() }
+        Self { spec: Ok(spec) }.args(Kwargs::new())
     }
 
-    /// Sets a constructor argument.
-    #[must_use]
-    pub fn arg(mut self, name: &str, value: impl Into<Json>) -> Self {
-        self.kwargs.insert(name.to_owned(), value.into());
-        self
+    fn change(self, change: impl FnOnce(EnvSpec) -> Result<EnvSpec>) -> Self {
+        Self { spec: self.spec.and_then(change) }
     }
 
-    /// Sets some constructor arguments. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no
-    /// limit) and `disable_env_checker` may be among them.
+    /// Sets a constructor argument. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no limit) and
+    /// `disable_env_checker` count as arguments.
     #[must_use]
-    pub fn args(mut self, kwargs: Kwargs) -> Self {
-        self.kwargs.extend(kwargs);
-        self
+    pub fn arg(self, name: &str, value: impl Into<Json>) -> Self {
+        self.args([(name.to_owned(), value.into())].into_iter().collect())
     }
 
-    /// How [`render`](crate::Env::render) shows the environment.
+    /// Sets some constructor arguments, as [`arg`](Self::arg) does.
     #[must_use]
-    pub fn render_mode(mut self, mode: RenderMode) -> Self {
-        self.render_mode = Some(mode);
-        self
+    pub fn args(self, kwargs: Kwargs) -> Self {
+        self.change(|mut spec| {
+            spec.kwargs.extend(kwargs);
+            spec.take_arguments_of_make()?;
+            Ok(spec)
+        })
+    }
+
+    /// How [`render`](crate::EnvExt::render) shows the environment.
+    #[must_use]
+    pub fn render_mode(self, mode: RenderMode) -> Self {
+        self.change(|spec| Ok(EnvSpec { render_mode: Some(mode), ..spec }))
     }
 
     /// Width and height of rendered frames; drawings are vectors and scale.
     #[must_use]
-    pub fn render_size(mut self, width: u32, height: u32) -> Self {
-        self.render_size = Some((width, height));
-        self
+    pub fn render_size(self, width: u32, height: u32) -> Self {
+        self.change(|spec| Ok(EnvSpec { render_size: Some((width, height)), ..spec }))
     }
 
     /// Truncates episodes after that many steps, instead of the number registered; `None` for
     /// never.
     #[must_use]
-    pub fn max_episode_steps(mut self, steps: impl Into<Option<u32>>) -> Self {
-        self.time_limit = Some(steps.into());
-        self
+    pub fn max_episode_steps(self, steps: impl Into<Option<u32>>) -> Self {
+        self.change(|spec| Ok(EnvSpec { max_episode_steps: steps.into(), ..spec }))
     }
 
     /// Leaves out the passive checker.
     #[must_use]
-    pub fn disable_env_checker(mut self, disable: bool) -> Self {
-        self.disable_env_checker = Some(disable);
-        self
+    pub fn disable_env_checker(self, disable: bool) -> Self {
+        self.change(|spec| Ok(EnvSpec { disable_env_checker: disable, ..spec }))
     }
 
     /// Leaves out the check for calls before `reset` and after `close`, with `false`.
     #[must_use]
-    pub fn order_enforce(mut self, enforce: bool) -> Self {
-        self.order_enforce = Some(enforce);
-        self
+    pub fn order_enforce(self, enforce: bool) -> Self {
+        self.change(|spec| Ok(EnvSpec { order_enforce: enforce, ..spec }))
     }
 
     /// Puts a wrapper around all others.
     #[must_use]
-    pub fn wrap(mut self, wrapper: WrapperSpec) -> Self {
-        self.wrappers.push(wrapper);
-        self
+    pub fn wrap(self, wrapper: WrapperSpec) -> Self {
+        self.change(|mut spec| {
+            spec.additional_wrappers.push(wrapper);
+            Ok(spec)
+        })
     }
 
     /// The spec that all options together make. An id without version, or with one that is out of
@@ -128,25 +118,7 @@ impl EnvBuilder {
     /// # Errors
     /// What is wrong with the id, or an unknown render mode among the arguments.
     pub fn spec(self) -> Result<EnvSpec> {
-        let mut spec = match self.source {
-            Source::Spec(spec) => *spec,
-            Source::Id(id) => {
-                let (registration, note) = resolve(&id)?;
-                if let Some(note) = note {
-                    log::warn!("{note}");
-                }
-                registration.spec()?
-            }
-        };
-        spec.kwargs.extend(self.kwargs);
-        spec.take_arguments_of_make()?;
-        spec.render_mode = self.render_mode.or(spec.render_mode);
-        spec.render_size = self.render_size.or(spec.render_size);
-        spec.max_episode_steps = self.time_limit.unwrap_or(spec.max_episode_steps);
-        spec.disable_env_checker = self.disable_env_checker.unwrap_or(spec.disable_env_checker);
-        spec.order_enforce = self.order_enforce.unwrap_or(spec.order_enforce);
-        spec.additional_wrappers.extend(self.wrappers);
-        Ok(spec)
+        self.spec
     }
 
     /// Makes the environment.
@@ -154,7 +126,7 @@ impl EnvBuilder {
     /// # Errors
     /// What is wrong with the id, an argument, or the render mode.
     pub fn build(self) -> Result<BoxEnv> {
-        let spec = self.spec()?;
+        let spec = self.spec?;
         let mut env = find(&spec.id)?.construct(&spec)?;
         for wrapper in &spec.additional_wrappers {
             env = wrapper.wrap(env)?;

@@ -198,18 +198,17 @@ impl EnvBuilder {
     /// # }
     /// ```
     pub fn vector(self, num_envs: usize) -> VectorBuilder {
-        VectorBuilder { env: self, num_envs, kind: None, autoreset: Autoreset::default(), threads: None }
+        // a kind has to stand there until one is chosen
+        let spec = self.spec().map(|env| VectorSpec::new(env, num_envs, VectorKind::Native));
+        VectorBuilder { spec, has_kind: false }
     }
 }
 
-/// Options for making a vector; see [`EnvBuilder::vector`].
+/// A [`VectorSpec`] to be changed, and then made; see [`EnvBuilder::vector`]. What is wrong with it is told when it is made.
 #[derive(Clone, Debug)]
 pub struct VectorBuilder {
-    env: EnvBuilder,
-    num_envs: usize,
-    kind: Option<VectorKind>,
-    autoreset: Autoreset,
-    threads: Option<usize>,
+    spec: Result<VectorSpec>,
+    has_kind: bool,
 }
 
 impl VectorBuilder {
@@ -218,19 +217,20 @@ impl VectorBuilder {
     /// render mode, a time limit above 65534 steps, or an argument that only environments have.
     #[must_use]
     pub fn kind(self, kind: VectorKind) -> Self {
-        Self { kind: Some(kind), ..self }
+        let spec = self.spec.map(|spec| VectorSpec { vectorization_mode: kind, ..spec });
+        Self { spec, has_kind: true }
     }
 
     /// When sub-environments are reset; on the next step where this is not said.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
-        Self { autoreset, ..self }
+        Self { spec: self.spec.map(|spec| spec.autoreset(autoreset)), ..self }
     }
 
     /// The number of threads of an async vector, instead of one per core.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
-        Self { threads: Some(threads), ..self }
+        Self { spec: self.spec.map(|spec| VectorSpec { threads: Some(threads), ..spec }), ..self }
     }
 
     /// The spec that all options together make.
@@ -254,10 +254,8 @@ impl VectorBuilder {
 
     /// The spec, and the vector if it had to be made to know the kind.
     fn resolve(self) -> Result<(VectorSpec, Option<Box<dyn VectorEnv>>)> {
-        let Self { env, num_envs, kind, autoreset, threads } = self;
-        let new = VectorSpec::new(env.spec()?, num_envs, kind.unwrap_or(VectorKind::Native));
-        let spec = VectorSpec { threads, ..new.autoreset(autoreset) };
-        if kind.is_some() {
+        let spec = self.spec?;
+        if self.has_kind {
             return Ok((spec, None));
         }
         // a native vector says itself what it cannot do; what sync cannot do either, that will say

@@ -22,7 +22,7 @@ pub enum Progress {
 /// What a step of a [`VectorEnv`](super::VectorEnv) gives: a row for each sub-environment.
 ///
 /// The caller owns the columns and hands them to each `reset_into` and `step_into`, which overwrite
-/// them. [`VectorEnv::columns`](super::VectorEnv::columns) makes them. A call that gets columns of another
+/// them. [`VectorEnvExt::columns`](super::VectorEnvExt::columns) makes them. A call that gets columns of another
 /// form, such as `Columns::default()`, replaces them.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]

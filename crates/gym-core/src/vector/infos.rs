@@ -6,7 +6,7 @@ use super::{Columns, VectorEnv};
 use crate::spaces::number::{Number, Numeric, with_type};
 use crate::{Array, DType, Info, Value};
 
-/// See [`VectorEnv::infos`].
+/// See [`VectorEnvExt::infos`].
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
     let n = envs.num_envs();
     let space = columns.has_final.contains(&true).then(|| envs.single_observation_space());

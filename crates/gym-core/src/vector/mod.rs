@@ -1,6 +1,7 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
 
 mod columns;
+mod ext;
 pub(crate) mod infos;
 pub mod native;
 mod pool;
@@ -9,7 +10,7 @@ pub(crate) mod size;
 pub(crate) mod slot;
 mod stored;
 mod sync;
-mod wrapper;
+pub(crate) mod wrapper;
 
 use std::any::Any;
 use std::fmt;
@@ -17,14 +18,14 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::render::{Metadata, Rendered};
-use crate::{Env, Error, Info, Result, Sampler, Seed, Snapshot, Space, Value};
+use crate::{Error, Result, Snapshot, Space, Value};
 
 pub use crate::registry::{VectorKind, VectorSpec};
 pub use columns::{Columns, Progress};
+pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
-pub use wrapper::VectorWrapper;
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -63,7 +64,7 @@ pub type BoxVector = Box<dyn VectorEnv>;
 /// [`action_space`](Self::action_space).
 ///
 /// ```no_run
-/// use gym_core::vector::VectorEnv;
+/// use gym_core::vector::{VectorEnv, VectorEnvExt};
 ///
 /// # fn main() -> gym_core::Result<()> {
 /// let mut envs = gym_core::make_vec("CartPole-v1", 64, None)?;
@@ -116,7 +117,7 @@ pub trait VectorEnv: Any + Send {
     /// actions first, so none has stepped then.)
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()>;
 
-    /// Shows `visit` each entry of the [`info`](Env::info) of sub-environment `index` about the last
+    /// Shows `visit` each entry of the [`info`](crate::Env::info) of sub-environment `index` about the last
     /// call of `reset_into` or `step_into`; nothing if a mask left it out. With
     /// [`Autoreset::SameStep`], where an episode has ended this is about the reset.
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -135,30 +136,6 @@ pub trait VectorEnv: Any + Send {
     /// [`info`](Self::info) under the same key.
     fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
         let _ = visit;
-    }
-
-    /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns, to go with the columns of
-    /// the same step.
-    ///
-    /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
-    /// what is not there is zero in a column of numbers and `Null` in any other. With
-    /// [`Autoreset::SameStep`], `final_obs` and `final_info` tell of the episodes that have ended.
-    ///
-    /// Made of [`info`](Self::info), [`final_info`](Self::final_info) and
-    /// [`column_infos`](Self::column_infos), which is what a vector or a wrapper implements: so the order
-    /// of wrappers makes no difference.
-    fn infos(&self, columns: &Columns) -> Info {
-        infos::batch(self, columns)
-    }
-
-    /// The entries of the [`info`](Self::info) of one sub-environment by name: an element of what
-    /// Gymnasium's wrapper `DictInfoToList` gives.
-    fn info_map(&self, index: usize) -> Info {
-        let mut map = Info::new();
-        self.info(index, &mut |key, value| {
-            map.insert(key.to_owned(), value);
-        });
-        map
     }
 
     /// Shows `visit` each sub-environment, in order, with its index, to downcast to its type: `call` of
@@ -254,129 +231,6 @@ pub trait VectorEnv: Any + Send {
     /// [`Error::InvalidSpace`] as [`Space::batch`].
     fn action_space(&self) -> Result<Space> {
         self.single_action_space().batch(self.num_envs())
-    }
-
-    /// Random actions for all sub-environments, as Gymnasium's `envs.action_space` draws them.
-    ///
-    /// # Errors
-    /// [`Error::InvalidSpace`] as [`Space::batch`].
-    fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler>
-    where
-        Self: Sized,
-    {
-        Ok(self.action_space()?.sampler(seed))
-    }
-
-    /// Columns for this vector, to be filled by `reset_into`.
-    ///
-    /// # Errors
-    /// [`Error::InvalidSpace`] if there is no buffer for observations of the space.
-    fn columns(&self) -> Result<Columns> {
-        Columns::new(&self.single_observation_space(), self.num_envs())
-    }
-
-    /// Starts episodes, with new columns: `reset(42)` seeds the sub-environments with 42, 43, ...,
-    /// `reset(())` carries their generators on.
-    ///
-    /// # Errors
-    /// As [`reset_into`](Self::reset_into).
-    fn reset(&mut self, reset: impl Into<VectorReset>) -> Result<Columns>
-    where
-        Self: Sized,
-    {
-        let mut columns = self.columns()?;
-        self.reset_into(&reset.into(), &mut columns)?;
-        Ok(columns)
-    }
-
-    /// Takes a step, with new columns.
-    ///
-    /// # Errors
-    /// As [`step_into`](Self::step_into).
-    fn step(&mut self, actions: &Value) -> Result<Columns>
-    where
-        Self: Sized,
-    {
-        let mut columns = self.columns()?;
-        self.step_into(actions, &mut columns)?;
-        Ok(columns)
-    }
-}
-
-impl dyn VectorEnv {
-    /// Calls a function with each sub-environment and its index; the results are in the order of the
-    /// indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
-    ///
-    /// ```no_run
-    /// use gym_core::{BoxEnv, Env};
-    ///
-    /// # fn main() -> gym_core::Result<()> {
-    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, None)?;
-    /// let specs = envs.call(|_, env: &mut BoxEnv| env.spec())?;
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// As [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
-    /// type `E`; those of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
-    pub fn call<E: Env, R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
-        let mut results = Vec::with_capacity(self.num_envs());
-        let mut fits = true;
-        self.visit_envs(&mut |index, env| match env.downcast_mut() {
-            Some(env) => results.push(f(index, env)),
-            None => fits = false,
-        })?;
-        if !fits {
-            let name = crate::env::short_type_name::<E>();
-            return Err(Error::custom(format!("the sub-environments of {} are no {name}", self.describe())));
-        }
-        Ok(results)
-    }
-}
-
-impl dyn VectorEnv {
-    /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers if it
-    /// is of that type.
-    ///
-    /// The type of a wrapper names the vector within, which is `Box<dyn VectorEnv>` unless it says
-    /// otherwise. So it is for wrappers that a [`VectorSpec`] has made, and for the first wrapper around
-    /// [`make_vec`](crate::make_vec):
-    ///
-    /// ```no_run
-    /// use gym_core::BoxVector;
-    /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
-    /// use gym_core::wrappers::RecordEpisodeStatistics;
-    ///
-    /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>();
-    ///     let around_another = envs.wrapper::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
-    ///     let workers = envs.wrapper::<AsyncVectorEnv>();
-    /// }
-    /// ```
-    pub fn wrapper<W: VectorEnv>(&self) -> Option<&W> {
-        let mut layer = self;
-        loop {
-            let any: &dyn Any = layer;
-            if let Some(found) = any.downcast_ref() {
-                return Some(found);
-            }
-            layer = layer.within()?;
-        }
-    }
-
-    /// As `wrapper`, to be changed. What is reset or stepped past the wrappers around
-    /// it, these do not see.
-    pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
-        let mut layer = self;
-        loop {
-            let any: &dyn Any = layer;
-            if any.is::<W>() {
-                let any: &mut dyn Any = layer;
-                return any.downcast_mut();
-            }
-            layer = layer.within_mut()?;
-        }
     }
 }
 

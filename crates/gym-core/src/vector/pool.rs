@@ -16,7 +16,7 @@ use super::size::MAX_THREADS;
 use super::slot::{self, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvSpec, Error, Reset, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Reset, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///

@@ -4,7 +4,7 @@ use std::fmt;
 use super::slot::{self, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, Error, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///

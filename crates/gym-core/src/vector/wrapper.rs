@@ -4,6 +4,7 @@ use std::any::Any;
 
 use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
+use crate::wrapper::forward;
 use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 
 /// A vector around a vector: every `VectorWrapper` is a [`VectorEnv`].
@@ -22,7 +23,7 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 /// }
 ///
 /// // the full name: both traits have the same methods, and with one of them in scope a call is clear
-/// impl<V: VectorEnv> gym_core::vector::VectorWrapper for Effort<V> {
+/// impl<V: VectorEnv> gym_core::VectorWrapper for Effort<V> {
 ///     fn inner(&self) -> &dyn VectorEnv {
 ///         &self.envs
 ///     }
@@ -47,7 +48,7 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 ///
 /// A wrapper with state of its own overrides [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
 /// One that adds entries to the infos overrides [`info`](Self::info), from which
-/// [`VectorEnv::infos`] makes the columns.
+/// [`VectorEnvExt::infos`] makes the columns.
 pub trait VectorWrapper: Any + Send {
     /// The vector within.
     fn inner(&self) -> &dyn VectorEnv;
@@ -58,21 +59,6 @@ pub trait VectorWrapper: Any + Send {
     /// The name and the arguments that [`VectorSpec::make`] makes this wrapper with again, if it can.
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
         None
-    }
-
-    /// See [`VectorEnv::num_envs`].
-    fn num_envs(&self) -> usize {
-        self.inner().num_envs()
-    }
-
-    /// See [`VectorEnv::single_observation_space`].
-    fn single_observation_space(&self) -> Space {
-        self.inner().single_observation_space()
-    }
-
-    /// See [`VectorEnv::single_action_space`].
-    fn single_action_space(&self) -> Space {
-        self.inner().single_action_space()
     }
 
     /// See [`VectorEnv::observation_space`]. For a wrapper that changes the space of a single observation,
@@ -97,63 +83,6 @@ pub trait VectorWrapper: Any + Send {
         }
     }
 
-    /// See [`VectorEnv::autoreset`].
-    fn autoreset(&self) -> Autoreset {
-        self.inner().autoreset()
-    }
-
-    /// See [`VectorEnv::reset_into`].
-    ///
-    /// # Errors
-    /// As there.
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        self.inner_mut().reset_into(reset, columns)
-    }
-
-    /// See [`VectorEnv::step_into`].
-    ///
-    /// # Errors
-    /// As there.
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.inner_mut().step_into(actions, columns)
-    }
-
-    /// See [`VectorEnv::info`].
-    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        self.inner().info(index, visit);
-    }
-
-    /// See [`VectorEnv::final_info`].
-    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        self.inner().final_info(index, visit);
-    }
-
-    /// See [`VectorEnv::column_infos`].
-    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.inner().column_infos(visit);
-    }
-
-    /// See [`VectorEnv::visit_envs`].
-    ///
-    /// # Errors
-    /// As there.
-    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
-        self.inner_mut().visit_envs(visit)
-    }
-
-    /// See [`VectorEnv::render`].
-    ///
-    /// # Errors
-    /// As there.
-    fn render(&mut self) -> Result<Vec<Rendered>> {
-        self.inner_mut().render()
-    }
-
-    /// See [`VectorEnv::metadata`].
-    fn metadata(&self) -> Metadata {
-        self.inner().metadata()
-    }
-
     /// See [`VectorEnv::spec`]: that of the vector within and [`wrapper_spec`](Self::wrapper_spec), if there
     /// are both.
     fn spec(&self) -> Option<VectorSpec> {
@@ -171,103 +100,45 @@ pub trait VectorWrapper: Any + Send {
         format!("<{}, {}>", self.name(), self.inner().describe())
     }
 
-    /// See [`VectorEnv::snapshot`].
-    ///
-    /// # Errors
-    /// As there.
-    fn snapshot(&self) -> Result<Snapshot> {
-        self.inner().snapshot()
-    }
-
-    /// See [`VectorEnv::restore`].
-    ///
-    /// # Errors
-    /// As there.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.inner_mut().restore(snapshot)
-    }
-
-    /// See [`VectorEnv::close`].
-    fn close(&mut self) {
-        self.inner_mut().close();
-    }
+    methods!(forward! [VectorEnv] {.inner()} {.inner_mut()});
 }
 
-/// The one place where wrappers become vectors. `infos`, `columns` and what takes generic arguments are made
-/// of these.
+/// Gives another macro every method of [`VectorEnv`] that passes through a wrapper unchanged, one by one, behind `$words`.
+macro_rules! methods {
+    ($then:ident! $($words:tt)*) => {
+        $then! { $($words)* fn num_envs(&self) -> usize }
+        $then! { $($words)* fn single_observation_space(&self) -> Space }
+        $then! { $($words)* fn single_action_space(&self) -> Space }
+        $then! { $($words)* fn autoreset(&self) -> Autoreset }
+        $then! { $($words)* fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> }
+        $then! { $($words)* fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> }
+        $then! { $($words)* fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) }
+        $then! { $($words)* fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) }
+        $then! { $($words)* fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) }
+        $then! { $($words)* fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> }
+        $then! { $($words)* fn render(&mut self) -> Result<Vec<Rendered>> }
+        $then! { $($words)* fn metadata(&self) -> Metadata }
+        $then! { $($words)* fn snapshot(&self) -> Result<Snapshot> }
+        $then! { $($words)* fn restore(&mut self, snapshot: &Snapshot) -> Result<()> }
+        $then! { $($words)* fn close(&mut self) }
+    };
+}
+
+use methods;
+
+/// As [`methods`], with those that a wrapper has a default of its own for.
+macro_rules! all_methods {
+    ($then:ident! $($words:tt)*) => {
+        methods!($then! $($words)*);
+        $then! { $($words)* fn observation_space(&self) -> Result<Space> }
+        $then! { $($words)* fn action_space(&self) -> Result<Space> }
+        $then! { $($words)* fn spec(&self) -> Option<VectorSpec> }
+        $then! { $($words)* fn describe(&self) -> String }
+    };
+}
+
+/// A wrapper is a vector: each method is that of the wrapper.
 impl<W: VectorWrapper> VectorEnv for W {
-    fn num_envs(&self) -> usize {
-        VectorWrapper::num_envs(self)
-    }
-
-    fn single_observation_space(&self) -> Space {
-        VectorWrapper::single_observation_space(self)
-    }
-
-    fn single_action_space(&self) -> Space {
-        VectorWrapper::single_action_space(self)
-    }
-
-    fn observation_space(&self) -> Result<Space> {
-        VectorWrapper::observation_space(self)
-    }
-
-    fn action_space(&self) -> Result<Space> {
-        VectorWrapper::action_space(self)
-    }
-
-    fn autoreset(&self) -> Autoreset {
-        VectorWrapper::autoreset(self)
-    }
-
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        VectorWrapper::reset_into(self, reset, columns)
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        VectorWrapper::step_into(self, actions, columns)
-    }
-
-    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        VectorWrapper::info(self, index, visit);
-    }
-
-    fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        VectorWrapper::final_info(self, index, visit);
-    }
-
-    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
-        VectorWrapper::column_infos(self, visit);
-    }
-
-    fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
-        VectorWrapper::visit_envs(self, visit)
-    }
-
-    fn render(&mut self) -> Result<Vec<Rendered>> {
-        VectorWrapper::render(self)
-    }
-
-    fn metadata(&self) -> Metadata {
-        VectorWrapper::metadata(self)
-    }
-
-    fn spec(&self) -> Option<VectorSpec> {
-        VectorWrapper::spec(self)
-    }
-
-    fn describe(&self) -> String {
-        VectorWrapper::describe(self)
-    }
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        VectorWrapper::snapshot(self)
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        VectorWrapper::restore(self, snapshot)
-    }
-
     fn within(&self) -> Option<&dyn VectorEnv> {
         Some(self.inner())
     }
@@ -276,26 +147,18 @@ impl<W: VectorWrapper> VectorEnv for W {
         Some(self.inner_mut())
     }
 
-    fn close(&mut self) {
-        VectorWrapper::close(self);
-    }
+    all_methods!(forward! [VectorEnv] {} {});
 }
 
 /// A box changes nothing: not even the description.
-impl VectorWrapper for Box<dyn VectorEnv> {
-    fn inner(&self) -> &dyn VectorEnv {
-        &**self
+impl VectorEnv for Box<dyn VectorEnv> {
+    fn within(&self) -> Option<&dyn VectorEnv> {
+        Some(&**self)
     }
 
-    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
-        &mut **self
+    fn within_mut(&mut self) -> Option<&mut dyn VectorEnv> {
+        Some(&mut **self)
     }
 
-    fn spec(&self) -> Option<VectorSpec> {
-        self.inner().spec()
-    }
-
-    fn describe(&self) -> String {
-        self.inner().describe()
-    }
+    all_methods!(forward! [VectorEnv] {.as_ref()} {.as_mut()});
 }

@@ -9,7 +9,8 @@ use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space}
 /// This is the cheap part of the crate gym-conform, left on in [`make`](crate::make) by
 /// default so that a mistake in a new environment shows at once. An episode that was started with
 /// options is not checked: they may ask for states beyond the space. What the checker saw is no part
-/// of a snapshot.
+/// of a snapshot. Where it finds a mistake, the environment has been reset or has taken its step all the same: the
+/// [`Error::Contract`] is about what came of it.
 #[derive(Clone, Debug)]
 pub struct PassiveEnvChecker<E = BoxEnv> {
     inner: E,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::registry::WrapperConfig;
 use crate::vector::infos::flags;
-use crate::vector::{Columns, Progress, VectorEnv, VectorReset, VectorWrapper};
+use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
 use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
 
 /// Keeps the return, length and duration of each episode, of an environment or of each sub-environment of a
@@ -241,7 +241,7 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     }
 }
 
-impl<V: VectorEnv> VectorWrapper for RecordEpisodeStatistics<V> {
+impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.inner
     }

@@ -5,7 +5,7 @@ use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, p
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 
 /// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
-/// what [`render`](Env::render) returns, one picture or text at a time.
+/// what [`render`](EnvExt::render) returns, one picture or text at a time.
 ///
 /// In the mode `human` each reset and step shows a picture in a window, no faster than the
 /// environment's frames per second. The window opens at the first reset. Once it is closed, nothing
@@ -90,8 +90,9 @@ impl<E: Env> Render<E> {
         Ok(Self { size: (width, height), ..self })
     }
 
-    /// Shows the picture in the window, if there is one.
-    fn show(&mut self) -> Result<()> {
+    /// Opens the window, if one is wanted. The environment moves only after this, so that it is as it was where the
+    /// window cannot be opened.
+    fn open(&mut self) -> Result<()> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()
         {
@@ -99,6 +100,11 @@ impl<E: Env> Render<E> {
             let screen = open(&title, self.size, self.inner.metadata().render_fps)?;
             self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1));
         }
+        Ok(())
+    }
+
+    /// Shows the picture in the window, if there is one.
+    fn show(&mut self) {
         if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter) {
             let size = self.inner.metadata().render_size;
             painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), frame);
@@ -107,7 +113,6 @@ impl<E: Env> Render<E> {
                 self.window = Window::None;
             }
         }
-        Ok(())
     }
 }
 
@@ -118,13 +123,16 @@ impl<E: Env> crate::Wrapper for Render<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.open()?;
         self.inner.reset_into(reset, observation)?;
-        self.show()
+        self.show();
+        Ok(())
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        self.open()?;
         let outcome = self.inner.step_into(action, observation)?;
-        self.show()?;
+        self.show();
         Ok(outcome)
     }
 

@@ -1,7 +1,7 @@
 //! Frames gathered.
 
 use crate::render::{RenderMode, Rendered};
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
 /// Gathers what the environment within renders after each reset and step; `render` hands over the
 /// list and clears it. An episode of `T` steps gives `T + 1` items.

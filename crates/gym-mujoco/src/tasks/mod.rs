@@ -27,7 +27,7 @@ pub mod reacher;
 pub mod swimmer;
 pub mod walker2d;
 
-use gym_core::{Env, Result};
+use gym_core::{Env, EnvExt, Result};
 
 pub use arguments::{Arguments, Common, TaskArguments};
 pub use env::{MujocoEnv, Task};

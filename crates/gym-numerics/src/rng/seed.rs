@@ -3,13 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use num_bigint::BigUint;
 use rand::{TryRng, rngs::SysRng};
 use serde::de::{Deserializer, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
 
-/// A seed: a whole number, zero or greater, of any size.
+/// A seed: a whole number, zero or greater, of up to 4300 decimal digits (as many as Python's `int` reads).
 ///
 /// ```
 /// use gym_numerics::Seed;
@@ -18,15 +17,25 @@ use thiserror::Error;
 /// # Ok::<(), gym_numerics::SeedError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Seed(BigUint);
+pub struct Seed {
+    /// The digits in base 2^32, lowest first; the highest is not 0.
+    words: Vec<u32>,
+}
+
+/// More decimal digits are refused: the time to read them grows with their square.
+const MAX_DIGITS: usize = 4300;
 
 /// Why there is no seed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SeedError {
     /// The text is not a whole number of zero or more.
-    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater, of any size")]
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
     Invalid(String),
+
+    /// The text has more digits than a seed can have.
+    #[error("a seed of {0} digits is too long: {MAX_DIGITS} are allowed")]
+    TooLong(usize),
 
     /// The operating system has no random bits to give, and why.
     #[error("the operating system gives no random seed: {0}")]
@@ -46,7 +55,11 @@ impl Seed {
 
     /// A seed of up to 128 bits. (`From` is for `u64` alone, so that a literal needs no suffix.)
     pub fn from_u128(seed: u128) -> Self {
-        Self(BigUint::from(seed))
+        let mut words: Vec<u32> = (0..4).map(|i| (seed >> (32 * i)) as u32).collect();
+        while words.last() == Some(&0) {
+            words.pop();
+        }
+        Self { words }
     }
 
     /// numpy's `SeedSequence(seed).generate_state(2)`: two words that the seed is spread over.
@@ -58,13 +71,53 @@ impl Seed {
     /// The seed that is larger by `n`.
     #[must_use]
     pub fn plus(&self, n: u64) -> Self {
-        Self(&self.0 + n)
+        let mut sum = self.clone();
+        sum.multiply_add(1, n);
+        sum
+    }
+
+    /// Multiplies by `factor` and adds `summand`.
+    fn multiply_add(&mut self, factor: u32, summand: u64) {
+        let mut carry = u128::from(summand);
+        for word in &mut self.words {
+            carry += u128::from(*word) * u128::from(factor);
+            *word = carry as u32;
+            carry >>= 32;
+        }
+        while carry > 0 {
+            self.words.push(carry as u32);
+            carry >>= 32;
+        }
+    }
+
+    /// Divides by `divisor` and returns the remainder.
+    fn divide(&mut self, divisor: u32) -> u32 {
+        let mut rest = 0;
+        for word in self.words.iter_mut().rev() {
+            let dividend = rest << 32 | u64::from(*word);
+            *word = (dividend / u64::from(divisor)) as u32;
+            rest = dividend % u64::from(divisor);
+        }
+        if self.words.last() == Some(&0) {
+            self.words.pop();
+        }
+        rest as u32
+    }
+
+    /// The seed as `u64`, if it fits.
+    fn to_u64(&self) -> Option<u64> {
+        match self.words[..] {
+            [] => Some(0),
+            [low] => Some(low.into()),
+            [low, high] => Some(u64::from(low) | u64::from(high) << 32),
+            _ => None,
+        }
     }
 }
 
 impl From<u64> for Seed {
     fn from(seed: u64) -> Self {
-        Self(BigUint::from(seed))
+        Self::from_u128(seed.into())
     }
 }
 
@@ -73,27 +126,37 @@ impl FromStr for Seed {
 
     /// Reads decimal digits; there is no sign, space or separator.
     fn from_str(text: &str) -> Result<Self, SeedError> {
-        text.bytes()
-            .all(|byte| byte.is_ascii_digit())
-            .then(|| text.parse().ok())
-            .flatten()
-            .map(Self)
-            .ok_or_else(|| SeedError::Invalid(text.to_owned()))
+        if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(SeedError::Invalid(text.to_owned()));
+        }
+        if text.len() > MAX_DIGITS {
+            return Err(SeedError::TooLong(text.len()));
+        }
+        let mut seed = Self::from(0);
+        for digit in text.bytes() {
+            seed.multiply_add(10, (digit - b'0').into());
+        }
+        Ok(seed)
     }
 }
 
 impl fmt::Display for Seed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.0, f)
+        let mut rest = self.clone();
+        let mut digits = Vec::new();
+        while digits.is_empty() || !rest.words.is_empty() {
+            digits.push(char::from(b'0' + rest.divide(10) as u8));
+        }
+        f.pad_integral(true, "", &digits.iter().rev().collect::<String>())
     }
 }
 
 /// A number where it fits `u64`, else a string of decimal digits.
 impl Serialize for Seed {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match u64::try_from(&self.0) {
-            Ok(small) => serializer.serialize_u64(small),
-            Err(_) => serializer.collect_str(self),
+        match self.to_u64() {
+            Some(small) => serializer.serialize_u64(small),
+            None => serializer.collect_str(self),
         }
     }
 }
@@ -121,7 +184,10 @@ impl<'de> Deserialize<'de> for Seed {
             }
 
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Seed, E> {
-                text.parse().map_err(|_| E::invalid_value(Unexpected::Str(text), &self))
+                text.parse().map_err(|error| match error {
+                    SeedError::TooLong(_) => E::custom(error),
+                    _ => E::invalid_value(Unexpected::Str(text), &self),
+                })
             }
         }
 
@@ -133,7 +199,7 @@ impl<'de> Deserialize<'de> for Seed {
 ///
 /// M. E. O'Neill's `seed_seq` of fixed entropy; constants as in `numpy/random/bit_generator.pyx`.
 pub(super) fn generate_state(seed: &Seed) -> [u64; 4] {
-    let pool = mix_entropy(&seed.0.to_u32_digits());
+    let pool = mix_entropy(&seed.words);
     let mut hash = Hash { constant: 0x8b51_f9dd, multiplier: 0x58f3_8ded };
     let mut words = pool.iter().cycle().map(|&word| hash.apply(word));
     let mut next = || u64::from(words.next().unwrap_or_default());
@@ -227,10 +293,25 @@ mod tests {
         for digits in ["0", "18446744073709551615", "18446744073709551616"] {
             assert_eq!(digits.parse::<Seed>().unwrap().to_string(), digits);
         }
+        let longest = "9".repeat(MAX_DIGITS);
+        assert_eq!(longest.parse::<Seed>().unwrap().to_string(), longest);
+        assert_eq!("0".repeat(MAX_DIGITS + 1).parse::<Seed>(), Err(SeedError::TooLong(MAX_DIGITS + 1)));
         assert_eq!("007".parse::<Seed>().unwrap(), Seed::from(7));
         for text in ["", "-1", "+1", "1.0", "1_000", " 1", "0x1", "one"] {
             let error = text.parse::<Seed>().unwrap_err();
             assert!(matches!(&error, SeedError::Invalid(shown) if shown == text), "{error}");
+        }
+    }
+
+    #[test]
+    fn sums_carry() {
+        for (seed, n, sum) in [
+            ("0", 0, "0"),
+            ("4294967295", 1, "4294967296"),
+            ("18446744073709551615", u64::MAX, "36893488147419103230"),
+            ("340282366920938463463374607431768211455", 1, "340282366920938463463374607431768211456"),
+        ] {
+            assert_eq!(seed.parse::<Seed>().unwrap().plus(n), sum.parse().unwrap());
         }
     }
 

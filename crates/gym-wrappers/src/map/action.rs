@@ -111,7 +111,7 @@ impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
     }
 }
 
-impl<V: VectorEnv, M: ActionMap> gym_core::vector::VectorWrapper for MapAction<V, M> {
+impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
     vector_within!();
 
     fn single_action_space(&self) -> Space {

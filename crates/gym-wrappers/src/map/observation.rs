@@ -139,7 +139,7 @@ impl<E: Env, M: ObservationMap> gym_core::Wrapper for MapObservation<E, M> {
     }
 }
 
-impl<V: VectorEnv, M: ObservationMap> gym_core::vector::VectorWrapper for MapObservation<V, M> {
+impl<V: VectorEnv, M: ObservationMap> gym_core::VectorWrapper for MapObservation<V, M> {
     vector_within!();
 
     fn single_observation_space(&self) -> Space {

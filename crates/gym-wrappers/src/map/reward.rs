@@ -66,7 +66,7 @@ impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
     }
 }
 
-impl<V: VectorEnv, M: RewardMap> gym_core::vector::VectorWrapper for MapReward<V, M> {
+impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
     vector_within!();
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {

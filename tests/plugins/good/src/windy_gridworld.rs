@@ -16,7 +16,7 @@
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -58,7 +58,7 @@ pub struct WindyGridworldDynamics {
     config: Config,
 }
 
-impl Dynamics for WindyGridworldDynamics {
+impl Task for WindyGridworldDynamics {
     type Config = Config;
     type State = State;
     type Observation = i64;
@@ -85,26 +85,6 @@ impl Dynamics for WindyGridworldDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         let row = if self.config.stochastic { rng.integers(0, ROWS) } else { START_ROW };
         Ok(State { row, column: 0, wind: 0 })
-    }
-
-    fn transition(&self, state: &State, action: &usize, rng: &mut Generator) -> Result<Transition<State>> {
-        let moves = if self.config.king { &MOVES[..] } else { &MOVES[..4] };
-        let Some([down, right]) = moves.get(*action) else {
-            return Err(Error::InvalidAction {
-                action: action.to_string(),
-                space: self.action_space().to_string(),
-                hint: String::new(),
-            });
-        };
-        let mean = WIND[state.column as usize];
-        let wind = if self.config.stochastic && mean > 0 { mean + rng.integers(-1, 2) } else { mean };
-        let row = (state.row + down - wind).clamp(0, ROWS - 1);
-        let column = (state.column + right).clamp(0, COLUMNS - 1);
-        Ok(Transition { state: State { row, column, wind }, reward: -1.0, terminated: [row, column] == GOAL })
-    }
-
-    fn observe(&self, state: &State) -> i64 {
-        state.row * COLUMNS + state.column
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -144,6 +124,28 @@ impl Dynamics for WindyGridworldDynamics {
         }
         let center = [(state.column as f64 + 0.5) * CELL, (state.row as f64 + 0.5) * CELL];
         canvas.circle(center, CELL * 0.3, AGENT);
+    }
+}
+
+impl Dynamics for WindyGridworldDynamics {
+    fn transition(&self, state: &State, action: &usize, rng: &mut Generator) -> Result<Transition<State>> {
+        let moves = if self.config.king { &MOVES[..] } else { &MOVES[..4] };
+        let Some([down, right]) = moves.get(*action) else {
+            return Err(Error::InvalidAction {
+                action: action.to_string(),
+                space: self.action_space().to_string(),
+                hint: String::new(),
+            });
+        };
+        let mean = WIND[state.column as usize];
+        let wind = if self.config.stochastic && mean > 0 { mean + rng.integers(-1, 2) } else { mean };
+        let row = (state.row + down - wind).clamp(0, ROWS - 1);
+        let column = (state.column + right).clamp(0, COLUMNS - 1);
+        Ok(Transition { state: State { row, column, wind }, reward: -1.0, terminated: [row, column] == GOAL })
+    }
+
+    fn observe(&self, state: &State) -> i64 {
+        state.row * COLUMNS + state.column
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gym_core::{Dynamics, Env, Generator, Result, Value};
+use gym_core::{Dynamics, Env, EnvExt, Generator, Result, Value};
 use sutton_envs::windy_gridworld::{Config, State, WindyGridworldDynamics};
 
 /// The least number of steps to the goal, by trying every action in every state that can be reached.

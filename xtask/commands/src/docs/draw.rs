@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gym::render::RenderMode;
 use gym::rendering::{GifWriter, contact_sheet, write_png};
-use gym::{BoxEnv, Env, Error, Result, render::Frame};
+use gym::{BoxEnv, Env, EnvExt, Error, Result, render::Frame};
 
 use super::Document;
 use super::pages::{Clip, Page};

@@ -4,7 +4,7 @@ use std::fmt;
 use std::iter::zip;
 
 use crate::array::{Array, Scalar};
-use crate::{Element, Value};
+use crate::{Element, Error, Result, Space, Value};
 
 /// A type of observation that has a column in [`Columns`](crate::vector::Columns).
 pub trait ObservationColumn: Element + Copy {
@@ -78,9 +78,20 @@ pub trait ActionColumn: Element + Copy {
 
     /// The action; any one where the item is not valid.
     fn from_item(item: Self::Item) -> Self;
+
+    /// Refuses an action that cannot be executed: most types have none.
+    ///
+    /// # Errors
+    /// [`Error::InvalidAction`].
+    #[inline(always)]
+    fn check(&self, space: impl Fn() -> Space) -> Result<()> {
+        let _ = space;
+        Ok(())
+    }
 }
 
-/// Numbers that need only be finite.
+/// Numbers that need only be finite. Gymnasium lets NaN through, and every later state is then NaN. A finite number beyond
+/// the bounds is left to the environment.
 impl<const N: usize> ActionColumn for [f32; N]
 where
     [f32; N]: Default,
@@ -100,6 +111,18 @@ where
     #[inline(always)]
     fn from_item(item: Self) -> Self {
         item
+    }
+
+    #[inline(always)]
+    fn check(&self, space: impl Fn() -> Space) -> Result<()> {
+        if Self::is_valid(*self) {
+            return Ok(());
+        }
+        Err(Error::InvalidAction {
+            action: format!("{self:?}"),
+            space: space().to_string(),
+            hint: "; it must be a finite number".into(),
+        })
     }
 }
 

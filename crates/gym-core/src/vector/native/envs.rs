@@ -12,8 +12,8 @@ use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
 use crate::vector::slot::{describe, episode_over};
-use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, infos, size};
-use crate::{Error, Generator, Info, Result, Snapshot, Space, Value};
+use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
+use crate::{Error, Generator, Result, Snapshot, Space, Value};
 
 /// Environments stepped by one loop with vector instructions: the vector behind
 /// [`entry_point`](super::entry_point).
@@ -23,6 +23,7 @@ use crate::{Error, Generator, Info, Result, Snapshot, Space, Value};
 #[derive(Clone)]
 pub struct NativeVectorEnv<D: Native> {
     pub(super) dynamics: D,
+    constants: <D::Constants as Packed>::Block,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
     pub(super) num_envs: usize,
@@ -71,6 +72,7 @@ impl<D: Native> NativeVectorEnv<D> {
         let bytes = size_of::<Block<D>>() / LANES + size_of::<D::Stream>();
         size::check(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
+            constants: dynamics.constants().splat(),
             dynamics,
             spec: None,
             reset_options: ResetOptions::default(),
@@ -104,7 +106,7 @@ impl<D: Native> NativeVectorEnv<D> {
     /// The state of an environment; `None` if there is no such one, or it was never reset.
     pub fn state(&self, index: usize) -> Option<D::State> {
         let block = self.blocks.get(index / LANES).filter(|_| index < self.num_envs)?;
-        (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(index % LANES))
+        (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(&self.dynamics, index % LANES))
     }
 
     pub(super) fn check_open(&self, call: &'static str) -> Result<()> {
@@ -248,11 +250,11 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             let state =
                 stream.lend(|rng| self.dynamics.start(&start, rng)).map_err(|error| error.at_env(i))?;
             if self.blocks.is_empty() {
-                self.make_room(D::pack(&state), &stream)?;
+                self.make_room(self.dynamics.pack(&state), &stream)?;
             }
             self.streams[i] = stream;
             let block = &mut self.blocks[at];
-            block.start(lane, &state);
+            block.start(&self.dynamics, lane, &state);
             block.due &= !(1 << lane);
             block.unset &= !(1 << lane);
             D::Observation::write_rows(&mut rows, i, &[self.dynamics.observe(&state)]);
@@ -293,6 +295,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         progress.fill(Progress::Stepped);
         let step = Step {
             dynamics: &self.dynamics,
+            constants: &self.constants,
             autoreset: self.autoreset,
             limit: self.limit,
             actions: items,
@@ -315,23 +318,19 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let left_out = self.left_out.get(index).copied().unwrap_or(false);
-        if let Some(state) = self.state(index)
+        if D::INFO
             && !left_out
+            && let Some(state) = self.state(index)
         {
             self.dynamics.info(&state, visit);
         }
-    }
-
-    /// Nothing, at once, where there is nothing to tell.
-    fn infos(&self, columns: &Columns) -> Info {
-        if D::INFO || columns.has_final.contains(&true) { infos::batch(self, columns) } else { Info::new() }
     }
 
     fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         if let (Some(block), Some(last)) = (self.blocks.get(index / LANES), self.finals.get(index))
             && block.ended >> (index % LANES) & 1 == 1
         {
-            self.dynamics.info(&D::unpack(*last, false), visit);
+            self.dynamics.info(&self.dynamics.unpack(*last, false), visit);
         }
     }
 

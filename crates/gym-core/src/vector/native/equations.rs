@@ -1,182 +1,322 @@
 //! Equations that are solved for one environment or for as many as a vector register holds.
 
-use super::{ActionColumn, LANES, Many, Native};
+use std::fmt;
+
+use super::{ActionColumn, LANES, Many, Native, ObservationColumn};
 use crate::math::{Emulated, Fma, Hardware, One, Real, with};
-use crate::{Dynamics, Outcome, Transition};
+use crate::rng::{Stream, WordStream};
+use crate::{Dynamics, Generator, Outcome, Result, Task, Transition};
 
-/// The equations of a task of `K` numbers, of which `O` are observed: written once, and the same bits
-/// for one environment and for many.
-pub trait Equations<const K: usize, const O: usize>: Dynamics {
-    /// The action as a number.
-    fn input(action: Self::Action) -> f64;
+/// A task whose step is a formula of a few numbers: written once for [`Real`] numbers, it is the step of one
+/// environment and of a native vector, with the same bits.
+///
+/// Implementing it gives [`Dynamics`] and [`Native`]. The book's page on native vectors writes one from nothing. Functions that
+/// take `R: Real`, and all that they call, are to be marked `#[inline(always)]`: otherwise they are compiled
+/// without the CPU's vector instructions.
+pub trait Equations:
+    Task<State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn> + Sync
+{
+    /// The numbers that steps work with, `[f64; K]`.
+    type Numbers: Row;
 
-    /// One step from a state that is `fresh`, the first of its episode, or not. To be marked
-    /// `#[inline(always)]`, with all that it calls.
-    fn advance<R: Real>(&self, state: [R; K], fresh: R::Mask, action: R) -> Next<R, K, O>;
+    /// An action as numbers, `[f64; A]`.
+    type Input: Row;
 
-    /// What is seen of a state that is not fresh. To be marked `#[inline(always)]`.
-    fn see<R: Real>(&self, state: [R; K]) -> [R; O];
+    /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ between the
+    /// environments of a vector.
+    type Constants: Row;
 
-    /// [`Dynamics::transition`] for an action that can be executed, and what is seen then, by [`advance`]. To
-    /// be marked `#[inline(always)]`.
-    fn move_on<F: Fma>(
+    /// Whether [`disturb`](Self::disturb) does anything.
+    const IS_NOISY: bool = false;
+
+    /// Whether [`info`](Task::info) has entries.
+    const INFO: bool = false;
+
+    /// The constants for these arguments. Called in each step of a single environment, so they are kept rather than computed.
+    fn constants(&self) -> Self::Constants;
+
+    /// The numbers of a state.
+    fn numbers(&self, state: &Self::State) -> Self::Numbers;
+
+    /// The state with these numbers; `fresh` tells whether it is the first of an episode.
+    fn state(&self, numbers: Self::Numbers, fresh: bool) -> Self::State;
+
+    /// Whether a state is the first of its episode. Only for equations that ask.
+    fn is_fresh(&self, state: &Self::State) -> bool {
+        let _ = state;
+        false
+    }
+
+    /// Fills in the numbers that follow from others, such as a sine that the next step needs again.
+    #[inline(always)]
+    fn complete<R: Real>(numbers: Of<Self::Numbers, R>) -> Of<Self::Numbers, R> {
+        numbers
+    }
+
+    /// The action as numbers.
+    fn input(&self, action: Self::Action) -> Self::Input;
+
+    /// Adds noise to an input.
+    fn disturb(constants: &Self::Constants, input: &mut Self::Input, rng: &mut Generator) {
+        let _ = (constants, input, rng);
+    }
+
+    /// One step from a state that is `fresh`, the first of its episode, or not.
+    fn advance<R: Real>(
         &self,
-        state: &Self::State,
-        action: Self::Action,
-    ) -> (Transition<Self::State>, Self::Observation);
+        constants: Of<Self::Constants, R>,
+        state: Of<Self::Numbers, R>,
+        fresh: R::Mask,
+        input: Of<Self::Input, R>,
+    ) -> Next<R, Self>
+    where
+        Self: Sized;
 
-    /// [`Dynamics::observe`], by [`see`]. To be marked `#[inline(always)]`.
-    fn look_at<F: Fma>(&self, state: &Self::State) -> Self::Observation;
+    /// What is seen of a state.
+    fn see<R: Real>(&self, state: Of<Self::Numbers, R>) -> Of<Self::Observation, R>;
+
+    /// What is seen of a state, where it is not [`see`](Self::see) of its numbers.
+    fn see_otherwise(&self, state: &Self::State) -> Option<Self::Observation> {
+        let _ = state;
+        None
+    }
+
+    /// Adds to a transition from a state what only single environments keep.
+    #[inline(always)]
+    fn finish(&self, before: &Self::State, action: Self::Action, transition: &mut Transition<Self::State>) {
+        let _ = (before, action, transition);
+    }
 }
+
+/// An array type. [`Of`] is an array of the same length.
+pub trait Row: Copy + fmt::Debug + Send + Sync + 'static {
+    /// `[T; N]`.
+    type Of<T: Copy + fmt::Debug>: Copy + fmt::Debug + IntoIterator<Item = T>;
+}
+
+impl<S: Copy + fmt::Debug + Send + Sync + 'static, const N: usize> Row for [S; N] {
+    type Of<T: Copy + fmt::Debug> = [T; N];
+}
+
+/// `[T; N]` for a type `A` that is an array of `N`.
+pub type Of<A, T> = <A as Row>::Of<T>;
 
 /// What comes of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Next<R: Real, const K: usize, const O: usize> {
+pub struct Next<R: Real, E: Equations> {
     /// The numbers of the new state.
-    pub state: [R; K],
+    pub state: Of<E::Numbers, R>,
     /// The reward.
     pub reward: R,
     /// Whether the episode is over.
     pub terminated: R::Mask,
     /// What is seen of the new state.
-    pub seen: [R; O],
+    pub seen: Of<E::Observation, R>,
 }
 
-/// [`Equations::advance`] of one environment: its new state, the reward, whether the episode is over, and what
-/// is seen.
+impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Dynamics for E
+where
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+{
+    #[inline]
+    fn transition(
+        &self,
+        state: &Self::State,
+        action: &Self::Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<Self::State>> {
+        action.check(|| self.action_space())?;
+        Ok(with(
+            (state, *action, rng),
+            #[inline(always)]
+            |(state, action, rng)| step_one::<E, Hardware, K, A, P, O>(self, state, action, rng).0,
+            #[inline(always)]
+            |(state, action, rng)| step_one::<E, Emulated, K, A, P, O>(self, state, action, rng).0,
+        ))
+    }
+
+    #[inline]
+    fn observe(&self, state: &Self::State) -> [f32; O] {
+        if let Some(observation) = self.see_otherwise(state) {
+            return observation;
+        }
+        with(
+            self.numbers(state),
+            #[inline(always)]
+            |numbers| singles(self.see(ones::<Hardware, K>(numbers))),
+            #[inline(always)]
+            |numbers| singles(self.see(ones::<Emulated, K>(numbers))),
+        )
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        state: &mut Self::State,
+        action: &Self::Action,
+        rng: &mut Generator,
+        observation: &mut [f32; O],
+    ) -> Result<Outcome> {
+        action.check(|| self.action_space())?;
+        // these two come back in registers; what is put together of them in memory would be waited for
+        let (reward, terminated) = with(
+            (state, *action, rng, observation),
+            #[inline(always)]
+            |(state, action, rng, observation)| {
+                step_in_place::<E, Hardware, K, A, P, O>(self, state, action, rng, observation)
+            },
+            #[inline(always)]
+            |(state, action, rng, observation)| {
+                step_in_place::<E, Emulated, K, A, P, O>(self, state, action, rng, observation)
+            },
+        );
+        Ok(Outcome { reward, terminated, truncated: false })
+    }
+}
+
 #[inline(always)]
-pub fn advance<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
+fn step_in_place<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: usize>(
     equations: &E,
-    state: [f64; K],
-    fresh: bool,
+    state: &mut E::State,
     action: E::Action,
-) -> ([f64; K], f64, bool, [f32; O]) {
-    let action = One::<F>::new(E::input(action));
-    let mut numbers = [action; K];
-    for (number, x) in numbers.iter_mut().zip(state) {
-        *number = One::new(x);
-    }
-    let next = equations.advance(numbers, fresh, action);
-    let mut state = state;
-    for (x, number) in state.iter_mut().zip(next.state) {
-        *x = number.value();
-    }
-    (state, next.reward.value(), next.terminated, singles(next.seen))
+    rng: &mut Generator,
+    observation: &mut [f32; O],
+) -> (f64, bool)
+where
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+{
+    let (transition, seen) = step_one::<E, F, K, A, P, O>(equations, state, action, rng);
+    *observation = seen;
+    *state = transition.state;
+    (transition.reward, transition.terminated)
 }
 
-/// [`Equations::see`] of one environment.
+/// A step of one environment, and what is seen then.
 #[inline(always)]
-pub fn see<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
+fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: usize>(
     equations: &E,
-    state: [f64; K],
-) -> [f32; O] {
-    let mut numbers = [One::<F>::new(0.0); K];
-    for (number, x) in numbers.iter_mut().zip(state) {
-        *number = One::new(x);
+    state: &E::State,
+    action: E::Action,
+    rng: &mut Generator,
+) -> (Transition<E::State>, [f32; O])
+where
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+{
+    let constants = equations.constants();
+    let mut input = equations.input(action);
+    if E::IS_NOISY {
+        E::disturb(&constants, &mut input, rng);
     }
-    singles(equations.see(numbers))
+    let numbers = E::complete(ones::<F, K>(equations.numbers(state)));
+    let next = equations.advance(ones(constants), numbers, equations.is_fresh(state), ones(input));
+    let mut transition = Transition {
+        state: equations.state(values(next.state), false),
+        reward: next.reward.value(),
+        terminated: next.terminated,
+    };
+    equations.finish(state, action, &mut transition);
+    (transition, singles(next.seen))
 }
 
-// (a loop, because `array::map` is not always inlined)
+// loops, because `array::map` is not always inlined, and then it is compiled without the CPU's features
 #[inline(always)]
-fn singles<F: Fma, const O: usize>(numbers: [One<F>; O]) -> [f32; O] {
-    let mut singles = [0.0; O];
-    for (x, number) in singles.iter_mut().zip(numbers) {
-        *x = number.value() as f32;
+fn ones<F: Fma, const N: usize>(numbers: [f64; N]) -> [One<F>; N] {
+    let mut ones = [One::new(0.0); N];
+    for (one, x) in ones.iter_mut().zip(numbers) {
+        *one = One::new(x);
+    }
+    ones
+}
+
+#[inline(always)]
+fn values<F: Fma, const N: usize>(ones: [One<F>; N]) -> [f64; N] {
+    let mut values = [0.0; N];
+    for (x, one) in values.iter_mut().zip(ones) {
+        *x = one.value();
+    }
+    values
+}
+
+#[inline(always)]
+fn singles<F: Fma, const N: usize>(ones: impl IntoIterator<Item = One<F>>) -> [f32; N] {
+    let mut singles = [0.0; N];
+    for (x, one) in singles.iter_mut().zip(ones) {
+        *x = one.value() as f32;
     }
     singles
 }
 
-/// [`Dynamics::transition`] of a task of equations.
-#[inline]
-pub fn transition<E: Equations<K, O>, const K: usize, const O: usize>(
-    equations: &E,
-    state: &E::State,
-    action: E::Action,
-) -> Transition<E::State> {
-    with(
-        action,
-        #[inline(always)]
-        |action| equations.move_on::<Hardware>(state, action).0,
-        #[inline(always)]
-        |action| equations.move_on::<Emulated>(state, action).0,
-    )
+impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Native for E
+where
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+{
+    type Packed = [f64; K];
+    type Stream = WordStream;
+    type Constants = [f64; P];
+
+    const INFO: bool = E::INFO;
+
+    fn constants(&self) -> [f64; P] {
+        Equations::constants(self)
+    }
+
+    fn pack(&self, state: &Self::State) -> [f64; K] {
+        with(
+            self.numbers(state),
+            #[inline(always)]
+            |numbers| values(E::complete(ones::<Hardware, K>(numbers))),
+            #[inline(always)]
+            |numbers| values(E::complete(ones::<Emulated, K>(numbers))),
+        )
+    }
+
+    #[inline(always)]
+    fn unpack(&self, packed: [f64; K], fresh: bool) -> Self::State {
+        self.state(packed, fresh)
+    }
+
+    #[inline(always)]
+    fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        block.advance::<R, K, A, P, O>(token, self);
+    }
 }
 
-/// [`Dynamics::observe`] of a task of equations.
-#[inline]
-pub fn observe<E: Equations<K, O>, const K: usize, const O: usize>(
-    equations: &E,
-    state: &E::State,
-) -> E::Observation {
-    with(
-        (),
-        #[inline(always)]
-        |()| equations.look_at::<Hardware>(state),
-        #[inline(always)]
-        |()| equations.look_at::<Emulated>(state),
-    )
-}
-
-/// [`Dynamics::step`] of a task of equations, which truncates nothing.
-#[inline]
-pub fn step<E: Equations<K, O>, const K: usize, const O: usize>(
-    equations: &E,
-    state: &mut E::State,
-    action: E::Action,
-    observation: &mut E::Observation,
-) -> Outcome {
-    // these two come back in registers; what is put together of them in memory would be waited for
-    let (reward, terminated) = with(
-        (equations, state, action, observation),
-        #[inline(always)]
-        |(equations, state, action, observation)| {
-            step_with::<E, Hardware, K, O>(equations, state, action, observation)
-        },
-        #[inline(always)]
-        |(equations, state, action, observation)| {
-            step_with::<E, Emulated, K, O>(equations, state, action, observation)
-        },
-    );
-    Outcome { reward, terminated, truncated: false }
-}
-
-#[inline(always)]
-fn step_with<E: Equations<K, O>, F: Fma, const K: usize, const O: usize>(
-    equations: &E,
-    state: &mut E::State,
-    action: E::Action,
-    observation: &mut E::Observation,
-) -> (f64, bool) {
-    let (Transition { state: next, reward, terminated }, seen) = equations.move_on::<F>(state, action);
-    *observation = seen;
-    *state = next;
-    (reward, terminated)
-}
-
-impl<D: Native> Many<'_, D> {
+impl<E: Native> Many<'_, E> {
     /// Steps each environment by the equations, as many at once as `R` holds.
     #[inline(always)]
-    pub fn advance<R: Real, const K: usize, const O: usize>(&mut self, token: R::Token, equations: &D)
-    where
-        D: Equations<K, O> + Native<Packed = [f64; K]> + Dynamics<Observation = [f32; O]>,
+    fn advance<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
+        &mut self,
+        token: R::Token,
+        equations: &E,
+    ) where
+        E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+            + Native<Packed = [f64; K], Constants = [f64; P]>
+            + Task<Observation = [f32; O]>,
     {
-        // loops, because `array::map` is not always inlined, and then it is compiled without the CPU's features
-        let (mut actions, mut ages) = ([0.0; LANES], [0.0; LANES]);
+        let (mut inputs, mut ages) = ([[0.0; LANES]; A], [0.0; LANES]);
         for lane in 0..LANES {
-            actions[lane] = D::input(D::Action::from_item(self.actions[lane]));
+            let mut input = equations.input(E::Action::from_item(self.actions[lane]));
+            if E::IS_NOISY && self.due >> lane & 1 == 0 {
+                let mut constants = [0.0; P];
+                for (x, column) in constants.iter_mut().zip(self.constants) {
+                    *x = column[lane];
+                }
+                self.streams[lane].lend(|rng| E::disturb(&constants, &mut input, rng));
+            }
+            for (column, x) in inputs.iter_mut().zip(input) {
+                column[lane] = x;
+            }
             ages[lane] = f64::from(self.steps[lane]);
         }
         let mut seen = [[0.0; LANES]; O];
         let mut terminated = 0;
         for first in (0..LANES).step_by(R::LANES) {
-            let get = |numbers: &[f64; LANES]| R::get(token, &numbers[first..]);
-            let age = get(&ages);
-            let mut state = [age; K];
-            for (x, column) in state.iter_mut().zip(self.states.iter()) {
-                *x = get(column);
-            }
-            let next = equations.advance(state, age.lt(age.same(1.0)), get(&actions));
+            let age = R::get(token, &ages[first..]);
+            let fresh = age.lt(age.same(1.0));
+            let constants = registers::<R, P>(token, self.constants, first);
+            let state = registers::<R, K>(token, self.states, first);
+            let input = registers::<R, A>(token, &inputs, first);
+            let next = equations.advance(constants, state, fresh, input);
             for (column, x) in self.states.iter_mut().zip(next.state) {
                 x.put(&mut column[first..]);
             }
@@ -193,4 +333,14 @@ impl<D: Native> Many<'_, D> {
             }
         }
     }
+}
+
+/// The numbers of some environments, from `first` on.
+#[inline(always)]
+fn registers<R: Real, const N: usize>(token: R::Token, columns: &[[f64; LANES]; N], first: usize) -> [R; N] {
+    let mut registers = [R::get(token, &[0.0; LANES]); N];
+    for (x, column) in registers.iter_mut().zip(columns) {
+        *x = R::get(token, &column[first..]);
+    }
+    registers
 }

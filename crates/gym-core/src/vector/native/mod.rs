@@ -1,11 +1,13 @@
 //! Native vectors: many environments of one kind stepped by one loop, with the vector instructions
 //! of the CPU that the program runs on.
 //!
-//! A task takes part by implementing [`Native`] beside [`Dynamics`]. Its equations are written once, as
-//! [`Equations`] over [`Real`] numbers: one for a scalar environment, as many as a vector register holds
-//! for a native vector. Each operation rounds alike in both, sines and squares included, so a native
-//! vector gives the very numbers of a sync one. A task that looks up tables steps
-//! [one by one](Many::each).
+//! | an author implements | for |
+//! |---|---|
+//! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment and as many as a vector register holds |
+//! | [`Task`], [`Dynamics`] and [`Native`] | any other step, such as a look-up in a table: a native vector steps [one by one](Many::each), without the cost of erased environments |
+//!
+//! Each operation rounds alike in both, sines and squares included, so a native
+//! vector gives the very numbers of a sync one.
 //!
 //! ```
 //! use gym_core::vector::native::{self, Native};
@@ -37,21 +39,23 @@ use crate::math::Real;
 use crate::registry::{VectorKind, VectorSpec, find};
 use crate::rng::Stream;
 use crate::vector::{Autoreset, VectorEnv};
-use crate::{Dynamics, EnvSpec, Error, Result};
+use crate::{Dynamics, EnvSpec, Error, Result, Task};
 
 #[doc(hidden)]
 pub use columns::indices;
 pub use columns::{ActionColumn, ObservationColumn};
 pub use envs::NativeVectorEnv;
-pub use equations::{Equations, Next, advance, observe, see, step, transition};
+pub use equations::{Equations, Next, Of, Row};
 pub use packed::{Packed, Whole};
 pub use step::Many;
 
 /// How many environments a block holds: those whose states lie together, number by number.
 pub const LANES: usize = 32;
 
-/// [`Dynamics`] that can be stepped many at once.
-pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync {
+/// [`Dynamics`] that can be stepped many at once. [`Equations`] are; others implement it.
+pub trait Native:
+    Dynamics + Task<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync
+{
     /// What is kept of a state between steps: `[f64; K]` for a few numbers, `u32` for one of a table,
     /// [`Whole`] for all of it.
     type Packed: Packed;
@@ -60,7 +64,10 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
     /// are drawn.
     type Stream: Stream;
 
-    /// Whether [`info`](Dynamics::info) has entries.
+    /// What follows from the arguments and may differ between environments; `[f64; 0]` for nothing.
+    type Constants: Packed;
+
+    /// Whether [`info`](Task::info) has entries.
     const INFO: bool = false;
 
     /// Refuses arguments that only a scalar environment understands.
@@ -72,15 +79,18 @@ pub trait Native: Dynamics<State: Copy, Observation: ObservationColumn, Action: 
         Ok(())
     }
 
+    /// The constants for these arguments.
+    fn constants(&self) -> Self::Constants;
+
     /// Packs a state.
-    fn pack(state: &Self::State) -> Self::Packed;
+    fn pack(&self, state: &Self::State) -> Self::Packed;
 
     /// The state that was packed; `fresh` tells whether it is the first of an episode. What
-    /// steps, [`observe`](Dynamics::observe) and [`info`](Dynamics::info) do not look at may differ.
-    fn unpack(packed: Self::Packed, fresh: bool) -> Self::State;
+    /// steps, [`observe`](Dynamics::observe) and [`info`](Task::info) do not look at may differ.
+    fn unpack(&self, packed: Self::Packed, fresh: bool) -> Self::State;
 
-    /// Steps the environments of a block: a task of [`Equations`] calls [`Many::advance`], others
-    /// [`Many::each`]. To be marked `#[inline(always)]`, with all that it calls.
+    /// Steps the environments of a block, [one by one](Many::each). To be marked `#[inline(always)]`, with all
+    /// that it calls.
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized;

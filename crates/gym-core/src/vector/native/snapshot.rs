@@ -132,12 +132,12 @@ impl<D: Native> NativeVectorEnv<D> {
         let mut states = Vec::with_capacity(n);
         for steps in steps {
             let Some(state) = D::Packed::take(&mut bytes) else { return refuse("states") };
-            let state = D::unpack(state, *steps == 0);
+            let state = self.dynamics.unpack(state, *steps == 0);
             if !self.dynamics.is_valid(&state) {
                 return refuse("states");
             }
             // numbers that follow from others are not believed
-            states.push(D::pack(&state));
+            states.push(self.dynamics.pack(&state));
         }
         if bytes.is_empty() { Ok(states) } else { refuse("states") }
     }

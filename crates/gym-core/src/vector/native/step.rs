@@ -21,14 +21,14 @@ pub(super) struct Block<D: Native> {
 }
 
 impl<D: Native> Block<D> {
-    pub(super) fn state(&self, lane: usize) -> D::State {
-        D::unpack(D::Packed::get(&self.states, lane), self.steps[lane] == 0)
+    pub(super) fn state(&self, dynamics: &D, lane: usize) -> D::State {
+        dynamics.unpack(D::Packed::get(&self.states, lane), self.steps[lane] == 0)
     }
 
     /// Starts an episode.
     #[inline]
-    pub(super) fn start(&mut self, lane: usize, state: &D::State) {
-        D::pack(state).set(&mut self.states, lane);
+    pub(super) fn start(&mut self, dynamics: &D, lane: usize, state: &D::State) {
+        dynamics.pack(state).set(&mut self.states, lane);
         self.steps[lane] = 0;
     }
 }
@@ -39,6 +39,7 @@ pub(super) const NO_LIMIT: u16 = u16::MAX;
 /// One step of all environments: what it reads, and the columns that it fills.
 pub(super) struct Step<'a, D: Native> {
     pub(super) dynamics: &'a D,
+    pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item],
@@ -87,6 +88,7 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
+                constants: self.constants,
                 states: &mut block.states,
                 steps: &block.steps,
                 due: block.due,
@@ -130,7 +132,7 @@ impl<D: Native> Step<'_, D> {
             |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
                 let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
                 let state = state.map_err(|error| error.at_env(first + lane))?;
-                block.start(lane, &state);
+                block.start(self.dynamics, lane, &state);
                 results.observations[lane] = self.dynamics.observe(&state);
                 Ok(())
             };
@@ -166,11 +168,12 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and where its results go.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
+    pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],
     /// Which are due: what comes of them is overwritten.
-    due: u32,
-    streams: &'a mut [D::Stream; LANES],
+    pub(super) due: u32,
+    pub(super) streams: &'a mut [D::Stream; LANES],
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
     pub(super) observations: &'a mut [D::Observation; LANES],
     pub(super) rewards: &'a mut [f64; LANES],
@@ -191,10 +194,10 @@ impl<D: Native> Many<'_, D> {
             if self.due >> lane & 1 == 1 {
                 continue;
             }
-            let state = D::unpack(D::Packed::get(self.states, lane), self.steps[lane] == 0);
+            let state = dynamics.unpack(D::Packed::get(self.states, lane), self.steps[lane] == 0);
             let action = D::Action::from_item(self.actions[lane]);
             let transition = step(&state, action, &mut self.streams[lane]);
-            D::pack(&transition.state).set(self.states, lane);
+            dynamics.pack(&transition.state).set(self.states, lane);
             self.observations[lane] = dynamics.observe(&transition.state);
             self.rewards[lane] = transition.reward;
             *self.terminated |= u32::from(transition.terminated) << lane;

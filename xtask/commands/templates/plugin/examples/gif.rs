@@ -1,7 +1,7 @@
 //! Records an episode of random actions: `cargo run --example gif [ID] [FILE]`.
 
 use gym_core::render::RenderMode;
-use gym_core::{Env, Error, Result, registry};
+use gym_core::{EnvExt, Error, Result, registry};
 use gym_render::Recorder;
 use plugin_name as _;
 

@@ -13,7 +13,7 @@
 
 use gym_core::canvas::{Align, Canvas, Color};
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -60,7 +60,7 @@ pub struct CorridorDynamics {
     config: Config,
 }
 
-impl Dynamics for CorridorDynamics {
+impl Task for CorridorDynamics {
     type Config = Config;
     type State = State;
     type Observation = i64;
@@ -95,21 +95,6 @@ impl Dynamics for CorridorDynamics {
         Ok(State { cell: rng.integers(0, self.config.length / 2), slipped: false })
     }
 
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        let last = self.config.length - 1;
-        let slipped = rng.random() < self.config.slip;
-        let cell = match action {
-            _ if slipped => state.cell,
-            Action::Left => (state.cell - 1).max(0),
-            Action::Right => (state.cell + 1).min(last),
-        };
-        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
-    }
-
-    fn observe(&self, state: &State) -> i64 {
-        state.cell
-    }
-
     fn is_valid(&self, state: &State) -> bool {
         (0..self.config.length).contains(&state.cell)
     }
@@ -136,6 +121,23 @@ impl Dynamics for CorridorDynamics {
     }
 }
 
+impl Dynamics for CorridorDynamics {
+    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+        let last = self.config.length - 1;
+        let slipped = rng.random() < self.config.slip;
+        let cell = match action {
+            _ if slipped => state.cell,
+            Action::Left => (state.cell - 1).max(0),
+            Action::Right => (state.cell + 1).min(last),
+        };
+        Ok(Transition { state: State { cell, slipped }, reward: -1.0, terminated: cell == last })
+    }
+
+    fn observe(&self, state: &State) -> i64 {
+        state.cell
+    }
+}
+
 const WALL: Color = Color::rgb(52, 56, 66);
 const FLOOR: Color = Color::rgb(120, 126, 140);
 const DAYLIGHT: Color = Color::rgb(250, 226, 150);
@@ -150,7 +152,7 @@ gym_core::register!(
 
 #[cfg(test)]
 mod tests {
-    use gym_core::Env;
+    use gym_core::{Env, EnvExt};
 
     use super::*;
 

@@ -368,15 +368,15 @@ fn a_wrapper_that_leaves_out_its_spec_has_none() {
 }
 
 mod with_everything_imported {
-    use gym::vector::wrappers::*;
     use gym::vector::*;
+    use gym::wrappers::*;
 
     #[test]
     fn calls_are_not_ambiguous() {
         let mut envs = gym::make_vec("CartPole-v1", 2, None).unwrap();
         let mut columns = envs.columns().unwrap();
         envs.reset_into(&0.into(), &mut columns).unwrap();
-        let mut envs = ClipReward::new(envs, 0.0, 0.5).unwrap();
+        let mut envs = ClipReward::new(envs, (0.0, 0.5)).unwrap();
         envs.reset(1).unwrap();
         let actions = envs.action_sampler(0).unwrap().sample();
         assert_eq!(envs.step(&actions).unwrap().rewards, [0.5, 0.5]);

@@ -2,16 +2,17 @@
 
 use std::any::{Any, TypeId};
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use gym_core::canvas::{Blank, Canvas};
 use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace};
-use gym_core::wrappers::*;
 use gym_core::{
     Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    WrapperSpec, registry,
 };
+use gym_wrappers::*;
+use serde_json::json;
 
 /// An environment that notes which of its methods are called.
 #[derive(Clone)]
@@ -171,7 +172,7 @@ const CALLS: &[Call] = &[
 
 /// The methods of the trait, as they stand in its source.
 fn methods() -> BTreeSet<&'static str> {
-    let source = include_str!("../src/env.rs");
+    let source = include_str!("../../gym-core/src/env.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
     let (body, _) = body.split_once("\n}\n").unwrap();
     let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));
@@ -187,66 +188,80 @@ fn every_method_is_called() {
 /// A wrapper around a spy, and the methods that it answers itself.
 fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     let spy = || spy.clone();
+    let registered = |name: &str, kwargs: serde_json::Value| {
+        let kwargs = kwargs.as_object().expect("arguments").clone();
+        WrapperSpec { name: name.into(), kwargs }.wrap(BoxEnv::new(spy())).unwrap()
+    };
     let seen = ["observation_space"].as_slice();
     let done = ["action_space"].as_slice();
+    let pair =
+        |name: &str, low: f64, high: f64| json!({format!("min_{name}"): low, format!("max_{name}"): high});
+    let (kwargs, own): (_, &[&str]) = match name {
+        "AddRenderObservation"
+        | "FlattenObservation"
+        | "GrayscaleObservation"
+        | "NormalizeObservation"
+        | "TimeAwareObservation" => (json!({}), seen),
+        "AddWhiteNoise" => (json!({"probability_of_noise_per_pixel": 0.5}), &[]),
+        "ObstructView" => (json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 1}), &[]),
+        "Autoreset"
+        | "NormalizeReward"
+        | "OrderEnforcing"
+        | "PassiveEnvChecker"
+        | "RecordEpisodeStatistics"
+        | "MaxAndSkipObservation" => (json!({}), &[]),
+        "ClipAction" => (json!({}), done),
+        "ClipReward" => (pair("reward", 0.0, 1.0), &[]),
+        "DelayObservation" => (json!({"delay": 1}), &[]),
+        "DiscretizeAction" => (json!({"bins": 3}), done),
+        "DiscretizeObservation" => (json!({"bins": 3}), seen),
+        "DtypeObservation" => (json!({"dtype": "float64"}), seen),
+        "FilterObservation" => (json!({"filter_keys": ["a"]}), seen),
+        "FrameStackObservation" => (json!({"stack_size": 2}), seen),
+        // it hands over what it has gathered
+        "RenderCollection" => (json!({}), &["render_into"]),
+        "RepeatAction" => (json!({"num_repeats": 2}), &[]),
+        "RescaleAction" => (pair("action", -2.0, 2.0), done),
+        "RescaleObservation" => (pair("obs", -2.0, 2.0), seen),
+        "ReshapeObservation" => (json!({"shape": [1, 2]}), seen),
+        "ResizeObservation" => (json!({"shape": [2, 2]}), seen),
+        "StickyAction" => (json!({"repeat_action_probability": 0.5}), &[]),
+        "TimeLimit" => (json!({"max_episode_steps": 5}), &[]),
+        _ => return unregistered(name, &spy()),
+    };
+    Some((registered(name, kwargs), own))
+}
+
+/// The wrappers that specs do not name.
+fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
+    let spy = || spy.clone();
     Some(match name {
-        "add_render_observation" => (BoxEnv::new(AddRenderObservation::new(spy()).unwrap()), seen),
-        "add_white_noise" => (BoxEnv::new(AddWhiteNoise::new(spy(), 0.5, false).unwrap()), &[]),
-        "autoreset" => (BoxEnv::new(Autoreset::new(spy())), &[]),
-        "clip_action" => (BoxEnv::new(ClipAction::new(spy()).unwrap()), done),
-        "clip_reward" => (BoxEnv::new(ClipReward::new(spy(), 0.0, 1.0).unwrap()), &[]),
-        "delay_observation" => (BoxEnv::new(DelayObservation::new(spy(), 1).unwrap()), &[]),
-        "discretize_action" => (BoxEnv::new(DiscretizeAction::new(spy(), 3, false).unwrap()), done),
-        "discretize_observation" => (BoxEnv::new(DiscretizeObservation::new(spy(), 3, false).unwrap()), seen),
-        "dtype_observation" => (BoxEnv::new(DtypeObservation::new(spy(), DType::F64).unwrap()), seen),
-        "filter_observation" => (BoxEnv::new(FilterObservation::new(spy(), ["a"]).unwrap()), seen),
-        "flatten_observation" => (BoxEnv::new(FlattenObservation::new(spy()).unwrap()), seen),
-        "frame_stack_observation" => (BoxEnv::new(FrameStackObservation::new(spy(), 2).unwrap()), seen),
-        "grayscale_observation" => (BoxEnv::new(GrayscaleObservation::new(spy(), false).unwrap()), seen),
-        "max_and_skip_observation" => (BoxEnv::new(MaxAndSkipObservation::new(spy(), 2).unwrap()), &[]),
-        "normalize_observation" => (BoxEnv::new(NormalizeObservation::new(spy()).unwrap()), seen),
-        "normalize_reward" => (BoxEnv::new(NormalizeReward::new(spy(), 0.9).unwrap()), &[]),
-        "obstruct_view" => (BoxEnv::new(ObstructView::new(spy(), 0.5, 1, false).unwrap()), &[]),
-        "order_enforcing" => (BoxEnv::new(OrderEnforcing::new(spy())), &[]),
-        "passive_env_checker" => (BoxEnv::new(PassiveEnvChecker::new(spy())), &[]),
-        "record_episode_statistics" => (BoxEnv::new(RecordEpisodeStatistics::new(spy())), &[]),
         // it makes texts of `ansi`, whatever the environment renders by itself
-        "render" => {
+        "Render" => {
             (BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()), &["render_mode", "render_into"])
         }
-        // it hands over what it has gathered
-        "render_collection" => (BoxEnv::new(RenderCollection::new(spy())), &["render_into"]),
-        "repeat_action" => (BoxEnv::new(RepeatAction::new(spy(), 2).unwrap()), &[]),
-        "rescale_action" => (BoxEnv::new(RescaleAction::new(spy(), -2.0, 2.0).unwrap()), done),
-        "rescale_observation" => (BoxEnv::new(RescaleObservation::new(spy(), -2.0, 2.0).unwrap()), seen),
-        "reshape_observation" => (BoxEnv::new(ReshapeObservation::new(spy(), [1, 2]).unwrap()), seen),
-        "resize_observation" => (BoxEnv::new(ResizeObservation::new(spy(), 2, 2).unwrap()), seen),
-        "sticky_action" => (BoxEnv::new(StickyAction::new(spy(), 0.5).unwrap()), &[]),
-        "time_aware_observation" => (BoxEnv::new(TimeAwareObservation::new(spy()).unwrap()), seen),
-        "time_limit" => (BoxEnv::new(TimeLimit::new(spy(), 5).unwrap()), &[]),
         // a function has no stored form
-        "transform_action" => (BoxEnv::new(TransformAction::new(spy(), Value::clone, None)), &["spec"]),
-        "transform_observation" => {
+        "TransformAction" => (BoxEnv::new(TransformAction::new(spy(), Value::clone, None)), &["spec"]),
+        "TransformObservation" => {
             (BoxEnv::new(TransformObservation::new(spy(), Value::clone, None)), &["spec"])
         }
-        "transform_reward" => (BoxEnv::new(TransformReward::new(spy(), |reward| reward)), &["spec"]),
-        "boxed" => (BoxEnv::new(BoxEnv::new(spy())), &[]),
+        "TransformReward" => (BoxEnv::new(TransformReward::new(spy(), |reward| reward)), &["spec"]),
+        "BoxEnv" => (BoxEnv::new(BoxEnv::new(spy())), &[]),
         _ => return None,
     })
 }
 
 #[test]
 fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/wrappers");
-    let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let names = names.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned());
-    let names: Vec<_> = names.filter(|name| name != "mod" && name != "wrap").collect();
+    let registered = registry::wrappers().into_iter().map(|wrapper| wrapper.name);
+    let unregistered = ["Render", "TransformAction", "TransformObservation", "TransformReward", "BoxEnv"];
+    let names: Vec<_> = registered.chain(unregistered).collect();
     assert!(names.len() >= 33, "{names:?}");
-    for name in names.iter().map(String::as_str).chain(["boxed"]) {
+    for name in names {
         let picture = BoxSpace::uniform(0.0, 255.0, [4, 4, 3], DType::U8).unwrap();
         let spy = match name {
-            "grayscale_observation" | "resize_observation" => Spy::new(picture),
-            "filter_observation" => {
+            "GrayscaleObservation" | "ResizeObservation" => Spy::new(picture),
+            "FilterObservation" => {
                 Spy::new(DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(3))]).unwrap())
             }
             _ => Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0])),
@@ -267,8 +282,8 @@ fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
 #[test]
 fn wrappers_are_reached_through_boxes() {
     let spy = Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0]));
-    let env = NormalizeObservation::new(BoxEnv::new(spy)).unwrap();
-    let env = BoxEnv::new(ClipReward::new(env, 0.0, 1.0).unwrap());
+    let env = BoxEnv::new(spy).normalize_observation().unwrap();
+    let env = BoxEnv::new(ClipReward::new(env, (0.0, 1.0)).unwrap());
     let mut env = BoxEnv::new(TimeLimit::new(env, 3).unwrap());
     env.reset(0).unwrap();
     env.step(&Value::from([0.0_f32])).unwrap();

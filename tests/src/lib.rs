@@ -61,6 +61,7 @@ mod documents {
         Faq: "docs/faq.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
+        Native: "docs/native.md",
         Planning: "docs/planning.md",
         Plugins: "docs/plugins.md",
         Readme: "README.md",

@@ -280,7 +280,7 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
         pendulum::Config::default(),
         [("x_init", 100.0), ("y_init", 8.0)],
     );
-    compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, bounds(-3.0, 3.0));
+    compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds(-3.0, 3.0));
 }
 
 /// Angles and positions far from any episode: these too are equal.
@@ -289,11 +289,17 @@ fn steps_from_extremes_equal_those_of_scalar_environments() {
     use gym::classic::{cartpole, mountain_car, mountain_car_continuous, pendulum};
     let bounds = [("low", -1e6), ("high", 1e6)];
     compare_steps::<CartPoleDynamics, 4, 4>(cartpole::Config::default(), bounds);
-    compare_steps::<MountainCarDynamics, 2, 2>(mountain_car::Config { goal_velocity: -1.0 }, bounds);
-    let config = mountain_car_continuous::Config { goal_velocity: -1.0 };
+    compare_steps::<MountainCarDynamics, 2, 2>(
+        mountain_car::Config { goal_velocity: -1.0, ..Default::default() },
+        bounds,
+    );
+    let config = mountain_car_continuous::Config { goal_velocity: -1.0, ..Default::default() };
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds);
-    compare_steps::<PendulumDynamics, 3, 3>(pendulum::Config { g: -3e5 }, [("x_init", 1e6), ("y_init", 1e6)]);
-    compare_steps::<AcrobotDynamics, 4, 6>(gym::NoArguments {}, bounds);
+    compare_steps::<PendulumDynamics, 3, 3>(
+        pendulum::Config { g: -3e5, ..Default::default() },
+        [("x_init", 1e6), ("y_init", 1e6)],
+    );
+    compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds);
 }
 
 #[test]

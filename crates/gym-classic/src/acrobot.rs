@@ -3,14 +3,11 @@
 //! | | |
 //! |---|---|
 //! | observation | cos and sin of the first angle, cos and sin of the second, both angular velocities in ±4π and ±9π rad/s; `Box(6, float32)` |
-//! | action | [`Action`]: torque -1, 0 or 1 N m at the elbow; `Discrete(3)` |
+//! | action | [`Action`]: torque at the elbow, -1, 0 or 1 N m unless [`Config::AVAIL_TORQUE`] says otherwise; `Discrete(3)` |
 //! | reward | -1 per step, 0 for the last one |
 //! | start | angles and velocities uniform in ±0.1; reset options `low`, `high` (numbers, -0.1 and 0.1) are other bounds |
 //! | end | terminated when the tip is one link's length above the shoulder |
 //! | limit | 500 steps |
-//!
-//! Differences from Gymnasium: what it leaves to attributes of the class (other equations, noise of the
-//! torque, other torques) cannot be changed.
 //!
 //! The first angle is 0 when the upper link hangs down; the second is relative to the first. From
 //! Sutton (1996), "Generalization in reinforcement learning: successful examples using sparse coarse
@@ -20,28 +17,81 @@
 use std::f64::consts::{PI, TAU};
 
 use gym_core::canvas::{Canvas, Color, Primitive};
-use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos};
+use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos, square};
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_core::{ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::{constants, reset};
 
 /// The environment.
 pub type Acrobot = Stateful<AcrobotDynamics>;
 
-const DT: f64 = 0.2; // s
-const LINK_LENGTH_1: f64 = 1.0; // m
-const LINK_LENGTH_2: f64 = 1.0; // m
-const LINK_MASS_1: f64 = 1.0; // kg
-const LINK_MASS_2: f64 = 1.0; // kg
-const LINK_COM_POS_1: f64 = 0.5; // m from its joint to the centre of mass
-const LINK_COM_POS_2: f64 = 0.5; // m
-const LINK_MOI: f64 = 1.0; // kg m^2, of both links
-const MAX_VEL_1: f64 = 4.0 * PI; // rad/s
-const MAX_VEL_2: f64 = 9.0 * PI; // rad/s
 const GRAVITY: f64 = 9.8; // m/s^2
+
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    #[expect(non_snake_case, reason = "Gymnasium's names")]
+    pub const struct Config {
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub dt: f64 = 0.2,
+        /// Length of the upper link.
+        #[unit = "m"]
+        pub LINK_LENGTH_1: f64 = 1.0,
+        /// Length of the lower link: it is drawn, and the equations do not look at it.
+        #[unit = "m"]
+        pub LINK_LENGTH_2: f64 = 1.0,
+        /// Mass of the upper link.
+        #[unit = "kg"]
+        pub LINK_MASS_1: f64 = 1.0,
+        /// Mass of the lower link.
+        #[unit = "kg"]
+        pub LINK_MASS_2: f64 = 1.0,
+        /// Distance of the upper link's centre of mass from its joint.
+        #[unit = "m"]
+        pub LINK_COM_POS_1: f64 = 0.5,
+        /// Distance of the lower link's centre of mass from its joint.
+        #[unit = "m"]
+        pub LINK_COM_POS_2: f64 = 0.5,
+        /// Moment of inertia of each link.
+        #[unit = "kg m²"]
+        pub LINK_MOI: f64 = 1.0,
+        /// The greatest angular velocity of the upper link.
+        #[unit = "rad/s"]
+        pub MAX_VEL_1: f64 = 4.0 * PI,
+        /// The greatest angular velocity of the lower link.
+        #[unit = "rad/s"]
+        pub MAX_VEL_2: f64 = 9.0 * PI,
+        /// The torque of each action.
+        #[unit = "N m"]
+        pub AVAIL_TORQUE: [f64; 3] = [-1.0, 0.0, 1.0],
+        /// The torque is disturbed by up to this much, uniformly.
+        #[unit = "N m"]
+        pub torque_noise_max: f64 = 0.0,
+        /// Where the equations are from.
+        pub book_or_nips: Equation = Equation::Book,
+    }
+}
+
+/// Whose equation gives the acceleration of the lower link.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Equation {
+    /// That of Sutton and Barto's book.
+    #[default]
+    Book,
+    /// That of Sutton's paper at NIPS, without the centrifugal force of the upper link.
+    Nips,
+}
+
+impl ArgumentType for Equation {
+    fn kind() -> String {
+        "string".into()
+    }
+}
 
 gym_core::discrete! {
     /// The torque at the elbow.
@@ -73,26 +123,70 @@ pub struct State {
 
 /// The pure functions of the task.
 #[derive(Clone, Copy, Debug)]
-pub struct AcrobotDynamics;
+pub struct AcrobotDynamics {
+    config: Config,
+    /// The arguments of the constructor, which the spaces follow.
+    built: Config,
+    constants: [f64; 19],
+}
 
 impl Task for AcrobotDynamics {
-    type Config = NoArguments;
+    type Config = Config;
     type State = State;
     type Observation = [f32; 6];
     type Action = Action;
 
     const NAME: &'static str = "Acrobot";
 
-    fn new(NoArguments {}: NoArguments) -> Result<Self> {
-        Ok(Self)
+    fn new(config: Config) -> Result<Self> {
+        let Config {
+            dt,
+            LINK_LENGTH_1: l1,
+            LINK_LENGTH_2: l2,
+            LINK_MASS_1: m1,
+            LINK_MASS_2: m2,
+            LINK_COM_POS_1: lc1,
+            LINK_COM_POS_2: lc2,
+            LINK_MOI: moi,
+            MAX_VEL_1: max_vel_1,
+            MAX_VEL_2: max_vel_2,
+            AVAIL_TORQUE: [torque_0, torque_1, torque_2],
+            torque_noise_max,
+            book_or_nips: _,
+        } = config;
+        constants::finite(
+            Self::NAME,
+            [
+                ("dt", dt),
+                ("LINK_LENGTH_1", l1),
+                ("LINK_LENGTH_2", l2),
+                ("LINK_MASS_1", m1),
+                ("LINK_MASS_2", m2),
+                ("LINK_COM_POS_1", lc1),
+                ("LINK_COM_POS_2", lc2),
+                ("LINK_MOI", moi),
+                ("AVAIL_TORQUE[0]", torque_0),
+                ("AVAIL_TORQUE[1]", torque_1),
+                ("AVAIL_TORQUE[2]", torque_2),
+                ("torque_noise_max", torque_noise_max),
+            ],
+        )?;
+        constants::limits(Self::NAME, [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)])?;
+        let constants = constants_of(&config, [square(l1), square(lc1), square(lc2)]);
+        Ok(Self { config, built: config, constants })
     }
 
-    fn config(&self) -> &NoArguments {
-        &NoArguments {}
+    fn config(&self) -> &Config {
+        &self.config
+    }
+
+    fn assign(&mut self, config: Config) -> Result<()> {
+        *self = Self { built: self.built, ..Self::new(config)? };
+        Ok(())
     }
 
     fn observation_space(&self) -> Space {
-        let high = [1.0, 1.0, 1.0, 1.0, MAX_VEL_1 as f32, MAX_VEL_2 as f32];
+        let high = [1.0, 1.0, 1.0, 1.0, self.built.MAX_VEL_1 as f32, self.built.MAX_VEL_2 as f32];
         Space::boxed(high.map(|x| -x), high)
     }
 
@@ -115,14 +209,14 @@ impl Task for AcrobotDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        const BOUND: f64 = LINK_LENGTH_1 + LINK_LENGTH_2 + 0.2;
-        const SCALE: f64 = 500.0 / (2.0 * BOUND); // pixels per m
-        const RADIUS: f64 = 0.1 * SCALE;
         const MIDDLE: f64 = 250.0;
+        let lengths = [self.config.LINK_LENGTH_1, self.config.LINK_LENGTH_2];
+        let scale = 500.0 / ((lengths[0] + lengths[1] + 0.2) * 2.0); // pixels per m
+        let radius = 0.1 * scale;
 
         canvas.clear(Color::WHITE);
         canvas.push(pygame::flipped(500.0));
-        let goal = [-BOUND, BOUND].map(|x| [x * SCALE + MIDDLE, SCALE + MIDDLE]);
+        let goal = [-2.2, 2.2].map(|x| [x * scale + MIDDLE, scale + MIDDLE]);
         canvas.pygame(Primitive::Lines { points: &goal, closed: false, width: 1 }, Color::BLACK);
         // the first state is of 32 bits, and so is what numpy computes from it
         let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
@@ -132,33 +226,78 @@ impl Task for AcrobotDynamics {
         } else {
             sin_cos(state.theta1)
         };
-        let elbow = [LINK_LENGTH_1 * sin, -LINK_LENGTH_1 * cos].map(|x| number(x * number(SCALE)));
+        let elbow = [sin, -cos].map(|x| number(number(number(lengths[0]) * x) * number(scale)));
         let angle = |theta: f64| number(theta - number(PI / 2.0));
         let links = [
-            ([0.0, 0.0], angle(state.theta1), LINK_LENGTH_1),
-            (elbow, angle(number(state.theta1 + state.theta2)), LINK_LENGTH_2),
+            ([0.0, 0.0], angle(state.theta1), lengths[0]),
+            (elbow, angle(number(state.theta1 + state.theta2)), lengths[1]),
         ];
         for (joint, angle, length) in links {
             let [x, y] = joint.map(|x| x + MIDDLE);
-            let link = pygame::corners([0.0, -RADIUS], [length * SCALE, RADIUS]).map(|corner| {
+            let link = pygame::corners([0.0, -radius], [length * scale, radius]).map(|corner| {
                 let corner = pygame::rotate_rad(corner, angle);
                 [corner[0] + x, corner[1] + y]
             });
             pygame::gfx_polygon(canvas, &link, Color::rgb(0, 204, 204));
-            pygame::gfx_circle(canvas, [x, y], RADIUS, Color::rgb(204, 204, 0));
+            pygame::gfx_circle(canvas, [x, y], radius, Color::rgb(204, 204, 0));
         }
         canvas.pop();
     }
 }
 
+/// What the equations need, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and `LINK_COM_POS_2`.
+const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 19] {
+    let Config {
+        dt,
+        LINK_LENGTH_1: l1,
+        LINK_LENGTH_2: _,
+        LINK_MASS_1: m1,
+        LINK_MASS_2: m2,
+        LINK_COM_POS_1: lc1,
+        LINK_COM_POS_2: lc2,
+        LINK_MOI: moi,
+        MAX_VEL_1: max_vel_1,
+        MAX_VEL_2: max_vel_2,
+        AVAIL_TORQUE: _,
+        torque_noise_max,
+        book_or_nips: _,
+    } = *config;
+    // the products of constants that Python computes first, in its order
+    [
+        m1 * lc1_2,
+        m2,
+        moi,
+        l1_2 + lc2_2,
+        2.0 * l1 * lc2,
+        lc2_2,
+        l1 * lc2,
+        m2 * lc2 * GRAVITY,
+        -m2 * l1 * lc2,
+        2.0 * m2 * l1 * lc2,
+        (m1 * lc1 + m2 * l1) * GRAVITY,
+        m2 * l1 * lc2,
+        m2 * lc2_2 + moi,
+        dt,
+        dt / 2.0,
+        dt / 6.0,
+        max_vel_1,
+        max_vel_2,
+        torque_noise_max,
+    ]
+}
+
 impl Equations for AcrobotDynamics {
     type Numbers = [f64; 4];
     type Input = [f64; 1];
-    type Constants = [f64; 0];
+    type Constants = [f64; 19];
+
+    // the squares are exact
+    const USUAL: Option<[f64; 19]> = Some(constants_of(&Config::DEFAULT, [1.0, 0.25, 0.25]));
+    const IS_NOISY: bool = true;
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 0] {
-        []
+    fn constants(&self) -> [f64; 19] {
+        self.constants
     }
 
     #[inline(always)]
@@ -174,22 +313,39 @@ impl Equations for AcrobotDynamics {
     /// The torque.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
-        [f64::from(action as i8 - 1)]
+        let [negative, zero, positive] = self.config.AVAIL_TORQUE;
+        // not by index, which would keep the compiler from vectors
+        [if action == Action::Negative {
+            negative
+        } else if action == Action::Zero {
+            zero
+        } else {
+            positive
+        }]
+    }
+
+    #[inline(always)]
+    fn disturb([.., torque_noise_max]: &[f64; 19], [torque]: &mut [f64; 1], rng: &mut Generator) {
+        if *torque_noise_max > 0.0 {
+            *torque += rng.uniform(-torque_noise_max, *torque_noise_max);
+        }
     }
 
     /// One step in time.
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        []: [R; 0],
+        constants: [R; 19],
         state: [R; 4],
         _fresh: R::Mask,
         [torque]: [R; 1],
     ) -> Next<R, Self> {
-        let [theta1, theta2, dtheta1, dtheta2] = rk4(state, torque);
+        let [.., max_vel_1, max_vel_2, _] = constants;
+        let is_nips = self.config.book_or_nips == Equation::Nips;
+        let [theta1, theta2, dtheta1, dtheta2] = rk4(constants, is_nips, state, torque);
         let (theta1, theta2) = (wrap(theta1), wrap(theta2));
-        let dtheta1 = dtheta1.clamp(-MAX_VEL_1, MAX_VEL_1);
-        let dtheta2 = dtheta2.clamp(-MAX_VEL_2, MAX_VEL_2);
+        let dtheta1 = bound(dtheta1, max_vel_1);
+        let dtheta2 = bound(dtheta2, max_vel_2);
         let state = [theta1, theta2, dtheta1, dtheta2];
         let seen = self.see(state);
         let [cos1, ..] = seen;
@@ -217,49 +373,72 @@ impl Equations for AcrobotDynamics {
     }
 }
 
+/// Between `-limit` and `limit`.
+#[inline(always)]
+fn bound<R: Real>(x: R, limit: R) -> R {
+    let x = R::select(x.lt(-limit), -limit, x);
+    R::select(x.gt(limit), limit, x)
+}
+
 /// The derivatives of both angles and both velocities.
 #[inline(always)]
-fn dsdt<R: Real>([theta1, theta2, dtheta1, dtheta2]: [R; 4], torque: R) -> [R; 4] {
-    const M1: f64 = LINK_MASS_1;
-    const M2: f64 = LINK_MASS_2;
-    const L1: f64 = LINK_LENGTH_1;
-    const LC1: f64 = LINK_COM_POS_1;
-    const LC2: f64 = LINK_COM_POS_2;
-    const I1: f64 = LINK_MOI;
-    const I2: f64 = LINK_MOI;
-    const G: f64 = GRAVITY;
-    // squares of constants are exact either way; those of variables are `pow`, as in numpy
+fn dsdt<R: Real>(
+    constants: [R; 19],
+    is_nips: bool,
+    [theta1, theta2, dtheta1, dtheta2]: [R; 4],
+    torque: R,
+) -> [R; 4] {
+    // squares of variables are `pow`, as in numpy
+    let [
+        m1_lc1_2,
+        m2,
+        moi,
+        l1_2_lc2_2,
+        two_l1_lc2,
+        lc2_2,
+        l1_lc2,
+        phi2_factor,
+        minus,
+        twice,
+        phi1_factor,
+        once,
+        moi_2,
+        ..,
+    ] = constants;
     let (sin2, cos2) = theta2.sin_cos();
 
-    let d1 = (cos2 * (2.0 * L1 * LC2) + (L1 * L1 + LC2 * LC2)) * M2 + M1 * (LC1 * LC1) + I1 + I2;
-    let d2 = (cos2 * (L1 * LC2) + LC2 * LC2) * M2 + I2;
-    let phi2 = (theta1 + theta2 - PI / 2.0).cos() * (M2 * LC2 * G);
-    let phi1 = dtheta2.square() * (-M2 * L1 * LC2) * sin2 - dtheta2 * (2.0 * M2 * L1 * LC2) * dtheta1 * sin2
-        + (theta1 - PI / 2.0).cos() * ((M1 * LC1 + M2 * L1) * G)
+    let d1 = (cos2 * two_l1_lc2 + l1_2_lc2_2) * m2 + m1_lc1_2 + moi + moi;
+    let d2 = (cos2 * l1_lc2 + lc2_2) * m2 + moi;
+    let phi2 = (theta1 + theta2 - PI / 2.0).cos() * phi2_factor;
+    let phi1 = dtheta2.square() * minus * sin2 - dtheta2 * twice * dtheta1 * sin2
+        + (theta1 - PI / 2.0).cos() * phi1_factor
         + phi2;
-    let ddtheta2 = (torque + d2 / d1 * phi1 - dtheta1.square() * (M2 * L1 * LC2) * sin2 - phi2)
-        / (-(d2.square() / d1) + (M2 * (LC2 * LC2) + I2));
+    let pull = torque + d2 / d1 * phi1;
+    let pull = if is_nips { pull } else { pull - dtheta1.square() * once * sin2 };
+    let ddtheta2 = (pull - phi2) / (-(d2.square() / d1) + moi_2);
     let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
 }
 
 /// `y + k * factor`.
 #[inline(always)]
-fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: f64) -> [R; 4] {
+fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: R) -> [R; 4] {
     [y1 + k1 * factor, y2 + k2 * factor, y3 + k3 * factor, y4 + k4 * factor]
 }
 
 /// One step of the classical Runge-Kutta method.
 #[inline(always)]
-fn rk4<R: Real>(y0: [R; 4], torque: R) -> [R; 4] {
-    let mut k = dsdt(y0, torque);
+fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R; 4] {
+    let [.., dt, half, sixth, _, _, _] = constants;
+    let (one, two) = (dt.same(1.0), dt.same(2.0));
+    let mut k = dsdt(constants, is_nips, y0, torque);
     let mut sum = k;
     // a loop, because a compiled copy of the derivatives for each of its rounds would be no faster
-    for (step, weight) in [(DT / 2.0, 2.0), (DT / 2.0, 2.0), (DT, 1.0)] {
-        k = dsdt(add(y0, k, step), torque);
+    for (step, weight) in [(half, two), (half, two), (dt, one)] {
+        k = dsdt(constants, is_nips, add(y0, k, step), torque);
         sum = add(sum, k, weight);
     }
-    add(y0, sum, DT / 6.0)
+    add(y0, sum, sixth)
 }
 
 /// An angle brought between ±π turn by turn, as Gymnasium does it, for the same rounding, unless this

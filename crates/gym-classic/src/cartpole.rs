@@ -3,10 +3,10 @@
 //! | | |
 //! |---|---|
 //! | observation | cart position (m), cart velocity (m/s), pole angle (rad), pole angular velocity (rad/s); `Box(4, float32)` |
-//! | action | [`Action`]: push left or right with 10 N; `Discrete(2)` |
+//! | action | [`Action`]: push left or right; `Discrete(2)` |
 //! | reward | 1 per step, the last one included; see [`Config::sutton_barto_reward`] for the other choice |
 //! | start | each number uniform in ±0.05; reset options `low`, `high` (numbers, -0.05 and 0.05) are other bounds |
-//! | end | terminated when the cart leaves ±2.4 m or the pole leaves ±12° |
+//! | end | terminated when the cart leaves ±[`Config::x_threshold`] or the pole ±[`Config::theta_threshold_radians`] |
 //! | limit | 500 steps (`CartPole-v0`: 200) |
 //!
 //! Versions: v1 raised the limit from 200 to 500 and the threshold from 195 to 475.
@@ -15,44 +15,91 @@
 //! can solve difficult learning control problems", in Florian's corrected form (2007); the order of
 //! operations is that of Gymnasium 1.4.0, `envs/classic_control/cartpole.py`.
 
+use std::f64::consts::PI;
+
 use gym_core::canvas::{Canvas, Color, Primitive};
 use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
+use gym_core::{
+    ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame,
+};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::{constants, reset};
 
 /// The environment.
 pub type CartPole = Stateful<CartPoleDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
-    /// book, instead of 1 for each step.
-    pub sutton_barto_reward: bool,
+gym_core::arguments! {
+    /// Arguments.
+    ///
+    /// Gymnasium computes `total_mass` and `polemass_length` in its constructor alone: an attribute that is set later, such as
+    /// `masspole`, leaves them as they are. Here they follow from the other arguments unless they are given themselves.
+    #[derive(Copy)]
+    pub const struct Config {
+        /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+        /// book, instead of 1 for each step.
+        pub sutton_barto_reward: bool = false,
+        /// Acceleration of gravity.
+        #[unit = "m/s²"]
+        pub gravity: f64 = 9.8,
+        /// Mass of the cart.
+        #[unit = "kg"]
+        pub masscart: f64 = 1.0,
+        /// Mass of the pole.
+        #[unit = "kg"]
+        pub masspole: f64 = 0.1,
+        /// Mass of both: `masspole + masscart` unless given.
+        #[unit = "kg"]
+        pub total_mass: Option<f64> = None,
+        /// Half the length of the pole.
+        #[unit = "m"]
+        pub length: f64 = 0.5,
+        /// Mass times length of the pole: `masspole * length` unless given.
+        #[unit = "kg m"]
+        pub polemass_length: Option<f64> = None,
+        /// The force of a push.
+        #[unit = "N"]
+        pub force_mag: f64 = 10.0,
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub tau: f64 = 0.02,
+        /// How a step is integrated.
+        pub kinematics_integrator: Integrator = Integrator::Euler,
+        /// The angle of the pole beyond which the episode ends.
+        #[unit = "rad"]
+        pub theta_threshold_radians: f64 = 12.0 * 2.0 * PI / 360.0,
+        /// The position of the cart beyond which the episode ends.
+        #[unit = "m"]
+        pub x_threshold: f64 = 2.4,
+    }
 }
 
-const GRAVITY: f64 = 9.8; // m/s^2
-const MASS_CART: f64 = 1.0; // kg
-const MASS_POLE: f64 = 0.1; // kg
-const TOTAL_MASS: f64 = MASS_POLE + MASS_CART;
-const LENGTH: f64 = 0.5; // m, half the pole's
-const POLEMASS_LENGTH: f64 = MASS_POLE * LENGTH;
-const FORCE_MAG: f64 = 10.0; // N
-const TAU: f64 = 0.02; // s between states
-const THETA_THRESHOLD: f64 = 12.0 * 2.0 * std::f64::consts::PI / 360.0; // rad
-const X_THRESHOLD: f64 = 2.4; // m
+/// How positions and velocities go from one state to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Integrator {
+    /// Positions move with the old velocities.
+    #[default]
+    #[serde(rename = "euler")]
+    Euler,
+    /// Positions move with the new velocities. In Gymnasium, any name but `euler` says so.
+    #[serde(rename = "semi-implicit euler")]
+    SemiImplicitEuler,
+}
+
+impl ArgumentType for Integrator {
+    fn kind() -> String {
+        "string".into()
+    }
+}
 
 gym_core::discrete! {
     /// Which way to push the cart.
     pub enum Action {
-        /// With 10 N to the left.
+        /// To the left.
         Left,
-        /// With 10 N to the right.
+        /// To the right.
         Right,
     }
 }
@@ -75,25 +122,57 @@ pub struct State {
     pub fresh: bool,
 }
 
-/// Whether an episode goes on with the cart and the pole there.
-fn is_within(x: f64, theta: f64) -> bool {
-    x.abs() <= X_THRESHOLD && theta.abs() <= THETA_THRESHOLD
-}
-
 /// The pure functions of the task.
 #[derive(Clone, Copy, Debug)]
 pub struct CartPoleDynamics {
     config: Config,
+    /// The arguments of the constructor, which the spaces follow.
+    built: Config,
+    constants: [f64; 9],
+}
+
+impl CartPoleDynamics {
+    /// Whether an episode goes on with the cart and the pole there.
+    fn is_within(&self, x: f64, theta: f64) -> bool {
+        x.abs() <= self.config.x_threshold && theta.abs() <= self.config.theta_threshold_radians
+    }
+}
+
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 9] {
+    let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = *config;
+    let total_mass = match config.total_mass {
+        Some(total_mass) => total_mass,
+        None => masspole + masscart,
+    };
+    let polemass_length = match config.polemass_length {
+        Some(polemass_length) => polemass_length,
+        None => masspole * length,
+    };
+    let Config { theta_threshold_radians, x_threshold, .. } = *config;
+    [
+        gravity,
+        masspole,
+        total_mass,
+        length,
+        polemass_length,
+        force_mag,
+        tau,
+        theta_threshold_radians,
+        x_threshold,
+    ]
 }
 
 impl Equations for CartPoleDynamics {
     type Numbers = [f64; 4];
     type Input = [f64; 1];
-    type Constants = [f64; 0];
+    type Constants = [f64; 9];
+
+    const USUAL: Option<[f64; 9]> = Some(constants_of(&Config::DEFAULT));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 0] {
-        []
+    fn constants(&self) -> [f64; 9] {
+        self.constants
     }
 
     #[inline(always)]
@@ -104,36 +183,50 @@ impl Equations for CartPoleDynamics {
     /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
     #[inline(always)]
     fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
-        State { x, x_dot, theta, theta_dot, fallen: !fresh && !is_within(x, theta), fresh }
+        State { x, x_dot, theta, theta_dot, fallen: !fresh && !self.is_within(x, theta), fresh }
     }
 
-    /// The force.
+    /// The direction to push in.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
-        [if action == Action::Right { FORCE_MAG } else { -FORCE_MAG }]
+        [if action == Action::Right { 1.0 } else { -1.0 }]
     }
 
     /// The equations of motion, for a pole that has not fallen.
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        []: [R; 0],
+        constants: [R; 9],
         [x, x_dot, theta, theta_dot]: [R; 4],
         _fresh: R::Mask,
-        [force]: [R; 1],
+        [push]: [R; 1],
     ) -> Next<R, Self> {
+        let [
+            gravity,
+            masspole,
+            total_mass,
+            length,
+            polemass_length,
+            force_mag,
+            tau,
+            theta_threshold,
+            x_threshold,
+        ] = constants;
+        let force = push * force_mag;
         let (sintheta, costheta) = theta.sin_cos();
 
-        let temp = (force + theta_dot * theta_dot * POLEMASS_LENGTH * sintheta) / TOTAL_MASS;
-        let thetaacc = (sintheta * GRAVITY - costheta * temp)
-            / ((-(costheta * costheta * MASS_POLE / TOTAL_MASS) + 4.0 / 3.0) * LENGTH);
-        let xacc = temp - thetaacc * POLEMASS_LENGTH * costheta / TOTAL_MASS;
+        let temp = (force + theta_dot * theta_dot * polemass_length * sintheta) / total_mass;
+        let thetaacc = (sintheta * gravity - costheta * temp)
+            / ((-(costheta * costheta * masspole / total_mass) + 4.0 / 3.0) * length);
+        let xacc = temp - thetaacc * polemass_length * costheta / total_mass;
 
-        // explicit Euler: positions move with the old velocities
-        let x = x + x_dot * TAU;
-        let theta = theta + theta_dot * TAU;
-        let next = [x, x_dot + xacc * TAU, theta, theta_dot + thetaacc * TAU];
-        let terminated = x.abs().gt(x.same(X_THRESHOLD)) | theta.abs().gt(x.same(THETA_THRESHOLD));
+        let (new_x_dot, new_theta_dot) = (x_dot + xacc * tau, theta_dot + thetaacc * tau);
+        let (x, theta) = match self.config.kinematics_integrator {
+            Integrator::Euler => (x + x_dot * tau, theta + theta_dot * tau),
+            Integrator::SemiImplicitEuler => (x + new_x_dot * tau, theta + new_theta_dot * tau),
+        };
+        let next = [x, new_x_dot, theta, new_theta_dot];
+        let terminated = x.abs().gt(x_threshold) | theta.abs().gt(theta_threshold);
         let (dropped, held) = if self.config.sutton_barto_reward { (-1.0, 0.0) } else { (1.0, 1.0) };
         let reward = R::select(terminated, x.same(dropped), x.same(held));
         Next { state: next, reward, terminated, seen: next }
@@ -163,16 +256,58 @@ impl Task for CartPoleDynamics {
     const NAME: &'static str = "CartPole";
 
     fn new(config: Config) -> Result<Self> {
-        Ok(Self { config })
+        let constants = constants_of(&config);
+        let [
+            gravity,
+            masspole,
+            total_mass,
+            length,
+            polemass_length,
+            force_mag,
+            tau,
+            theta_threshold,
+            x_threshold,
+        ] = constants;
+        constants::finite(
+            Self::NAME,
+            [
+                ("gravity", gravity),
+                ("masscart", config.masscart),
+                ("masspole", masspole),
+                ("total_mass", total_mass),
+                ("length", length),
+                ("polemass_length", polemass_length),
+                ("force_mag", force_mag),
+                ("tau", tau),
+            ],
+        )?;
+        constants::limits(
+            Self::NAME,
+            [("theta_threshold_radians", theta_threshold), ("x_threshold", x_threshold)],
+        )?;
+        Ok(Self { config, built: config, constants })
     }
 
     fn config(&self) -> &Config {
         &self.config
     }
 
+    fn assign(&mut self, config: Config) -> Result<()> {
+        let [_, _, total_mass, _, polemass_length, ..] = self.constants;
+        let config = Config {
+            total_mass: config.total_mass.or(Some(total_mass)),
+            polemass_length: config.polemass_length.or(Some(polemass_length)),
+            ..config
+        };
+        *self = Self { built: self.built, ..Self::new(config)? };
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
         // twice the thresholds, so that the last observation of an episode is still inside
-        let high = [(X_THRESHOLD * 2.0) as f32, f32::INFINITY, (THETA_THRESHOLD * 2.0) as f32, f32::INFINITY];
+        let [x, theta] =
+            [self.built.x_threshold, self.built.theta_threshold_radians].map(|x| (x * 2.0) as f32);
+        let high = [x, f32::INFINITY, theta, f32::INFINITY];
         Space::boxed(high.map(|x| -x), high)
     }
 
@@ -186,15 +321,22 @@ impl Task for CartPoleDynamics {
         Ok(State { x, x_dot, theta, theta_dot, fallen: false, fresh: true })
     }
 
-    /// Between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
+    /// With the usual constants: between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
     /// before, so that no velocity leads further than from one threshold to the other.
     fn is_valid(&self, state: &State) -> bool {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;
-        let is_slow = x_dot.abs() <= 2.0 * X_THRESHOLD / TAU + PUSH
-            && theta_dot.abs() <= 2.0 * THETA_THRESHOLD / TAU + PUSH;
-        let is_running = is_within(x, theta) && is_slow;
-        reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
+        let Config { tau, x_threshold, theta_threshold_radians, .. } = self.config;
+        let numbers = [x, x_dot, theta, theta_dot];
+        if self.config
+            != (Config { sutton_barto_reward: self.config.sutton_barto_reward, ..Config::default() })
+        {
+            return numbers.iter().all(|x| x.is_finite());
+        }
+        let is_slow = x_dot.abs() <= 2.0 * x_threshold / tau + PUSH
+            && theta_dot.abs() <= 2.0 * theta_threshold_radians / tau + PUSH;
+        let is_running = self.is_within(x, theta) && is_slow;
+        reset::plausible(&numbers) && (is_running || fallen || fresh)
     }
 
     fn metadata(&self) -> Metadata {
@@ -202,21 +344,21 @@ impl Task for CartPoleDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        const SCALE: f64 = 600.0 / (2.0 * X_THRESHOLD); // pixels per m
-        const POLE_LENGTH: f64 = SCALE * (2.0 * LENGTH);
         const POLE_WIDTH: f64 = 10.0;
         const CART: [f64; 2] = [50.0, 30.0];
         const CART_Y: f64 = 100.0;
         const AXLE: f64 = CART[1] / 4.0; // above the middle of the cart
 
+        let scale = 600.0 / (self.config.x_threshold * 2.0); // pixels per m
+        let pole_length = scale * (2.0 * self.config.length);
         canvas.clear(Color::WHITE);
         canvas.push(pygame::flipped(400.0));
-        let cart_x = state.x * SCALE + 300.0;
+        let cart_x = state.x * scale + 300.0;
         let [width, height] = CART.map(|side| side / 2.0);
         let cart = pygame::corners([-width, -height], [width, height]).map(|[x, y]| [x + cart_x, y + CART_Y]);
         pygame::gfx_polygon(canvas, &cart, Color::BLACK);
         let half = POLE_WIDTH / 2.0;
-        let pole = pygame::corners([-half, -half], [half, POLE_LENGTH - half]).map(|corner| {
+        let pole = pygame::corners([-half, -half], [half, pole_length - half]).map(|corner| {
             let [x, y] = pygame::rotate_rad(corner, -state.theta);
             [x + cart_x, y + CART_Y + AXLE]
         });
@@ -274,8 +416,8 @@ mod tests {
             stored["episode"]["state"][name] = value.into();
             env.restore(&serde_json::from_value(stored).unwrap())
         };
-        with("theta", THETA_THRESHOLD).unwrap();
-        with("x", -X_THRESHOLD).unwrap();
+        with("theta", Config::default().theta_threshold_radians).unwrap();
+        with("x", -2.4).unwrap();
         for (name, value) in
             [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 300.0), ("theta_dot", -1000.0)]
         {
@@ -299,6 +441,6 @@ mod tests {
     #[test]
     fn the_last_step_counts_and_none_beyond() {
         assert_eq!(rewards(Config::default()), [1.0, 1.0, 0.0]);
-        assert_eq!(rewards(Config { sutton_barto_reward: true }), [0.0, -1.0, -1.0]);
+        assert_eq!(rewards(Config { sutton_barto_reward: true, ..Config::default() }), [0.0, -1.0, -1.0]);
     }
 }

@@ -17,6 +17,7 @@
 
 pub mod acrobot;
 pub mod cartpole;
+mod constants;
 pub mod mountain_car;
 pub mod mountain_car_continuous;
 pub mod pendulum;

@@ -6,7 +6,7 @@
 //! | action | [`Action`]: accelerate left, not at all, or right; `Discrete(3)` |
 //! | reward | -1 per step |
 //! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` (numbers, -0.6 and -0.4) are other bounds |
-//! | end | terminated at position 0.5 or beyond with at least [`Config::goal_velocity`] |
+//! | end | terminated at [`Config::goal_position`] or beyond with at least [`Config::goal_velocity`] |
 //! | limit | 200 steps |
 //!
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
@@ -19,25 +19,31 @@ use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::{constants, reset};
 
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The least velocity with which the goal counts as reached.
-    pub goal_velocity: f64,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub const struct Config {
+        /// The least velocity with which the goal counts as reached.
+        pub goal_velocity: f64 = 0.0,
+        /// The left end of the valley, where a wall is.
+        pub min_position: f64 = -1.2,
+        /// The right end of the valley.
+        pub max_position: f64 = 0.6,
+        /// The greatest velocity, per step.
+        pub max_speed: f64 = 0.07,
+        /// Where the goal is.
+        pub goal_position: f64 = 0.5,
+        /// What the motor adds to the velocity in a step.
+        pub force: f64 = 0.001,
+        /// What the slope adds to the velocity in a step, at most.
+        pub gravity: f64 = 0.0025,
+    }
 }
-
-pub(crate) const MIN_POSITION: f64 = -1.2;
-pub(crate) const MAX_POSITION: f64 = 0.6;
-pub(crate) const MAX_SPEED: f64 = 0.07;
-const GOAL_POSITION: f64 = 0.5;
-const FORCE: f64 = 0.001;
-const GRAVITY: f64 = 0.0025;
 
 gym_core::discrete! {
     /// Where to accelerate.
@@ -64,16 +70,27 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct MountainCarDynamics {
     config: Config,
+    /// The arguments of the constructor, which the spaces follow.
+    built: Config,
+}
+
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 7] {
+    let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
+        *config;
+    [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]
 }
 
 impl Equations for MountainCarDynamics {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
-    type Constants = [f64; 0];
+    type Constants = [f64; 7];
+
+    const USUAL: Option<[f64; 7]> = Some(constants_of(&Config::DEFAULT));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 0] {
-        []
+    fn constants(&self) -> [f64; 7] {
+        constants_of(&self.config)
     }
 
     #[inline(always)]
@@ -96,19 +113,17 @@ impl Equations for MountainCarDynamics {
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        []: [R; 0],
+        [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]: [R; 7],
         [position, velocity]: [R; 2],
         _fresh: R::Mask,
         [push]: [R; 1],
     ) -> Next<R, Self> {
-        let velocity = velocity + (push * FORCE + (position * 3.0).cos() * -GRAVITY);
-        let velocity = velocity.clamp(-MAX_SPEED, MAX_SPEED);
-        let position = (position + velocity).clamp(MIN_POSITION, MAX_POSITION);
-        let at_wall = position.le(position.same(MIN_POSITION));
+        let velocity = velocity + (push * force + (position * 3.0).cos() * -gravity);
+        let velocity = clip(velocity, -max_speed, max_speed);
+        let position = clip(position + velocity, min_position, max_position);
         let zero = velocity.same(0.0);
-        let velocity = R::select(at_wall & velocity.lt(zero), zero, velocity);
-        let terminated =
-            position.same(GOAL_POSITION).le(position) & velocity.same(self.config.goal_velocity).le(velocity);
+        let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
+        let terminated = goal_position.le(position) & goal_velocity.le(velocity);
         let state = [position, velocity];
         Next { state, reward: velocity.same(-1.0), terminated, seen: state }
     }
@@ -128,16 +143,28 @@ impl Task for MountainCarDynamics {
     const NAME: &'static str = "MountainCar";
 
     fn new(config: Config) -> Result<Self> {
-        check_goal_velocity(Self::NAME, config.goal_velocity)?;
-        Ok(Self { config })
+        let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
+            config;
+        check_valley(Self::NAME, goal_velocity, [min_position, max_position])?;
+        constants::finite(
+            Self::NAME,
+            [("goal_position", goal_position), ("force", force), ("gravity", gravity)],
+        )?;
+        constants::limits(Self::NAME, [("max_speed", max_speed)])?;
+        Ok(Self { config, built: config })
     }
 
     fn config(&self) -> &Config {
         &self.config
     }
 
+    fn assign(&mut self, config: Config) -> Result<()> {
+        *self = Self { built: self.built, ..Self::new(config)? };
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
-        Space::boxed([MIN_POSITION as f32, -MAX_SPEED as f32], [MAX_POSITION as f32, MAX_SPEED as f32])
+        valley(self.built.min_position, self.built.max_position, self.built.max_speed)
     }
 
     fn action_space(&self) -> Space {
@@ -158,41 +185,71 @@ impl Task for MountainCarDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        draw(state.position, false, GOAL_POSITION, canvas);
+        let Config { min_position, max_position, goal_position, .. } = self.config;
+        draw(state.position, false, [min_position, max_position], goal_position, canvas);
     }
 }
 
-/// An argument of both mountain cars.
-pub(crate) fn check_goal_velocity(env: &str, goal_velocity: f64) -> Result<()> {
+/// What is observed of both mountain cars.
+pub(crate) fn valley(min_position: f64, max_position: f64, max_speed: f64) -> Space {
+    Space::boxed([min_position as f32, -max_speed as f32], [max_position as f32, max_speed as f32])
+}
+
+/// Arguments of both mountain cars.
+pub(crate) fn check_valley(env: &str, goal_velocity: f64, [low, high]: [f64; 2]) -> Result<()> {
+    constants::finite(env, [("min_position", low), ("max_position", high)])?;
     if goal_velocity.is_nan() {
         return Err(Error::argument(env, "goal_velocity is NaN: it must be a number"));
+    }
+    if low >= high {
+        let reason = format!("min_position is {low:?}: it must be less than max_position, {high:?}");
+        return Err(Error::argument(env, reason));
     }
     Ok(())
 }
 
+/// `np.clip`.
+#[inline(always)]
+pub(crate) fn clip<R: Real>(x: R, low: R, high: R) -> R {
+    let x = R::select(x.lt(low), low, x);
+    R::select(x.gt(high), high, x)
+}
+
+/// Python's `==`.
+#[inline(always)]
+pub(crate) fn equal<R: Real>(x: R, y: R) -> R::Mask {
+    x.le(y) & y.le(x)
+}
+
 /// The valley, the car and the flag, of both mountain cars. With a position of 32 bits, numpy computes the
 /// car's place in 32 bits.
-pub(crate) fn draw(position: f64, is_single: bool, goal_position: f64, canvas: &mut dyn Canvas) {
-    const SCALE: f64 = 600.0 / (MAX_POSITION - MIN_POSITION); // pixels per unit
+pub(crate) fn draw(
+    position: f64,
+    is_single: bool,
+    [min_position, max_position]: [f64; 2],
+    goal_position: f64,
+    canvas: &mut dyn Canvas,
+) {
     const CLEARANCE: f64 = 10.0; // of the car above the ground
     const CAR: [f64; 2] = [40.0, 20.0];
     const WHEEL_RADIUS: f64 = CAR[1] / 2.5;
     const POINTS: usize = 100;
+    let scale = 600.0 / (max_position - min_position); // pixels per unit
     let height = |x: f64| sin(3.0 * x) * 0.45 + 0.55;
-    let pixel = |x: f64| [(x - MIN_POSITION) * SCALE, height(x) * SCALE];
+    let pixel = |x: f64| [(x - min_position) * scale, height(x) * scale];
     // the same of the car
     let number = |x: f64| if is_single { f64::from(x as f32) } else { x };
     let angle = number(3.0 * position);
     let sin = if is_single { f64::from(numpy_sin_cos_f32(angle as f32).0) } else { sin(angle) };
     let car_height = number(number(sin * number(0.45)) + number(0.55));
-    let car_pixel = [number(position - number(MIN_POSITION)), car_height].map(|x| number(x * number(SCALE)));
+    let car_pixel = [number(position - number(min_position)), car_height].map(|x| number(x * number(scale)));
 
     canvas.clear(Color::WHITE);
     canvas.push(pygame::flipped(400.0));
     // numpy's linspace
-    let step = (MAX_POSITION - MIN_POSITION) / (POINTS - 1) as f64;
+    let step = (max_position - min_position) / (POINTS - 1) as f64;
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
-        pixel(if i == POINTS - 1 { MAX_POSITION } else { i as f64 * step + MIN_POSITION })
+        pixel(if i == POINTS - 1 { max_position } else { i as f64 * step + min_position })
     });
     canvas.pygame(Primitive::AaLines { points: &hill, closed: false }, Color::BLACK);
 

@@ -6,7 +6,7 @@
 //! | action | force in [-1, 1], clipped beyond; `Box(1, float32)` |
 //! | reward | -0.1 times the squared action (as given, not clipped), and 100 at the goal |
 //! | start | position uniform in [-0.6, -0.4], at rest; reset options `low`, `high` (numbers, -0.6 and -0.4) are other bounds |
-//! | end | terminated at position 0.45 or beyond with at least [`Config::goal_velocity`] |
+//! | end | terminated at [`Config::goal_position`] or beyond with at least [`Config::goal_velocity`] |
 //! | limit | 999 steps |
 //!
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
@@ -17,19 +17,37 @@ use gym_core::canvas::Canvas;
 use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task};
+use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task};
 use serde::{Deserialize, Serialize};
 
-use crate::mountain_car::{self, MAX_POSITION, MAX_SPEED, MIN_POSITION};
-use crate::reset;
+use crate::mountain_car::{self, clip, equal};
+use crate::{constants, reset};
 
 /// The environment.
 pub type MountainCarContinuous = Stateful<MountainCarContinuousDynamics>;
 
-pub use crate::mountain_car::Config;
-
-const GOAL_POSITION: f64 = 0.45;
-const POWER: f64 = 0.0015;
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub const struct Config {
+        /// The least velocity with which the goal counts as reached.
+        pub goal_velocity: f64 = 0.0,
+        /// The least force: a smaller action counts as this one.
+        pub min_action: f64 = -1.0,
+        /// The greatest force: a greater action counts as this one.
+        pub max_action: f64 = 1.0,
+        /// The left end of the valley, where a wall is.
+        pub min_position: f64 = -1.2,
+        /// The right end of the valley.
+        pub max_position: f64 = 0.6,
+        /// The greatest velocity, per step.
+        pub max_speed: f64 = 0.07,
+        /// Where the goal is.
+        pub goal_position: f64 = 0.45,
+        /// What a force of 1 adds to the velocity in a step.
+        pub power: f64 = 0.0015,
+    }
+}
 
 /// The car.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,16 +64,27 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct MountainCarContinuousDynamics {
     config: Config,
+    /// The arguments of the constructor, which the spaces follow.
+    built: Config,
+}
+
+/// What the equations need.
+const fn constants_of(config: &Config) -> [f64; 8] {
+    let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = *config;
+    let Config { max_speed, goal_position, power, .. } = *config;
+    [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
 }
 
 impl Equations for MountainCarContinuousDynamics {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
-    type Constants = [f64; 0];
+    type Constants = [f64; 8];
+
+    const USUAL: Option<[f64; 8]> = Some(constants_of(&Config::DEFAULT));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 0] {
-        []
+    fn constants(&self) -> [f64; 8] {
+        constants_of(&self.config)
     }
 
     #[inline(always)]
@@ -68,7 +97,6 @@ impl Equations for MountainCarContinuousDynamics {
         State { position, velocity, fresh }
     }
 
-    /// The force.
     #[inline(always)]
     fn input(&self, [force]: [f32; 1]) -> [f64; 1] {
         [f64::from(force)]
@@ -78,31 +106,39 @@ impl Equations for MountainCarContinuousDynamics {
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        []: [R; 0],
+        constants: [R; 8],
         [position, velocity]: [R; 2],
         fresh: R::Mask,
-        [force]: [R; 1],
+        [action]: [R; 1],
     ) -> Next<R, Self> {
+        let [
+            goal_velocity,
+            min_action,
+            max_action,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            power,
+        ] = constants;
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
         let state_type = |x: R| R::select(fresh, x, x.single());
-        let same = |x: f64| position.same(x);
+        let zero = position.same(0.0);
 
         let pull = state_type(position * 3.0).cos() * 0.0025;
-        let within = (force * same(POWER).single()).single() - pull.single();
+        let within = ((action * power.single()).single() - pull.single()).single();
         // a clipped force is one of the bounds, a Python float: the sum is then `float64`
-        let beyond = same(POWER).copysign(force) - pull;
-        let change = R::select(force.abs().le(same(1.0)), within.single(), beyond);
-        let max_speed = state_type(same(MAX_SPEED));
-        let min_position = state_type(same(MIN_POSITION));
-        let max_position = state_type(same(MAX_POSITION));
+        let (below, above) = (action.lt(min_action.single()), action.gt(max_action.single()));
+        let force = R::select(below, min_action, max_action);
+        let change = R::select(below | above, force * power - pull, within);
+        let max_speed = state_type(max_speed);
+        let [min_position, max_position] = [state_type(min_position), state_type(max_position)];
         let velocity = clip(state_type(velocity + state_type(change)), -max_speed, max_speed);
         let position = clip(state_type(position + velocity), min_position, max_position);
-        let at_wall = position.le(min_position);
-        let velocity = R::select(at_wall & velocity.lt(same(0.0)), same(0.0), velocity);
-        let terminated = state_type(same(GOAL_POSITION)).le(position)
-            & state_type(same(self.config.goal_velocity)).le(velocity);
-        let bonus = R::select(terminated, same(100.0), same(0.0));
-        let reward = bonus - force * force * 0.1;
+        let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
+        let terminated = state_type(goal_position).le(position) & state_type(goal_velocity).le(velocity);
+        let bonus = R::select(terminated, zero.same(100.0), zero);
+        let reward = bonus - action * action * 0.1;
         let state = [position.single(), velocity.single()];
         Next { state, reward, terminated, seen: state }
     }
@@ -127,20 +163,45 @@ impl Task for MountainCarContinuousDynamics {
     const NAME: &'static str = "MountainCarContinuous";
 
     fn new(config: Config) -> Result<Self> {
-        mountain_car::check_goal_velocity(Self::NAME, config.goal_velocity)?;
-        Ok(Self { config })
+        let Config { min_action, max_action, max_speed, goal_position, power, .. } = config;
+        mountain_car::check_valley(
+            Self::NAME,
+            config.goal_velocity,
+            [config.min_position, config.max_position],
+        )?;
+        constants::finite(
+            Self::NAME,
+            [
+                ("min_action", min_action),
+                ("max_action", max_action),
+                ("goal_position", goal_position),
+                ("power", power),
+            ],
+        )?;
+        constants::limits(Self::NAME, [("max_speed", max_speed)])?;
+        if min_action > max_action {
+            let reason =
+                format!("min_action is {min_action:?}: it must not be above max_action, {max_action:?}");
+            return Err(Error::argument(Self::NAME, reason));
+        }
+        Ok(Self { config, built: config })
     }
 
     fn config(&self) -> &Config {
         &self.config
     }
 
+    fn assign(&mut self, config: Config) -> Result<()> {
+        *self = Self { built: self.built, ..Self::new(config)? };
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
-        Space::boxed([MIN_POSITION as f32, -MAX_SPEED as f32], [MAX_POSITION as f32, MAX_SPEED as f32])
+        mountain_car::valley(self.built.min_position, self.built.max_position, self.built.max_speed)
     }
 
     fn action_space(&self) -> Space {
-        Space::boxed([-1.0], [1.0])
+        Space::boxed([self.built.min_action as f32], [self.built.max_action as f32])
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
@@ -157,15 +218,9 @@ impl Task for MountainCarContinuousDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        mountain_car::draw(state.position, !state.fresh, GOAL_POSITION, canvas);
+        let Config { min_position, max_position, goal_position, .. } = self.config;
+        mountain_car::draw(state.position, !state.fresh, [min_position, max_position], goal_position, canvas);
     }
-}
-
-/// `np.clip`.
-#[inline(always)]
-fn clip<R: Real>(x: R, low: R, high: R) -> R {
-    let x = R::select(x.lt(low), low, x);
-    R::select(x.gt(high), high, x)
 }
 
 gym_core::register!(

@@ -15,36 +15,42 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
-use gym_core::math::Real;
+use gym_core::math::{Real, square};
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
+use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
 use serde::{Deserialize, Serialize};
 
-use crate::reset;
+use crate::mountain_car::clip;
+use crate::{constants, reset};
 
 /// The environment.
 pub type Pendulum = Stateful<PendulumDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Acceleration of gravity, in m/s².
-    pub g: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { g: 10.0 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub const struct Config {
+        /// Acceleration of gravity.
+        #[unit = "m/s²"]
+        pub g: f64 = 10.0,
+        /// Mass of the rod.
+        #[unit = "kg"]
+        pub m: f64 = 1.0,
+        /// Length of the rod.
+        #[unit = "m"]
+        pub l: f64 = 1.0,
+        /// The greatest angular velocity.
+        #[unit = "rad/s"]
+        pub max_speed: f64 = 8.0,
+        /// The greatest torque.
+        #[unit = "N m"]
+        pub max_torque: f64 = 2.0,
+        /// Time from one state to the next.
+        #[unit = "s"]
+        pub dt: f64 = 0.05,
     }
 }
-
-const MAX_SPEED: f64 = 8.0; // rad/s
-const MAX_TORQUE: f32 = 2.0; // N m
-const DT: f64 = 0.05; // s
-const MASS: f64 = 1.0; // kg
-const LENGTH: f64 = 1.0; // m
 
 /// The pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,6 +67,9 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct PendulumDynamics {
     config: Config,
+    /// The arguments of the constructor, which the spaces follow.
+    built: Config,
+    constants: [f64; 5],
 }
 
 /// Reset options: the bounds of the initial state.
@@ -72,14 +81,25 @@ struct Start {
     y_init: Option<f64>,
 }
 
+/// What the equations need, with the square of the length.
+const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
+    let Config { g, m, l, max_speed, max_torque, dt } = *config;
+    // numpy takes both to `float32`, as the torque is
+    let (per_torque, max_torque) = ((3.0 / (m * l_2)) as f32 as f64, max_torque as f32 as f64);
+    [3.0 * g / (2.0 * l), per_torque, max_speed, max_torque, dt]
+}
+
 impl Equations for PendulumDynamics {
     type Numbers = [f64; 3];
     type Input = [f64; 1];
-    type Constants = [f64; 0];
+    type Constants = [f64; 5];
+
+    const USUAL: Option<[f64; 5]> = Some(constants_of(&Config::DEFAULT, 1.0));
+    const IS_COMPLETE: bool = false;
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 0] {
-        []
+    fn constants(&self) -> [f64; 5] {
+        self.constants
     }
 
     #[inline(always)]
@@ -108,21 +128,21 @@ impl Equations for PendulumDynamics {
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        []: [R; 0],
+        [per_sin, per_torque, max_speed, max_torque, dt]: [R; 5],
         [theta, theta_dot, sin]: [R; 3],
         _fresh: R::Mask,
         [torque]: [R; 1],
     ) -> Next<R, Self> {
-        let u = torque.clamp(-f64::from(MAX_TORQUE), f64::from(MAX_TORQUE));
+        let u = clip(torque, -max_torque, max_torque);
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
         // the last product and its sum with nothing are those of `float32`
         let effort = (u.square_f32() * f64::from(0.001f32)).single();
         let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
-        let pull = sin * (3.0 * self.config.g / (2.0 * LENGTH));
-        let push = (u * f64::from((3.0 / (MASS * (LENGTH * LENGTH))) as f32)).single();
-        let theta_dot = (theta_dot + (pull + push) * DT).clamp(-MAX_SPEED, MAX_SPEED);
-        let theta = theta + theta_dot * DT;
+        let pull = sin * per_sin;
+        let push = (u * per_torque).single();
+        let theta_dot = clip(theta_dot + (pull + push) * dt, -max_speed, max_speed);
+        let theta = theta + theta_dot * dt;
         let terminated = theta.lt(theta) & theta.lt(theta);
         let seen = self.see([theta, theta_dot, sin]);
         let [_, sin, _] = seen;
@@ -137,7 +157,8 @@ impl Equations for PendulumDynamics {
 
     #[inline(always)]
     fn finish(&self, _before: &State, [torque]: [f32; 1], transition: &mut Transition<State>) {
-        transition.state.last_torque = Some(torque.clamp(-MAX_TORQUE, MAX_TORQUE));
+        transition.state.last_torque =
+            Some(torque.max(-self.config.max_torque as f32).min(self.config.max_torque as f32));
     }
 }
 
@@ -150,26 +171,30 @@ impl Task for PendulumDynamics {
     const NAME: &'static str = "Pendulum";
 
     fn new(config: Config) -> Result<Self> {
-        // far beyond any planet, and far below what overflows
-        const MAX_G: f64 = 1e6; // m/s^2
-        if !(-MAX_G..=MAX_G).contains(&config.g) {
-            let reason = format!("g is {}: it must lie between -{MAX_G} and {MAX_G}", config.g);
-            return Err(Error::argument(Self::NAME, reason));
-        }
-        Ok(Self { config })
+        let Config { g, m, l, max_speed, max_torque, dt } = config;
+        constants::finite(Self::NAME, [("g", g), ("m", m), ("l", l), ("dt", dt)])?;
+        constants::limits(Self::NAME, [("max_speed", max_speed), ("max_torque", max_torque)])?;
+        let constants = constants_of(&config, square(l));
+        Ok(Self { config, built: config, constants })
     }
 
     fn config(&self) -> &Config {
         &self.config
     }
 
+    fn assign(&mut self, config: Config) -> Result<()> {
+        *self = Self { built: self.built, ..Self::new(config)? };
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
-        let high = [1.0, 1.0, MAX_SPEED as f32];
+        let high = [1.0, 1.0, self.built.max_speed as f32];
         Space::boxed(high.map(|x| -x), high)
     }
 
     fn action_space(&self) -> Space {
-        Space::boxed([-MAX_TORQUE], [MAX_TORQUE])
+        let high = self.built.max_torque as f32;
+        Space::boxed([-high], [high])
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {

@@ -9,6 +9,9 @@ use crate::{Error, Kwargs, Result};
 pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
+
+    /// Sets an argument that is a number; says whether there is one of this name.
+    fn set_number(&mut self, name: &str, x: f64) -> bool;
 }
 
 /// One argument of an environment or a wrapper.
@@ -126,6 +129,25 @@ pub trait ArgumentType {
 
     /// The type in the words of JSON: `boolean`, `number`, `list of strings`.
     fn kind() -> String;
+
+    /// A number as this type, where it is one of numbers.
+    fn from_number(x: f64) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        let _ = x;
+        None
+    }
+}
+
+impl ArgumentType for f64 {
+    fn kind() -> String {
+        f32::kind()
+    }
+
+    fn from_number(x: f64) -> Option<f64> {
+        Some(x)
+    }
 }
 
 macro_rules! kinds {
@@ -142,7 +164,7 @@ macro_rules! kinds {
 
 kinds! {
     "boolean": bool;
-    "number": f32, f64;
+    "number": f32;
     "integer": i8, i16, i32, i64, u8, u16, u32, u64, usize;
     "string": String, std::path::PathBuf;
     "object": serde_json::Map<String, Json>;
@@ -155,6 +177,10 @@ impl<T: ArgumentType> ArgumentType for Option<T> {
 
     fn kind() -> String {
         format!("{} or null", T::kind())
+    }
+
+    fn from_number(x: f64) -> Option<Self> {
+        T::from_number(x).map(Some)
     }
 }
 
@@ -176,6 +202,8 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 /// Each field has its documentation, then, where there is something to say, its unit and the versions of the id that take
 /// it, and its default value. A field under `#[flatten]` is another such struct, whose arguments are taken over; its default
 /// value may be left out, and `#[flatten(name = 3..)]` changes which versions take one of them.
+///
+/// `const struct` gives the default values as the constant `DEFAULT` too.
 ///
 /// The crate needs `serde` with the feature `derive`. A type that is not one of JSON's implements [`ArgumentType`].
 ///
@@ -245,6 +273,35 @@ macro_rules! arguments {
                     [$(flatten $($($other = $when),+)?)?], [$($default)?]
                 )),*])
             }
+
+            fn set_number(&mut self, name: &str, x: f64) -> bool {
+                $($crate::arguments!(@number self, name, x, $field, [$(flatten $($($other),+)?)?]);)*
+                let _ = (name, x);
+                false
+            }
+        }
+    };
+    (@number $self:ident, $name:ident, $x:ident, $field:ident, []) => {
+        if $name == stringify!($field) {
+            let value = $crate::ArgumentType::from_number($x);
+            let is_number = value.is_some();
+            value.into_iter().for_each(|value| $self.$field = value);
+            return is_number;
+        }
+    };
+    (@number $self:ident, $name:ident, $x:ident, $field:ident, [flatten $($other:ident),*]) => {
+        if $crate::Arguments::set_number(&mut $self.$field, $name, $x) {
+            return true;
+        }
+    };
+    ($(#[$meta:meta])* $visibility:vis const struct $name:ident { $($body:tt)* }) => {
+        $crate::arguments! { $(#[$meta])* $visibility struct $name { $($body)* } }
+        $crate::arguments! { @constant $name { $($body)* } }
+    };
+    (@constant $name:ident { $($(#[$meta:meta])* pub $field:ident: $type:ty = $default:expr),* $(,)? }) => {
+        impl $name {
+            /// The default values.
+            pub const DEFAULT: Self = Self { $($field: $default),* };
         }
     };
     (@default) => { Default::default() };
@@ -361,6 +418,17 @@ mod tests {
         assert!(serde_json::from_value::<Config>(json!({"gravty": 1.0})).is_err());
         let old = read(&Picture::default(), 1, &given_one("width"), "`A-v1`").unwrap_err().to_string();
         assert!(old.contains("unknown argument `width`: there are no arguments"), "{old}");
+    }
+
+    #[test]
+    fn numbers_are_set_by_name() {
+        let mut config = Config::default();
+        assert!(config.set_number("gravity", 2.5) && config.gravity == 2.5);
+        assert!(
+            !config.set_number("width", 2.0)
+                && !config.set_number("rewards", 2.0)
+                && !config.set_number("none", 2.0)
+        );
     }
 
     fn given_one(name: &str) -> Kwargs {

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::Value as Json;
 
 use crate::canvas::Canvas;
 use crate::render::Metadata;
@@ -34,6 +35,17 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 
     /// The arguments, with what was left to chance decided.
     fn config(&self) -> &Self::Config;
+
+    /// Changes the arguments of a task in use. Spaces stay those of the constructor, and so does what it computed of
+    /// several arguments: an attribute of Gymnasium's environments that is set works so.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range, and where arguments cannot be changed, as by default;
+    /// then nothing has changed.
+    fn assign(&mut self, config: Self::Config) -> Result<()> {
+        let _ = config;
+        Err(Error::argument(Self::NAME, "its arguments cannot be changed: make another one"))
+    }
 
     /// The space that every observation lies in.
     fn observation_space(&self) -> Space;
@@ -251,6 +263,19 @@ impl<D: Dynamics> Stateful<D> {
     /// The pure functions, for planning.
     pub fn dynamics(&self) -> &D {
         &self.dynamics
+    }
+
+    /// Sets one argument to a value in JSON. The episode goes on with it.
+    ///
+    /// # Errors
+    /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
+    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let invalid = |error: serde_json::Error| Error::argument(D::NAME, error.to_string());
+        let mut arguments = serde_json::to_value(self.dynamics.config()).map_err(invalid)?;
+        if let Json::Object(arguments) = &mut arguments {
+            arguments.insert(name.to_owned(), value);
+        }
+        self.dynamics.assign(serde_json::from_value(arguments).map_err(invalid)?)
     }
 
     /// The current state; `None` before the first reset.

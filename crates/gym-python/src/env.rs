@@ -259,6 +259,21 @@ impl Env {
         Ok(peek::state(&core.env).map(|state| state.to_string()))
     }
 
+    /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
+    fn arguments(&self, py: Python<'_>) -> PyResult<String> {
+        let core = self.lock(py)?;
+        Ok(peek::arguments(&core.env).map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
+    }
+
+    /// Sets an argument to a value in JSON.
+    fn set_argument(&self, py: Python<'_>, name: &str, value: &str) -> PyResult<()> {
+        let value = serde_json::from_str(value)
+            .map_err(|error| Error::argument(name, error.to_string()))
+            .or_raise()?;
+        let mut core = self.lock(py)?;
+        guard(|| peek::set_argument(&mut core.env, name, value).or_raise())
+    }
+
     /// `P` and `initial_state_distrib`, for environments that have them.
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         let core = self.lock(py)?;
@@ -327,7 +342,7 @@ impl Env {
             let observation = space.to_json(&core.observation).map(|json| json.to_string()).ok();
             (core.snapshot()?, core.is_running, observation)
         };
-        let made_of = (&env.id, &env.kwargs, &env.render_mode, snapshot, is_running, observation);
+        let made_of = (&env.id, env.arguments(py)?, &env.render_mode, snapshot, is_running, observation);
         Ok((slf.get_type().getattr("rebuild")?, made_of.into_pyobject(py)?))
     }
 

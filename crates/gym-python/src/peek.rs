@@ -3,7 +3,7 @@
 use gym::toytext::tabular::Table;
 use gym::vector::VectorEnv;
 use gym::vector::native::NativeVectorEnv;
-use gym::{BoxEnv, EnvExt, Stateful, classic, toytext};
+use gym::{BoxEnv, EnvExt, Error, Result, Stateful, Task, classic, toytext};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -51,6 +51,35 @@ pub(crate) fn states(envs: &mut (dyn VectorEnv + 'static)) -> Option<Json> {
     );
     let states = envs.call(|_, env: &mut BoxEnv| state(env)).ok()?;
     states.into_iter().collect::<Option<_>>().map(Json::Array)
+}
+
+/// Calls `$f` with the environment as its own type, where constants of its equations can be set.
+macro_rules! of_constants {
+    ($env:expr, $unwrapped:ident, |$own:ident| $f:expr) => {
+        of_constants!($env, $unwrapped, |$own| $f,
+            cartpole::CartPoleDynamics
+            mountain_car::MountainCarDynamics
+            mountain_car_continuous::MountainCarContinuousDynamics
+            pendulum::PendulumDynamics
+            acrobot::AcrobotDynamics)
+    };
+    ($env:expr, $unwrapped:ident, |$own:ident| $f:expr, $($module:ident::$dynamics:ident)*) => {$(
+        if let Some($own) = $env.$unwrapped::<Stateful<classic::$module::$dynamics>>() {
+            return $f;
+        }
+    )*};
+}
+
+/// The arguments as they are, as JSON, where they can be set.
+pub(crate) fn arguments(env: &BoxEnv) -> Option<Json> {
+    of_constants!(env, unwrapped, |env| serde_json::to_value(env.dynamics().config()).ok());
+    None
+}
+
+/// Sets an argument, where that can be done.
+pub(crate) fn set_argument(env: &mut BoxEnv, name: &str, value: Json) -> Result<()> {
+    of_constants!(env, unwrapped_mut, |env| env.set_argument(name, value));
+    Err(Error::custom("the arguments of this environment cannot be changed"))
 }
 
 /// Gymnasium's `P` and `initial_state_distrib`, for environments that have them.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import pickle
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -158,14 +161,46 @@ def test_arguments() -> None:
         rustgym.make("Taxi-v3", is_rainy=True)
 
 
-def test_constants_cannot_be_set_in_silence() -> None:
-    env = rustgym.make("CartPole-v1").unwrapped
-    gymnasium.logger.min_level = gymnasium.logger.WARN
-    try:
-        with pytest.warns(UserWarning, match="gravity is what this CartPole_v1 was made with"):
-            env.gravity = 1.6
-    finally:
-        gymnasium.logger.min_level = gymnasium.logger.ERROR
+CONSTANTS: dict[str, dict[str, Any]] = {
+    "CartPole-v1": {"gravity": 3.7, "masspole": 0.3, "length": 0.8, "kinematics_integrator": "semi-implicit", "x_threshold": 1.0},
+    "MountainCar-v0": {"gravity": 0.002, "force": 0.0015, "max_speed": 0.05},
+    "MountainCarContinuous-v0": {"power": 0.002, "min_action": -0.7, "goal_position": -0.3},
+    "Pendulum-v1": {"g": 3.7, "m": 2.0, "l": 0.7, "max_torque": 1.5, "dt": 0.04},
+    "Acrobot-v1": {"LINK_MASS_2": 0.7, "book_or_nips": "nips", "torque_noise_max": 0.5, "AVAIL_TORQUE": [-2.0, 0.5, 1.0]},
+}
+
+
+@pytest.mark.parametrize("env_id", CONSTANTS)
+def test_constants_that_are_set_take_effect_as_gymnasiums(env_id: str) -> None:
+    ours, theirs = rustgym.make(env_id).unwrapped, gymnasium.make(env_id).unwrapped
+    space = ours.observation_space
+    for env in (ours, theirs):
+        env.reset(seed=3)
+        env.action_space.seed(3)
+    for name, value in CONSTANTS[env_id].items():
+        for env in (ours, theirs):
+            setattr(env, name, value)
+            assert getattr(env, name) == value
+        for _ in range(15):
+            ours = copy.deepcopy(pickle.loads(pickle.dumps(ours)))
+            action = theirs.action_space.sample()
+            mine, yours = ours.step(action), theirs.step(action)
+            assert mine[0].tobytes() == yours[0].tobytes() and mine[1:4] == yours[1:4], name
+    assert ours.observation_space == space
+    with pytest.raises(ValueError, match="must lie between"):
+        setattr(ours, {"Acrobot-v1": "dt", "Pendulum-v1": "g"}.get(env_id, "max_speed" if "Car" in env_id else "tau"), 1e9)
+
+
+def test_constants_are_keywords_and_attributes_of_classes() -> None:
+    cart = rustgym.make("CartPole-v1", masspole=0.5, x_threshold=3.0).unwrapped
+    assert (cart.total_mass, cart.polemass_length) == (1.5, 0.25) and cart.observation_space.high[0] == 6.0
+    cart.masspole = 1.0
+    assert cart.total_mass == 1.5
+
+    class Heavy(rustgym.envs.AcrobotEnv):
+        LINK_MASS_1 = 2.0
+
+    assert rustgym.envs.AcrobotEnv.LINK_MASS_1 == 1.0 and Heavy().arguments["LINK_MASS_1"] == 2.0
 
 
 def test_unknown_ids() -> None:

@@ -15,21 +15,34 @@ pub(crate) struct Arguments {
     /// The folder to make; by default one of that name, here.
     #[arg(long, value_name = "DIR")]
     path: Option<PathBuf>,
+    /// With an environment that has a native vector: its step is one formula, for one environment and for many.
+    #[arg(long)]
+    native: bool,
 }
 
-/// What is in a new crate: the file, and its text, in which `plugin_name` stands for the name.
-const FILES: [(&str, &str); 7] = [
+/// What is in a new crate beside its environment: the file, and its text, in which `plugin_name` stands for the name.
+const FILES: [(&str, &str); 5] = [
     ("Cargo.toml", include_str!("../templates/plugin/Cargo.toml")),
     (".gitignore", include_str!("../templates/plugin/gitignore")),
     ("README.md", include_str!("../templates/plugin/README.md")),
-    ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
-    ("src/corridor.rs", include_str!("../templates/plugin/src/corridor.rs")),
     ("tests/conform.rs", include_str!("../templates/plugin/tests/conform.rs")),
     ("examples/gif.rs", include_str!("../templates/plugin/examples/gif.rs")),
 ];
 
+/// Its environment.
+const CORRIDOR: [(&str, &str); 2] = [
+    ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
+    ("src/corridor.rs", include_str!("../templates/plugin/src/corridor.rs")),
+];
+
+/// The one with a native vector.
+const ROCKET: [(&str, &str); 2] = [
+    ("src/lib.rs", include_str!("../templates/native/src/lib.rs")),
+    ("src/rocket.rs", include_str!("../templates/native/src/rocket.rs")),
+];
+
 pub(crate) fn new(arguments: &Arguments) -> Result<()> {
-    let Arguments { name, path } = arguments;
+    let Arguments { name, path, native } = arguments;
     check_name(name)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
     if folder.symlink_metadata().is_ok() {
@@ -38,14 +51,14 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
     // under a temporary name until it is complete
     let file_name = folder.file_name().unwrap_or(name.as_ref()).to_string_lossy();
     let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
-    let written = write_all(&unfinished, name)
+    let written = write_all(&unfinished, name, *native)
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
     if written.is_err() {
         // Nothing more can be done if this fails too.
         let _ = fs::remove_dir_all(&unfinished);
         return written;
     }
-    println!("{} has the environment `{name}/Corridor-v0`. In that folder:", folder.display());
+    println!("{} has the environment `{name}/{}-v0`. In that folder:", folder.display(), task(*native).0);
     println!("  cargo test               checks that it keeps the rules");
     println!("  cargo run --example gif  draws an episode");
     Ok(())
@@ -74,13 +87,26 @@ fn dependency(name: &str) -> String {
     format!("{{ path = {:?} }}", root().join("crates").join(name))
 }
 
-fn write_all(folder: &Path, name: &str) -> Result<()> {
-    for (file, text) in FILES {
+/// The task's name, and what the README says of it.
+fn task(native: bool) -> (&'static str, &'static str) {
+    if native {
+        ("Rocket", "touch down softly, with as little fuel as possible")
+    } else {
+        ("Corridor", "find the way out of a dark corridor, on a slippery floor")
+    }
+}
+
+fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
+    let (task, what) = task(native);
+    for (file, text) in FILES.into_iter().chain(if native { ROCKET } else { CORRIDOR }) {
         let path = folder.join(file);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
         let text = text
             .replace("plugin_name", name)
+            .replace("TASK_FILE", &task.to_lowercase())
+            .replace("TASK_NAME", task)
+            .replace("TASK_SENTENCE", what)
             .replace("GYM_CONFORM", &dependency("gym-conform"))
             .replace("GYM_CORE", &dependency("gym-core"))
             .replace("GYM_RENDER", &dependency("gym-render"));

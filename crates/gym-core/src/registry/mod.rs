@@ -20,7 +20,7 @@ pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
 pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
-pub use vector::{VectorBuilder, VectorKind, VectorSpec, make_vec};
+pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
 
 pub(crate) use id::nearest;

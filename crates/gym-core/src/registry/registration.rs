@@ -8,8 +8,9 @@ use serde_json::Value as Json;
 
 use super::options::ResetOptions;
 use super::stack::{Renders, stack};
+use crate::registry::VectorSpec;
 use crate::render::RenderMode;
-use crate::vector::{Autoreset, VectorEnv};
+use crate::vector::VectorEnv;
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -60,11 +61,11 @@ impl<D: Dynamics> Configure for Stateful<D> {
     }
 }
 
-/// Makes a native vector: from a spec, the number of sub-environments, and when they are reset.
+/// Makes a native vector from its spec.
 ///
 /// It fails for what it cannot do, such as a render mode or wrappers in the spec. It respects
 /// `max_episode_steps`.
-pub type VectorEntryPoint = fn(&EnvSpec, usize, Autoreset) -> Result<Box<dyn VectorEnv>>;
+pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
 /// What an environment needs that no crate brings.
 #[derive(Clone, Copy)]

@@ -1,9 +1,12 @@
 //! From an id to a vector of environments.
 
+use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use super::{EnvBuilder, EnvSpec, builder, find};
 use crate::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorEnv, size, slot};
@@ -93,9 +96,73 @@ pub struct VectorSpec {
     /// On how many threads, where async; `None` for one per core.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
+    /// Arguments that differ between the sub-environments.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub each: BTreeMap<String, Each>,
     /// Wrappers around the vector, innermost first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vector_wrappers: Vec<WrapperSpec>,
+}
+
+/// An argument of each sub-environment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Each {
+    /// One value for each.
+    Values(Vec<Json>),
+    /// A new value at each reset: uniform in `[low, high)`, drawn by the sub-environment's generator before it starts.
+    Range {
+        /// The least value.
+        low: f64,
+        /// The greatest value.
+        high: f64,
+    },
+}
+
+impl Each {
+    /// The bounds of a range.
+    pub(crate) fn range(&self) -> Option<(f64, f64)> {
+        if let Self::Range { low, high } = *self { Some((low, high)) } else { None }
+    }
+
+    /// The value of a sub-environment, where it is a number of a list.
+    pub(crate) fn number(&self, index: usize) -> Option<f64> {
+        if let Self::Values(values) = self { values.get(index)?.as_f64() } else { None }
+    }
+
+    /// Refuses what is not for `num_envs` environments.
+    pub(crate) fn check(&self, name: &str, num_envs: usize) -> Result<()> {
+        match self {
+            Self::Values(values) if values.len() != num_envs => {
+                let reason = format!("there are {} values for {num_envs} environments", values.len());
+                Err(Error::argument(name, reason))
+            }
+            Self::Range { low, high } if !(low.is_finite() && high.is_finite() && low <= high) => {
+                let reason =
+                    format!("the range from {low:?} to {high:?} needs finite ends, the lower one first");
+                Err(Error::argument(name, reason))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<T: Into<Json>> From<Vec<T>> for Each {
+    fn from(values: Vec<T>) -> Self {
+        Self::Values(values.into_iter().map(Into::into).collect())
+    }
+}
+
+impl<T: Into<Json>, const N: usize> From<[T; N]> for Each {
+    fn from(values: [T; N]) -> Self {
+        Self::Values(values.into_iter().map(Into::into).collect())
+    }
+}
+
+impl From<Range<f64>> for Each {
+    fn from(Range { start: low, end: high }: Range<f64>) -> Self {
+        Self::Range { low, high }
+    }
 }
 
 impl VectorSpec {
@@ -107,6 +174,7 @@ impl VectorSpec {
             vectorization_mode: kind,
             autoreset_mode: Autoreset::default(),
             threads: None,
+            each: BTreeMap::new(),
             vector_wrappers: Vec::new(),
         }
     }
@@ -135,14 +203,14 @@ impl VectorSpec {
     /// Makes the vector without wrappers around it.
     fn make_bare(&self) -> Result<Box<dyn VectorEnv>> {
         let spec = Self { vector_wrappers: Vec::new(), ..self.clone() };
-        let Self { env, num_envs, autoreset_mode, threads, .. } = spec.clone();
+        let Self { env, autoreset_mode, threads, .. } = spec.clone();
         match self.vectorization_mode {
             VectorKind::Sync => {
-                let vector = SyncVectorEnv::new(envs(&env, num_envs)?)?;
+                let vector = SyncVectorEnv::new(envs(&spec)?)?;
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Async => {
-                let vector = AsyncVectorEnv::new(envs(&env, num_envs)?)?;
+                let vector = AsyncVectorEnv::new(envs(&spec)?)?;
                 let vector = match threads {
                     Some(threads) => vector.with_threads(threads)?,
                     None => vector,
@@ -157,7 +225,7 @@ impl VectorSpec {
                 };
                 match native_obstacle(&env) {
                     Some(reason) => refuse(reason),
-                    None => entry_point(&env, num_envs, autoreset_mode),
+                    None => entry_point(&spec),
                 }
             }
         }
@@ -168,13 +236,28 @@ impl VectorSpec {
 /// state, its spec, and the boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
-/// `n` environments; the first one tells whether there can be so many.
-fn envs(spec: &EnvSpec, n: usize) -> Result<Vec<BoxEnv>> {
-    let first = spec.make()?;
+/// The sub-environments; the first one tells whether there can be so many.
+fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
+    for (name, each) in &spec.each {
+        each.check(name, spec.num_envs)?;
+        if each.range().is_some() {
+            return Err(Error::argument(name, "only a native vector draws arguments from a range"));
+        }
+    }
+    let make = |i: usize| {
+        let mut env = spec.env.clone();
+        for (name, each) in &spec.each {
+            if let Each::Values(values) = each {
+                env.kwargs.extend(values.get(i).map(|value| (name.clone(), value.clone())));
+            }
+        }
+        env.make()
+    };
+    let first = make(0)?;
     let observation = first.observation_space();
     let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
-    size::check(n, &observation, &first.action_space(), bytes)?;
-    std::iter::once(Ok(first)).chain((1..n).map(|_| spec.make())).collect()
+    size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
+    std::iter::once(Ok(first)).chain((1..spec.num_envs).map(make)).collect()
 }
 
 /// What a spec asks for that only environments can give.
@@ -212,6 +295,23 @@ pub struct VectorBuilder {
 }
 
 impl VectorBuilder {
+    /// Sets an argument of each sub-environment: a list with one value for each, or a range, from which each draws a new value
+    /// at each reset. Native vectors do both at full speed, with arguments that are numbers; sync and async ones take lists.
+    ///
+    /// ```no_run
+    /// # fn main() -> gym_core::Result<()> {
+    /// let envs = gym_core::builder("CartPole-v1").vector(64).arg_each("gravity", 3.7..11.2).build()?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn arg_each(mut self, name: &str, each: impl Into<Each>) -> Self {
+        if let Ok(spec) = &mut self.spec {
+            spec.each.insert(name.to_owned(), each.into());
+        }
+        self
+    }
+
     /// How the sub-environments are stepped. Where this is not said, the vector is native if there is a
     /// native vector that can do what is asked for, and sync if not: with wrappers of environments, a
     /// render mode, a time limit above 65534 steps, or an argument that only environments have.

@@ -108,7 +108,7 @@ class Env(gymnasium.Env[Any, Any]):
         """The environment around a native one, which may have wrappers of the Rust side."""
         import rustgym.envs as envs
 
-        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **kwargs)
+        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **json.loads(inner.arguments()))
         env._native = inner
         env._np_random_seed = -1
         return env
@@ -165,7 +165,7 @@ class Env(gymnasium.Env[Any, Any]):
         """Goes on with a window of pygame, where no other can be opened."""
         self._window = Window(self.env_id, self.metadata["render_fps"], reason)
         snapshot = self._native.snapshot()
-        self._native = native.Env(self.env_id, to_json(self._given), "rgb_array")
+        self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array")
         self._native.restore(snapshot, False)
         self._is_watched = True
 

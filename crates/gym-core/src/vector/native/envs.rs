@@ -1,13 +1,15 @@
 //! The vector made of blocks.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use fearless_simd::{Level, dispatch};
 
 use super::step::{Block, NO_LIMIT, Step};
+use super::varied::Varied;
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::{Kernel, Real, widest};
-use crate::registry::ResetOptions;
+use crate::registry::{Each, ResetOptions};
 use crate::render::Metadata;
 use crate::rng::Stream;
 use crate::spaces::array_of;
@@ -24,6 +26,8 @@ use crate::{Error, Generator, Result, Snapshot, Space, Value};
 pub struct NativeVectorEnv<D: Native> {
     pub(super) dynamics: D,
     constants: <D::Constants as Packed>::Block,
+    /// What takes their place where environments have constants of their own.
+    pub(super) varied: Option<Varied<D>>,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
     pub(super) num_envs: usize,
@@ -73,6 +77,7 @@ impl<D: Native> NativeVectorEnv<D> {
         size::check(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
             constants: dynamics.constants().splat(),
+            varied: None,
             dynamics,
             spec: None,
             reset_options: ResetOptions::default(),
@@ -89,6 +94,25 @@ impl<D: Native> NativeVectorEnv<D> {
             left_out: Vec::new(),
             cast: Value::Null,
         })
+    }
+
+    /// The same with a value of its own for each environment of some arguments that are numbers, or with new values at each
+    /// reset, drawn from a range by the environment's generator before the start.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a name or a value that cannot be, a list of another length, and for what changes a
+    /// space.
+    pub fn with_each(self, each: &BTreeMap<String, Each>) -> Result<Self> {
+        each.iter().try_for_each(|(name, each)| each.check(name, self.num_envs))?;
+        Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
+    }
+
+    /// The arguments of an environment that differ from those of others, by name.
+    pub fn arguments(&self, index: usize) -> Vec<(String, f64)> {
+        match &self.varied {
+            Some(varied) if index < self.num_envs => varied.of(index),
+            _ => Vec::new(),
+        }
     }
 
     /// As its id is registered.
@@ -247,8 +271,13 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                 None => self.streams[i].clone(),
             };
             // options are those of all environments: if one cannot start, the first cannot
-            let state =
-                stream.lend(|rng| self.dynamics.start(&start, rng)).map_err(|error| error.at_env(i))?;
+            let state = stream.lend(|rng| {
+                if let Some(varied) = &mut self.varied {
+                    varied.draw(i, &self.dynamics, rng)?;
+                }
+                self.dynamics.start(&start, rng)
+            });
+            let state = state.map_err(|error| error.at_env(i))?;
             if self.blocks.is_empty() {
                 self.make_room(self.dynamics.pack(&state), &stream)?;
             }
@@ -296,6 +325,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         let step = Step {
             dynamics: &self.dynamics,
             constants: &self.constants,
+            varied: self.varied.as_mut(),
             autoreset: self.autoreset,
             limit: self.limit,
             actions: items,

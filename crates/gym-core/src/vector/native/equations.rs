@@ -5,7 +5,7 @@ use std::fmt;
 use super::{ActionColumn, LANES, Many, Native, ObservationColumn};
 use crate::math::{Emulated, Fma, Hardware, One, Real, with};
 use crate::rng::{Stream, WordStream};
-use crate::{Dynamics, Generator, Outcome, Result, Task, Transition};
+use crate::{Arguments, Dynamics, Error, Generator, Outcome, Result, Task, Transition};
 
 /// A task whose step is a formula of a few numbers: written once for [`Real`] numbers, it is the step of one
 /// environment and of a native vector, with the same bits.
@@ -14,7 +14,8 @@ use crate::{Dynamics, Generator, Outcome, Result, Task, Transition};
 /// take `R: Real`, and all that they call, are to be marked `#[inline(always)]`: otherwise they are compiled
 /// without the CPU's vector instructions.
 pub trait Equations:
-    Task<State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn> + Sync
+    Task<Config: Arguments + Clone, State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn>
+    + Sync
 {
     /// The numbers that steps work with, `[f64; K]`.
     type Numbers: Row;
@@ -25,6 +26,13 @@ pub trait Equations:
     /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ between the
     /// environments of a vector.
     type Constants: Row;
+
+    /// The constants for the default arguments, where they are known at compile time: a native vector with these then runs code
+    /// that they are folded into.
+    const USUAL: Option<Self::Constants> = None;
+
+    /// Whether [`numbers`](Self::numbers) gives all numbers, and [`complete`](Self::complete) has nothing to do.
+    const IS_COMPLETE: bool = true;
 
     /// Whether [`disturb`](Self::disturb) does anything.
     const IS_NOISY: bool = false;
@@ -260,7 +268,24 @@ where
         Equations::constants(self)
     }
 
+    fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
+        let mut config = self.config().clone();
+        for (name, value) in arguments {
+            if !config.set_number(name, *value) {
+                return Err(Error::argument(name, format!("{} has no number of this name", Self::NAME)));
+            }
+        }
+        Self::new(config)
+    }
+
+    fn is_usual(&self) -> bool {
+        E::USUAL == Some(Equations::constants(self))
+    }
+
     fn pack(&self, state: &Self::State) -> [f64; K] {
+        if E::IS_COMPLETE {
+            return self.numbers(state);
+        }
         with(
             self.numbers(state),
             #[inline(always)]
@@ -308,15 +333,51 @@ impl<E: Native> Many<'_, E> {
             }
             ages[lane] = f64::from(self.steps[lane]);
         }
+        match E::USUAL.filter(|_| self.is_usual) {
+            Some(usual) => self.solve::<R, K, A, P, O>(
+                token,
+                equations,
+                &inputs,
+                &ages,
+                #[inline(always)]
+                |_| splat(token, usual),
+            ),
+            None => {
+                let constants = self.constants;
+                self.solve::<R, K, A, P, O>(
+                    token,
+                    equations,
+                    &inputs,
+                    &ages,
+                    #[inline(always)]
+                    |first| registers(token, constants, first),
+                );
+            }
+        }
+    }
+
+    /// The loop over the registers of a block, with the constants of each.
+    #[inline(always)]
+    fn solve<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
+        &mut self,
+        token: R::Token,
+        equations: &E,
+        inputs: &[[f64; LANES]; A],
+        ages: &[f64; LANES],
+        constants: impl Fn(usize) -> [R; P],
+    ) where
+        E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+            + Native<Packed = [f64; K], Constants = [f64; P]>
+            + Task<Observation = [f32; O]>,
+    {
         let mut seen = [[0.0; LANES]; O];
         let mut terminated = 0;
         for first in (0..LANES).step_by(R::LANES) {
             let age = R::get(token, &ages[first..]);
             let fresh = age.lt(age.same(1.0));
-            let constants = registers::<R, P>(token, self.constants, first);
             let state = registers::<R, K>(token, self.states, first);
-            let input = registers::<R, A>(token, &inputs, first);
-            let next = equations.advance(constants, state, fresh, input);
+            let input = registers::<R, A>(token, inputs, first);
+            let next = equations.advance(constants(first), state, fresh, input);
             for (column, x) in self.states.iter_mut().zip(next.state) {
                 x.put(&mut column[first..]);
             }
@@ -333,6 +394,17 @@ impl<E: Native> Many<'_, E> {
             }
         }
     }
+}
+
+/// The same numbers for all environments.
+#[inline(always)]
+fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] {
+    let zero = R::get(token, &[0.0; LANES]);
+    let mut registers = [zero; N];
+    for (register, x) in registers.iter_mut().zip(numbers) {
+        *register = zero.same(x);
+    }
+    registers
 }
 
 /// The numbers of some environments, from `first` on.

@@ -32,14 +32,15 @@ mod equations;
 mod packed;
 mod snapshot;
 mod step;
+mod varied;
 
 use serde_json::Value as Json;
 
 use crate::math::Real;
 use crate::registry::{VectorKind, VectorSpec, find};
 use crate::rng::Stream;
-use crate::vector::{Autoreset, VectorEnv};
-use crate::{Dynamics, EnvSpec, Error, Result, Task};
+use crate::vector::VectorEnv;
+use crate::{Dynamics, Error, Result, Task};
 
 #[doc(hidden)]
 pub use columns::indices;
@@ -82,6 +83,21 @@ pub trait Native:
     /// The constants for these arguments.
     fn constants(&self) -> Self::Constants;
 
+    /// Whether the constants are those that code was compiled for.
+    fn is_usual(&self) -> bool {
+        false
+    }
+
+    /// The same with other values of some arguments that are numbers.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a name or a value that cannot be, and where arguments cannot differ between the
+    /// environments of a vector, as by default.
+    fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
+        let _ = arguments;
+        Err(Error::argument(Self::NAME, "its arguments are the same for all environments of a native vector"))
+    }
+
     /// Packs a state.
     fn pack(&self, state: &Self::State) -> Self::Packed;
 
@@ -102,21 +118,18 @@ pub trait Native:
 /// # Errors
 /// [`Error::InvalidArgument`] for arguments that the task does not take or [does not
 /// support](Native::supports) here, and as [`NativeVectorEnv::new`].
-pub fn entry_point<D: Native>(
-    spec: &EnvSpec,
-    num_envs: usize,
-    autoreset: Autoreset,
-) -> Result<Box<dyn VectorEnv>> {
-    let refuse = |reason: String| Error::argument(format!("`{}`", spec.id), reason);
-    let registration = find(&spec.id)?;
-    if !spec.kwargs.is_empty() && registration.default_kwargs().is_empty() {
+pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
+    let VectorSpec { env, num_envs, autoreset_mode, each, .. } = spec;
+    let refuse = |reason: String| Error::argument(format!("`{}`", env.id), reason);
+    let registration = find(&env.id)?;
+    if !env.kwargs.is_empty() && registration.default_kwargs().is_empty() {
         return Err(refuse("it takes no arguments".into()));
     }
-    let config: D::Config = serde_json::from_value(Json::Object(spec.kwargs.clone()))
+    let config: D::Config = serde_json::from_value(Json::Object(env.kwargs.clone()))
         .map_err(|error| refuse(error.to_string()))?;
     D::supports(&config)
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
-    let envs = NativeVectorEnv::new(D::new(config)?, num_envs, spec.max_episode_steps, autoreset)?;
-    let spec = VectorSpec::new(spec.clone(), num_envs, VectorKind::Native).autoreset(autoreset);
-    Ok(Box::new(envs.registered(spec, registration.reset_options)))
+    let envs = NativeVectorEnv::new(D::new(config)?, *num_envs, env.max_episode_steps, *autoreset_mode)?;
+    let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
+    Ok(Box::new(envs.with_each(each)?.registered(spec, registration.reset_options)))
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use super::step::NO_LIMIT;
+use super::varied::Varied;
 use super::{LANES, Native, NativeVectorEnv, Packed};
 use crate::vector::Autoreset;
 use crate::vector::stored::{pack, unpack};
@@ -31,6 +32,8 @@ struct Numbers<S> {
     due: Vec<u32>,
     unset: Vec<u32>,
     left_out: Vec<bool>,
+    /// The values of arguments that are ranges.
+    drawn: Vec<f64>,
 }
 
 impl<D: Native> NativeVectorEnv<D> {
@@ -63,6 +66,7 @@ impl<D: Native> NativeVectorEnv<D> {
             due: self.blocks.iter().map(|block| block.due).collect(),
             unset: self.blocks.iter().map(|block| block.unset).collect(),
             left_out: self.left_out.clone(),
+            drawn: self.varied.as_ref().map(|varied| varied.drawn().to_vec()).unwrap_or_default(),
         };
         Snapshot::of(&self.stored(Some(pack(&numbers)?))?)
     }
@@ -89,7 +93,17 @@ impl<D: Native> NativeVectorEnv<D> {
             return Ok(());
         };
         let numbers: Numbers<D::Stream> = unpack(&numbers)?;
-        let states = self.check(&numbers)?;
+        let mut varied = self.varied.clone();
+        match &mut varied {
+            Some(varied) => varied.restore(&self.dynamics, &numbers.drawn, num_envs)?,
+            None if numbers.drawn.is_empty() => {}
+            None => {
+                return Err(Error::Snapshot(
+                    "its arguments are ranges, and those of this vector are not".into(),
+                ));
+            }
+        }
+        let states = self.check(&numbers, varied.as_ref())?;
         let (Some(state), Some(stream)) = (states.last(), numbers.streams.last()) else { return Ok(()) };
         self.make_room(*state, stream)?;
         for (i, state) in states.into_iter().enumerate() {
@@ -102,14 +116,15 @@ impl<D: Native> NativeVectorEnv<D> {
         }
         self.streams[..num_envs].clone_from_slice(&numbers.streams);
         self.left_out = numbers.left_out;
+        self.varied = varied;
         Ok(())
     }
 
     /// The states, if all numbers are such that a vector can go on from them.
-    fn check(&self, numbers: &Numbers<D::Stream>) -> Result<Vec<D::Packed>> {
+    fn check(&self, numbers: &Numbers<D::Stream>, varied: Option<&Varied<D>>) -> Result<Vec<D::Packed>> {
         let n = self.num_envs;
         let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} are not those of a {}", D::NAME)));
-        let Numbers { states, streams, steps, due, unset, left_out } = numbers;
+        let Numbers { states, streams, steps, due, unset, left_out, drawn: _ } = numbers;
         let mut bytes = states.as_slice();
         if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {
             return refuse("columns");
@@ -130,10 +145,14 @@ impl<D: Native> NativeVectorEnv<D> {
             return refuse("flags");
         }
         let mut states = Vec::with_capacity(n);
-        for steps in steps {
+        for (i, steps) in steps.iter().enumerate() {
             let Some(state) = D::Packed::take(&mut bytes) else { return refuse("states") };
-            let state = self.dynamics.unpack(state, *steps == 0);
-            if !self.dynamics.is_valid(&state) {
+            let dynamics = match varied {
+                Some(varied) => &varied.dynamics(i, &self.dynamics)?,
+                None => &self.dynamics,
+            };
+            let state = dynamics.unpack(state, *steps == 0);
+            if !dynamics.is_valid(&state) {
                 return refuse("states");
             }
             // numbers that follow from others are not believed

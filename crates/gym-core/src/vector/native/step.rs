@@ -1,5 +1,6 @@
 //! The loop over environments.
 
+use super::varied::Varied;
 use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 use crate::math::Real;
 use crate::rng::Stream;
@@ -40,6 +41,8 @@ pub(super) const NO_LIMIT: u16 = u16::MAX;
 pub(super) struct Step<'a, D: Native> {
     pub(super) dynamics: &'a D,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
+    /// What takes their place where environments have constants of their own.
+    pub(super) varied: Option<&'a mut Varied<D>>,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item],
@@ -80,6 +83,7 @@ impl<D: Native> Step<'_, D> {
         };
         let mut last = [Default::default(); LANES];
         let num_envs = self.actions.len();
+        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
         for (i, (block, streams)) in blocks.iter_mut().zip(streams.as_chunks_mut().0).enumerate() {
             let first = i * LANES;
             let len = LANES.min(num_envs - first);
@@ -88,7 +92,8 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
-                constants: self.constants,
+                is_usual,
+                constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
                 due: block.due,
@@ -130,7 +135,12 @@ impl<D: Native> Step<'_, D> {
         let reset = Reset::default();
         let mut start =
             |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
-                let state = streams[lane].lend(|rng| self.dynamics.start(&reset, rng));
+                let state = streams[lane].lend(|rng| {
+                    if let Some(varied) = &mut self.varied {
+                        varied.draw(first + lane, self.dynamics, rng)?;
+                    }
+                    self.dynamics.start(&reset, rng)
+                });
                 let state = state.map_err(|error| error.at_env(first + lane))?;
                 block.start(self.dynamics, lane, &state);
                 results.observations[lane] = self.dynamics.observe(&state);
@@ -168,6 +178,8 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and where its results go.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
+    /// Whether the constants are [usual](Native::is_usual) ones.
+    pub(super) is_usual: bool,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],

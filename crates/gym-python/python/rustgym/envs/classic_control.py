@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import ClassEnv, entropy
+from rustgym._json import to_json
+from rustgym.env import ClassEnv, entropy, spec_of
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
@@ -21,6 +22,24 @@ class ClassicControlEnv(ClassEnv):
     state_names: ClassVar[tuple[str, ...]]
     #: What else belongs to a state that was set.
     _when_set: ClassVar[dict[str, Any]] = {}
+    #: What a name stands for, where Gymnasium takes any but one for the other choice.
+    _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        defaults = spec_of(self._id)["defaults"]
+        # constants that a class of somebody's own sets
+        own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
+        changed = {name: value for name, value in own.items() if value != defaults[name]}
+        super().__init__(render_mode, **{**changed, **kwargs})
+        self.__dict__.update((name, self.arguments[name]) for name in defaults)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Sets a constant of the equations, which takes effect at once; spaces stay as they are."""
+        if name in self.__dict__.get("arguments", ()):
+            self._native.set_argument(name, to_json(self._names.get(name, lambda value: value)(value)))
+            self.__dict__[name] = value
+        else:
+            super().__setattr__(name, value)
 
     @property
     def state(self) -> npt.NDArray[np.float64] | None:
@@ -50,18 +69,12 @@ class CartPoleEnv(ClassicControlEnv):
     state_names = ("x", "x_dot", "theta", "theta_dot")
     _when_set = {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
-    gravity = 9.8  # m/s^2
-    masscart = 1.0  # kg
-    masspole = 0.1  # kg
-    total_mass = masspole + masscart
-    length = 0.5  # m, half the pole's
-    polemass_length = masspole * length
-    force_mag = 10.0  # N
-    tau = 0.02  # s between states
-    kinematics_integrator = "euler"
-    theta_threshold_radians = 12 * 2 * math.pi / 360
-    x_threshold = 2.4  # m
-    _constants = frozenset(name for name in vars() if name[0] != "_" and name != "state_names")
+    _names = {"kinematics_integrator": lambda name: name if name == "euler" else "semi-implicit euler"}
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(render_mode, **kwargs)
+        derived = {"total_mass": self.masspole + self.masscart, "polemass_length": self.masspole * self.length}
+        self.__dict__.update((name, value) for name, value in derived.items() if self.arguments[name] is None)
 
 
 class MountainCarEnv(ClassicControlEnv):
@@ -69,14 +82,6 @@ class MountainCarEnv(ClassicControlEnv):
 
     _id = "MountainCar-v0"
     state_names = ("position", "velocity")
-
-    min_position = -1.2
-    max_position = 0.6
-    max_speed = 0.07
-    goal_position = 0.5
-    force = 0.001
-    gravity = 0.0025
-    _constants = frozenset(name for name in vars() if name[0] != "_" and name != "state_names")
 
 
 class Continuous_MountainCarEnv(ClassicControlEnv):
@@ -86,28 +91,12 @@ class Continuous_MountainCarEnv(ClassicControlEnv):
     state_names = ("position", "velocity")
     _when_set = {"fresh": True}  # as float64, like that of a reset
 
-    min_action = -1.0
-    max_action = 1.0
-    min_position = -1.2
-    max_position = 0.6
-    max_speed = 0.07
-    goal_position = 0.45
-    power = 0.0015
-    _constants = frozenset(name for name in vars() if name[0] != "_" and name != "state_names")
-
 
 class PendulumEnv(ClassicControlEnv):
     """Swing a pendulum up and hold it there; ``state`` is angle (rad) and angular velocity (rad/s)."""
 
     _id = "Pendulum-v1"
     state_names = ("theta", "theta_dot")
-
-    max_speed = 8
-    max_torque = 2.0
-    dt = 0.05  # s between states
-    m = 1.0  # kg
-    l = 1.0  # m  # noqa: E741 - Gymnasium's name
-    _constants = frozenset(name for name in vars() if name[0] != "_" and name != "state_names")
 
 
 class AcrobotEnv(ClassicControlEnv):
@@ -117,17 +106,7 @@ class AcrobotEnv(ClassicControlEnv):
     state_names = ("theta1", "theta2", "dtheta1", "dtheta2")
     _when_set = {"fresh": False}  # as float64, unlike that of a reset
 
-    dt = 0.2  # s between states
-    LINK_LENGTH_1 = 1.0  # m
-    LINK_LENGTH_2 = 1.0
-    LINK_MASS_1 = 1.0  # kg
-    LINK_MASS_2 = 1.0
-    LINK_COM_POS_1 = 0.5  # m
-    LINK_COM_POS_2 = 0.5
-    LINK_MOI = 1.0
-    MAX_VEL_1 = 4 * math.pi  # rad/s
-    MAX_VEL_2 = 9 * math.pi
-    AVAIL_TORQUE = (-1.0, 0.0, 1.0)  # N m
-    torque_noise_max = 0.0
-    book_or_nips = "book"
-    _constants = frozenset(name for name in vars() if name[0] != "_" and name != "state_names")
+    # in Gymnasium these belong to the class
+    vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
+    actions_num = 3
+    _names = {"book_or_nips": lambda name: name if name == "nips" else "book"}

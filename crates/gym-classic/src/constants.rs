@@ -1,0 +1,26 @@
+//! The check of constants that are arguments.
+
+use gym_core::{Error, Result};
+
+/// The largest magnitude of a constant: far beyond any planet, and far below what overflows in one step.
+const LIMIT: f64 = 1e6;
+
+/// Refuses constants that are no numbers to work with.
+pub(crate) fn finite<const N: usize>(env: &str, constants: [(&str, f64); N]) -> Result<()> {
+    within(env, constants, -LIMIT)
+}
+
+/// Refuses limits that are no numbers to work with, or negative.
+pub(crate) fn limits<const N: usize>(env: &str, limits: [(&str, f64); N]) -> Result<()> {
+    within(env, limits, 0.0)
+}
+
+fn within<const N: usize>(env: &str, constants: [(&str, f64); N], low: f64) -> Result<()> {
+    for (name, value) in constants {
+        if !(low..=LIMIT).contains(&value) {
+            let reason = format!("{name} is {value:?}: it must lie between {low:?} and {LIMIT:?}");
+            return Err(Error::argument(env, reason));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,352 @@
+//! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same attributes set, bit for bit.
+
+use gym_classic as _;
+use gym_core::prelude::*;
+use gym_core::vector::VectorKind;
+use gym_core::{BoxEnv, Generator, Kwargs, Value, builder};
+use serde::Deserialize;
+
+/// An episode of Gymnasium's, made by `constants.py`.
+#[derive(Deserialize)]
+struct Recorded {
+    id: String,
+    seed: u64,
+    arguments: Kwargs,
+    /// FNV-1a of observations, rewards and ends.
+    sum: String,
+}
+
+const STEPS: usize = 300;
+
+fn recordings() -> Vec<Recorded> {
+    serde_json::from_str(include_str!("constants.json")).unwrap()
+}
+
+/// The actions of a recording: random ones, and most of the time those with the motion.
+struct Actions {
+    rng: Generator,
+    /// How many there are; none where an action is a number.
+    n: Option<i64>,
+    /// Which number of an observation is the velocity to go with.
+    pump: Option<usize>,
+}
+
+impl Actions {
+    fn new(id: &str, seed: u64) -> Self {
+        let (n, pump) = match id {
+            "CartPole-v1" => (Some(2), None),
+            "MountainCar-v0" => (Some(3), Some(1)),
+            "Acrobot-v1" => (Some(3), Some(5)),
+            "MountainCarContinuous-v0" => (None, Some(1)),
+            _ => (None, None),
+        };
+        Self { rng: Generator::from(seed + 1000), n, pump }
+    }
+
+    fn next(&mut self, observation: &[f32]) -> Value {
+        let rng = &mut self.rng;
+        let random = match self.n {
+            Some(n) => rng.integers(0, n) as f64,
+            None => rng.uniform(-4.0, 4.0),
+        };
+        let with_motion = rng.random() < 0.8;
+        let action = match self.pump.filter(|_| with_motion) {
+            Some(velocity) => {
+                let forward = observation[velocity] >= 0.0;
+                let most = self.n.map_or(1.0, |n| (n - 1) as f64);
+                let least = if self.n.is_some() { 0.0 } else { -1.0 };
+                if forward { most } else { least }
+            }
+            None => random,
+        };
+        match self.n {
+            Some(_) => Value::Int(action as i64),
+            None => Value::from([action as f32]),
+        }
+    }
+}
+
+/// FNV-1a of what an environment gives.
+struct Sum(u64);
+
+impl Sum {
+    fn of(observation: &[f32]) -> Self {
+        let mut sum = Self(0xcbf2_9ce4_8422_2325);
+        sum.observe(observation);
+        sum
+    }
+
+    fn word(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0100_0000_01b3);
+    }
+
+    fn observe(&mut self, observation: &[f32]) {
+        observation.iter().for_each(|x| self.word(u64::from(x.to_bits())));
+    }
+
+    fn step(&mut self, observation: &[f32], reward: f64, done: bool) {
+        self.observe(observation);
+        self.word(reward.to_bits());
+        self.word(u64::from(done));
+    }
+}
+
+fn sum_of(env: &mut BoxEnv, id: &str, seed: u64) -> String {
+    let mut actions = Actions::new(id, seed);
+    let mut observation = env.reset(seed).unwrap();
+    let mut own = Sum::of(observation.as_slice().unwrap());
+    let mut done = false;
+    for _ in 0..STEPS {
+        let action = actions.next(observation.as_slice().unwrap());
+        let reward;
+        if done {
+            (observation, reward, done) = (env.reset(()).unwrap(), 0.0, false);
+        } else {
+            let step = env.step(&action).unwrap();
+            (done, reward, observation) = (step.done(), step.reward, step.observation);
+        }
+        own.step(observation.as_slice().unwrap(), reward, done);
+    }
+    format!("{:016x}", own.0)
+}
+
+#[test]
+fn constants_of_single_environments_are_gymnasiums() {
+    for Recorded { id, seed, arguments, sum } in recordings() {
+        let mut env = builder(&id).args(arguments.clone()).max_episode_steps(None).build().unwrap();
+        assert_eq!(sum_of(&mut env, &id, seed), sum, "{id}: {arguments:?}");
+    }
+}
+
+#[test]
+fn constants_of_native_vectors_are_gymnasiums() {
+    const N: usize = 5;
+    for Recorded { id, seed, arguments, sum } in recordings() {
+        let env = builder(&id).args(arguments.clone()).max_episode_steps(None);
+        let mut envs = env.vector(N).kind(VectorKind::Native).build().unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&seed.into(), &mut columns).unwrap();
+        let first = |columns: &gym_core::vector::Columns| -> Vec<f32> {
+            let numbers = columns.observations.as_slice::<f32>().unwrap();
+            numbers[..numbers.len() / N].to_vec()
+        };
+        let mut own = Sum::of(&first(&columns));
+        let mut actions = Actions::new(&id, seed);
+        for _ in 0..STEPS {
+            let action = actions.next(&first(&columns));
+            let batch = envs.single_action_space().concatenate(&vec![action; N]).unwrap();
+            envs.step_into(&batch, &mut columns).unwrap();
+            own.step(&first(&columns), columns.rewards[0], columns.done(0));
+        }
+        assert_eq!(format!("{:016x}", own.0), sum, "{id}: {arguments:?}");
+    }
+}
+
+#[test]
+fn derived_constants_follow_unless_given() {
+    use gym_classic::cartpole::{Action, CartPole, Config};
+    let first = |config: Config| {
+        let mut env = CartPole::new(config).unwrap();
+        env.reset(0).unwrap();
+        env.step(&Action::Right).unwrap().observation
+    };
+    let heavy = Config { masspole: 0.5, ..Config::default() };
+    let stated = Config { total_mass: Some(1.5), polemass_length: Some(0.25), ..heavy };
+    assert_eq!(first(heavy), first(stated));
+    assert_ne!(first(heavy), first(Config { total_mass: Some(1.1), ..heavy }));
+}
+
+#[test]
+fn spaces_follow_the_constants() {
+    let space = |id: &str, name: &str, value: f64| {
+        let env = builder(id).arg(name, value).build().unwrap();
+        (env.observation_space().to_string(), env.action_space().to_string())
+    };
+    assert!(space("CartPole-v1", "x_threshold", 3.0).0.contains('6'));
+    assert!(space("Pendulum-v1", "max_torque", 3.0).1.contains('3'));
+    assert!(space("MountainCarContinuous-v0", "max_action", 1.5).1.contains("1.5"));
+}
+
+#[test]
+fn constants_that_cannot_be_are_refused() {
+    for (id, name, value, reason) in [
+        (
+            "CartPole-v1",
+            "gravity",
+            1e7,
+            "gravity is 10000000.0: it must lie between -1000000.0 and 1000000.0",
+        ),
+        ("CartPole-v1", "x_threshold", -1.0, "x_threshold is -1.0: it must lie between 0.0"),
+        (
+            "MountainCar-v0",
+            "min_position",
+            0.7,
+            "min_position is 0.7: it must be less than max_position, 0.6",
+        ),
+        ("MountainCar-v0", "max_speed", -0.1, "max_speed is -0.1"),
+        (
+            "MountainCarContinuous-v0",
+            "max_action",
+            -2.0,
+            "min_action is -1.0: it must not be above max_action, -2.0",
+        ),
+        ("Pendulum-v1", "max_torque", -1.0, "max_torque is -1.0"),
+        ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
+        ("Acrobot-v1", "gravity", 9.8, "unknown field `gravity`"),
+    ] {
+        let error = builder(id).arg(name, value).build().unwrap_err().to_string();
+        assert!(error.contains(reason), "{id}: {error}");
+    }
+    let error = builder("CartPole-v1").arg("kinematics_integrator", "rk4").build().unwrap_err().to_string();
+    assert!(error.contains("`euler` or `semi-implicit euler`"), "{error}");
+}
+
+/// As an attribute of Gymnasium's environments does: what was computed from others stays, and so do the spaces.
+#[test]
+fn constants_set_later_take_effect() {
+    for Recorded { id, seed, arguments, sum } in
+        recordings().into_iter().filter(|recorded| recorded.id == "CartPole-v1")
+    {
+        use gym_classic::CartPole;
+        let mut env = builder(&id).max_episode_steps(None).build().unwrap();
+        let space = env.observation_space();
+        env.reset(0).unwrap();
+        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let derived = ["total_mass", "polemass_length"];
+        let given =
+            |name: &str| !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05));
+        for (name, value) in arguments.iter().filter(|(name, _)| given(name)) {
+            own.set_argument(name, value.clone()).unwrap();
+        }
+        assert_eq!(env.observation_space(), space);
+        assert_eq!(sum_of(&mut env, &id, seed), sum, "{arguments:?}");
+        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let error = own.set_argument("gravity", "much".into()).unwrap_err().to_string();
+        assert!(error.contains("expected f64"), "{error}");
+        let error = own.set_argument("mass", 1.into()).unwrap_err().to_string();
+        assert!(error.contains("unknown field `mass`"), "{error}");
+    }
+}
+
+/// A vector with other constants in each environment gives what single environments with those give.
+#[test]
+fn each_environment_of_a_vector_has_constants_of_its_own() {
+    const N: usize = 70;
+    let gravity: Vec<f64> = (0..N).map(|i| 1.0 + i as f64 / 7.0).collect();
+    let length: Vec<f64> = (0..N).map(|i| 0.2 + i as f64 / 100.0).collect();
+    let make = |kind| {
+        let vector = builder("CartPole-v1").arg("masspole", 0.2).vector(N).kind(kind);
+        vector.arg_each("gravity", gravity.clone()).arg_each("length", length.clone()).build().unwrap()
+    };
+    let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
+    let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+    let mut actions = native.action_space().unwrap().sampler(1);
+    native.reset_into(&3.into(), &mut fast).unwrap();
+    sync.reset_into(&3.into(), &mut exact).unwrap();
+    for step in 0..300 {
+        let actions = actions.sample();
+        native.step_into(&actions, &mut fast).unwrap();
+        sync.step_into(&actions, &mut exact).unwrap();
+        assert_eq!(fast, exact, "step {step}");
+    }
+    let spec = serde_json::to_value(native.spec().unwrap()).unwrap();
+    assert_eq!(spec["each"]["length"][1], length[1]);
+    let again: gym_core::registry::VectorSpec = serde_json::from_value(spec).unwrap();
+    assert_eq!(again, native.spec().unwrap());
+    assert_eq!(
+        again.make().unwrap().reset(3).unwrap().observations,
+        make(VectorKind::Native).reset(3).unwrap().observations
+    );
+}
+
+/// What a range gives is drawn by the environment's generator before each start, and is then what the episode has.
+#[test]
+fn ranges_draw_constants_anew_at_each_reset() {
+    use gym_classic::cartpole::{CartPoleDynamics, Config};
+    use gym_core::vector::native::NativeVectorEnv;
+    use gym_core::{Dynamics, Reset, Task};
+    const N: usize = 40;
+    const RANGES: [(&str, f64, f64); 2] = [("gravity", 2.0, 20.0), ("length", 0.2, 2.0)];
+    let make = || {
+        let vector = builder("CartPole-v1").vector(N).arg_each("length", 0.2..2.0);
+        vector.arg_each("gravity", 2.0..20.0).build().unwrap()
+    };
+    let mut envs = make();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&5.into(), &mut columns).unwrap();
+    // the same by hand
+    let start = |rng: &mut Generator| {
+        let [gravity, length] = RANGES.map(|(_, low, high)| rng.uniform(low, high));
+        let own = CartPoleDynamics::new(Config { gravity, length, ..Config::default() }).unwrap();
+        let state = own.start(&Reset::default(), rng).unwrap();
+        (own, state)
+    };
+    let mut rngs: Vec<Generator> = (0..N as u64).map(|i| Generator::from(5 + i)).collect();
+    let mut own: Vec<_> = rngs.iter_mut().map(start).collect();
+    let mut actions = envs.action_space().unwrap().sampler(2);
+    let mut due = [false; N];
+    let mut ends = 0;
+    let mut middle = None;
+    for step in 0..200 {
+        if step == 100 {
+            middle = Some((envs.snapshot().unwrap(), actions.clone()));
+        }
+        let batch = actions.sample();
+        envs.step_into(&batch, &mut columns).unwrap();
+        let items = batch.as_array().unwrap().as_slice::<i64>().unwrap();
+        for i in 0..N {
+            let (dynamics, state) = &mut own[i];
+            let seen = if due[i] {
+                (*dynamics, *state) = start(&mut rngs[i]);
+                due[i] = false;
+                dynamics.observe(state)
+            } else {
+                let action = gym_classic::cartpole::Action::ALL[items[i] as usize];
+                let next = dynamics.transition(state, &action, &mut rngs[i]).unwrap();
+                (*state, due[i]) = (next.state, next.terminated);
+                ends += usize::from(next.terminated);
+                dynamics.observe(&next.state)
+            };
+            let row = columns.observations.as_slice::<f32>().unwrap().as_chunks::<4>().0[i];
+            assert_eq!(row, seen, "step {step} of {i}");
+        }
+    }
+    assert!(ends > 100);
+    let native = envs.wrapper::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
+    let drawn: Vec<_> = (0..N).map(|i| native.arguments(i)).collect();
+    for (i, (dynamics, _)) in own.iter().enumerate() {
+        let Config { gravity, length, .. } = *dynamics.config();
+        assert_eq!(drawn[i], [("gravity".to_owned(), gravity), ("length".to_owned(), length)]);
+    }
+    // a snapshot holds what was drawn
+    let (snapshot, mut actions) = middle.unwrap();
+    let mut again = make();
+    let mut replayed = again.columns().unwrap();
+    again.restore(&snapshot).unwrap();
+    for _ in 100..200 {
+        again.step_into(&actions.sample(), &mut replayed).unwrap();
+    }
+    assert_eq!(replayed.observations, columns.observations);
+    let mut other = builder("CartPole-v1").vector(N).arg_each("gravity", 2.0..3.0).build().unwrap();
+    assert!(other.restore(&snapshot).is_err());
+}
+
+#[test]
+fn what_cannot_differ_is_refused() {
+    let error = |name: &str, each: gym_core::registry::Each| {
+        let vector = builder("CartPole-v1").vector(2).kind(VectorKind::Native);
+        vector.arg_each(name, each).build().unwrap_err().to_string()
+    };
+    assert!(error("gravity", [1.0].into()).contains("there are 1 values for 2 environments"));
+    assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
+    assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
+    assert!(error("mass", [1.0, 2.0].into()).contains("no number of this name"));
+    assert!(error("x_threshold", [1.0, 2.0].into()).contains("the spaces of the environments differ"));
+    assert!(error("kinematics_integrator", ["euler", "euler"].into()).contains("varies numbers alone"));
+    let vector = builder("CartPole-v1").vector(2).kind(VectorKind::Sync).arg_each("gravity", 1.0..2.0);
+    assert!(vector.build().unwrap_err().to_string().contains("only a native vector"));
+    // what native cannot do, sync can
+    let envs =
+        builder("CartPole-v1").vector(2).arg_each("kinematics_integrator", ["euler", "semi-implicit euler"]);
+    assert_eq!(envs.build().unwrap().spec().unwrap().vectorization_mode, VectorKind::Sync);
+}

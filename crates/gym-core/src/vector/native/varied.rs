@@ -1,0 +1,135 @@
+//! Arguments that differ between the environments of a native vector.
+
+use std::collections::BTreeMap;
+
+use super::{LANES, Native, Packed};
+use crate::registry::Each;
+use crate::{Error, Generator, Result};
+
+/// The arguments that differ, and the constants that follow from them.
+#[derive(Clone, Debug)]
+pub(super) struct Varied<D: Native> {
+    /// Sorted by name.
+    each: Vec<(String, Each)>,
+    /// The values of an environment, by name: room to work in.
+    values: Vec<(String, f64)>,
+    /// For each environment a value of each argument that is a range.
+    drawn: Vec<f64>,
+    blocks: Vec<<D::Constants as Packed>::Block>,
+}
+
+impl<D: Native> Varied<D> {
+    /// For `num_envs` environments. None where no argument differs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for what a native vector cannot do, such as spaces that differ.
+    pub(super) fn new(dynamics: &D, each: &BTreeMap<String, Each>, num_envs: usize) -> Result<Option<Self>> {
+        if each.is_empty() {
+            return Ok(None);
+        }
+        let each: Vec<_> = each.iter().map(|(name, each)| (name.clone(), each.clone())).collect();
+        let values = each.iter().map(|(name, _)| (name.clone(), 0.0)).collect();
+        let blocks = vec![dynamics.constants().splat(); num_envs.div_ceil(LANES)];
+        let ranges = each.iter().filter(|(_, each)| each.range().is_some()).count();
+        let mut varied = Self { each, values, drawn: vec![0.0; num_envs * ranges], blocks };
+        for end in [|(low, _): (f64, f64)| low, |(_, high)| high] {
+            for i in 0..num_envs {
+                let spaces = |dynamics: &D| (dynamics.observation_space(), dynamics.action_space());
+                if spaces(&varied.set(i, dynamics, |range| end(range))?) != spaces(dynamics) {
+                    let names: Vec<_> = varied.each.iter().map(|(name, _)| name.as_str()).collect();
+                    let reason = format!("with {} the spaces of the environments differ", names.join(", "));
+                    return Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
+                }
+            }
+        }
+        Ok(Some(varied))
+    }
+
+    /// The constants of a block.
+    #[inline(always)]
+    pub(super) fn block(&self, index: usize) -> &<D::Constants as Packed>::Block {
+        &self.blocks[index]
+    }
+
+    /// The arguments of an environment that differ.
+    pub(super) fn of(&self, index: usize) -> Vec<(String, f64)> {
+        let mut drawn = self.drawn_of(index).iter();
+        let value = |(name, each): &(String, Each)| {
+            let drawn = if each.range().is_some() { drawn.next().copied() } else { None };
+            (name.clone(), each.number(index).or(drawn).unwrap_or(f64::NAN))
+        };
+        self.each.iter().map(value).collect()
+    }
+
+    fn drawn_of(&self, index: usize) -> &[f64] {
+        let ranges = self.each.iter().filter(|(_, each)| each.range().is_some()).count();
+        &self.drawn[index * ranges..][..ranges]
+    }
+
+    /// Draws new values of an environment, before it starts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for values that are out of range together.
+    pub(super) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<()> {
+        if self.drawn.is_empty() {
+            return Ok(());
+        }
+        self.set(index, dynamics, |(low, high)| rng.uniform(low, high)).map(|_| ())
+    }
+
+    /// All values that were drawn, to store.
+    pub(super) fn drawn(&self) -> &[f64] {
+        &self.drawn
+    }
+
+    /// Goes on with values that were stored.
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] where they are not values of these ranges.
+    pub(super) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
+        let refuse = || Error::Snapshot(format!("its arguments do not fit the ranges of this {}", D::NAME));
+        if drawn.len() != self.drawn.len() {
+            return Err(refuse());
+        }
+        let ranges = drawn.len() / num_envs.max(1);
+        for i in 0..num_envs {
+            let mut own = drawn[i * ranges..][..ranges].iter();
+            let mut fits = true;
+            self.set(i, dynamics, |(low, high)| {
+                let value = own.next().copied().unwrap_or(f64::NAN);
+                fits &= (low..=high).contains(&value);
+                if (low..=high).contains(&value) { value } else { low }
+            })?;
+            if !fits {
+                return Err(refuse());
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the constants of an environment, with what `choose` picks from each range. Gives its dynamics.
+    fn set(&mut self, index: usize, dynamics: &D, mut choose: impl FnMut((f64, f64)) -> f64) -> Result<D> {
+        let ranges = self.each.iter().filter(|(_, each)| each.range().is_some()).count();
+        let mut drawn = self.drawn[index * ranges..][..ranges].iter_mut();
+        for ((name, each), (_, value)) in self.each.iter().zip(&mut self.values) {
+            *value = match (each.range(), each.number(index)) {
+                (Some(range), _) => choose(range),
+                (None, Some(value)) => value,
+                (None, None) => return Err(Error::argument(name, "a native vector varies numbers alone")),
+            };
+            if each.range().is_some()
+                && let Some(drawn) = drawn.next()
+            {
+                *drawn = *value;
+            }
+        }
+        let own = dynamics.with_numbers(&self.values)?;
+        own.constants().set(&mut self.blocks[index / LANES], index % LANES);
+        Ok(own)
+    }
+
+    /// The dynamics of an environment.
+    pub(super) fn dynamics(&self, index: usize, dynamics: &D) -> Result<D> {
+        dynamics.with_numbers(&self.of(index))
+    }
+}

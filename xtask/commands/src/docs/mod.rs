@@ -6,6 +6,7 @@ mod page;
 mod pages;
 mod returns;
 mod source;
+mod wrappers;
 
 use std::path::PathBuf;
 
@@ -39,6 +40,7 @@ pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
     let returns = if arguments.measure { returns::measure()? } else { returns::read()? };
     let mut documents = page::all(&returns)?;
     documents.push(returns::document(&returns)?);
+    documents.push(wrappers::document()?);
     if arguments.draw {
         for page in &pages::PAGES {
             documents.push(draw::gif(page)?);

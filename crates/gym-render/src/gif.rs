@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use gif::{Encoder, EncodingError, Repeat};
-use gym_core::file::AtomicFile;
+use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode};
 use gym::rendering::VideoWriter;
-use gym::trace::{Event, Trace};
+use gym::tracess::{Event, Trace};
 use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, file};
 use serde_json::{Value as Json, json};
 

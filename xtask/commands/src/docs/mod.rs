@@ -10,7 +10,7 @@ mod wrappers;
 
 use std::path::PathBuf;
 
-use gym::file;
+use gym::rendering::file;
 use gym::{Error, Result};
 
 use crate::root;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::{Error, Result};
+use gym_core::{Error, Result};
 
 /// A file being written under a temporary name in the folder where it belongs. Dropped without
 /// [`commit`](Self::commit), it is removed.

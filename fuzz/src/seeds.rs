@@ -1,6 +1,6 @@
 //! Inputs to start from: what the library itself writes.
 
-use gym::tracess::{Event, Trace};
+use gym::traces::{Event, Trace};
 use gym::{Env, EnvExt, Reset, registry};
 use serde_json::{Value as Json, json};
 

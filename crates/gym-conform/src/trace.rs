@@ -26,10 +26,10 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
-use crate::registry::EnvBuilder;
-use crate::render::{RenderMode, Rendered};
-use crate::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
-use crate::{BoxEnv, DType, Env, EnvExt, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
+use gym_core::registry::EnvBuilder;
+use gym_core::render::{RenderMode, Rendered};
+use gym_core::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
+use gym_core::{BoxEnv, DType, Env, EnvExt, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
 
 /// The resets and steps of one environment, or of one vector.
 ///
@@ -256,7 +256,7 @@ impl Trace {
     /// The environment of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make`](crate::make), and for a wrapper that is not known.
+    /// As [`make`](gym_core::make), and for a wrapper that is not known.
     pub fn make(&self) -> Result<BoxEnv> {
         self.builder().build()
     }
@@ -264,7 +264,7 @@ impl Trace {
     /// The vector of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`](crate::make_vec), for a wrapper that is not known, and if this is the trace of a
+    /// As [`make_vec`](gym_core::make_vec), for a wrapper that is not known, and if this is the trace of a
     /// single environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
         let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use gym::wrappers::{NormalizeObservation, RunningMeanStd};
-use gym::{BoxVector, EnvSpec, Generator, file};
+use gym::rendering::file;
+use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Agent;

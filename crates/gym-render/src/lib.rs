@@ -33,6 +33,7 @@
 
 mod apng;
 mod changes;
+pub mod file;
 mod font;
 mod gif;
 mod inline;

@@ -33,6 +33,8 @@ pub use gym_bridge as bridge;
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
+#[cfg(feature = "trace")]
+pub use gym_conform::trace;
 pub use gym_core::*;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode};
 use gym::rendering::VideoWriter;
-use gym::tracess::{Event, Trace};
-use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, file};
+use gym::traces::{Event, Trace};
+use gym::rendering::file;
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
 use serde_json::{Value as Json, json};
 
 use crate::keys::{Idle, Keys};

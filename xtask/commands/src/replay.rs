@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gym::rendering::file;
-use gym::tracess::Trace;
+use gym::traces::Trace;
 use gym::{BoxEnv, Error, Result};
 use serde_json::{Map, Value as Json};
 
@@ -124,7 +124,7 @@ fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>
 struct File<'a> {
     #[serde(flatten)]
     rest: Map<String, Json>,
-    events: &'a [gym::traces::Event],
+    events: &'a [gym::trace::Event],
 }
 
 /// Recordings of games of the Atari 2600, frame by frame.

@@ -2,10 +2,7 @@
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::{
-    BoxEnv, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv,
-    VectorEnvExt,
-};
+use gym_core::{DType, Env, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt};
 
 /// Counts its steps; an episode has two, and as many resets as are asked for succeed.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use gym::rendering::Plot;
-use gym::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorKind, VectorSpec};
+use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
 use gym::wrappers::RecordEpisodeStatistics;
 use gym::{BoxVector, Generator, WrapperSpec, builder};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -69,7 +69,7 @@ impl<E: Env> AddRenderObservation<E> {
         Ok(Self { inner: env, config, space, shape, extends_dict, seen: Value::Null })
     }
 
-    fn observe(&mut self, out: &mut Value) -> Result<()> {
+    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let frame = frame(&mut self.inner)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
             return Err(Error::Contract("the size of the rendered picture has changed".into()));
@@ -110,27 +110,7 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
 }
 
 impl<E: Env> gym_core::Wrapper for AddRenderObservation<E> {
-    type Observation = Value;
-    type Action = E::Action;
-
-    env_within!(E);
-
-    fn observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        E::Observation::fill(seen, |seen| inner.reset_into(reset, seen))?;
-        self.observe(observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, seen, .. } = self;
-        let outcome = E::Observation::fill(seen, |seen| inner.step_into(action, seen))?;
-        self.observe(observation)?;
-        Ok(outcome)
-    }
+    observes!(E, seen);
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
         Some(self.config.spec())

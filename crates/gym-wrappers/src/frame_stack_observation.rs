@@ -72,7 +72,10 @@ impl<E: Env> FrameStackObservation<E> {
     }
 
     /// Adds what was seen to the stack, and shows it.
-    fn observe(&mut self, out: &mut Value) -> Result<()> {
+    fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
+        if is_reset {
+            self.stack.fill(self.padding.as_ref().unwrap_or(&self.seen));
+        }
         self.stack.exchange(&mut self.seen);
         if !self.inner_space.is_batch(out, self.config.stack_size) {
             *out = self.inner_space.empty_batch(self.config.stack_size)?;
@@ -85,28 +88,7 @@ impl<E: Env> FrameStackObservation<E> {
 }
 
 impl<E: Env> gym_core::Wrapper for FrameStackObservation<E> {
-    type Observation = Value;
-    type Action = E::Action;
-
-    env_within!(E);
-
-    fn observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        E::Observation::fill(seen, |seen| inner.reset_into(reset, seen))?;
-        self.stack.fill(self.padding.as_ref().unwrap_or(&self.seen));
-        self.observe(observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, seen, .. } = self;
-        let outcome = E::Observation::fill(seen, |seen| inner.step_into(action, seen))?;
-        self.observe(observation)?;
-        Ok(outcome)
-    }
+    observes!(E, seen);
 
     fn snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.stack.to_json(&self.inner_space)?))

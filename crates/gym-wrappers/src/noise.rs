@@ -121,13 +121,7 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
         Ok(())
     }
 
-    fn name(&self) -> &'static str {
-        P::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.pattern.spec())
-    }
+    named_by!(pattern: P);
 }
 
 impl Pattern for add_white_noise::Config {

@@ -73,7 +73,7 @@ impl<T> NormalizeObservation<T> {
         Ok(Self { inner, config, space: space.into(), normalizer, seen: Seen::default(), shown })
     }
 
-    fn observe(&mut self, out: &mut Value) -> Result<()> {
+    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let shape = self.space.shape().unwrap_or_default();
         let out = array_of(out, DType::F32, shape).as_mut_slice::<f32>().unwrap_or_default();
         match &self.seen.observations {
@@ -111,27 +111,7 @@ impl<T> NormalizeObservation<T> {
 }
 
 impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
-    type Observation = Value;
-    type Action = E::Action;
-
-    env_within!(E);
-
-    fn observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        E::Observation::fill(&mut seen.observations, |seen| inner.reset_into(reset, seen))?;
-        self.observe(observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, seen, .. } = self;
-        let outcome = E::Observation::fill(&mut seen.observations, |seen| inner.step_into(action, seen))?;
-        self.observe(observation)?;
-        Ok(outcome)
-    }
+    observes!(E, seen.observations);
 
     fn snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, &self.normalizer.statistics, self.normalizer.updates))
@@ -151,24 +131,10 @@ impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
 }
 
 impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
-    vector_within!();
+    observes_columns!();
 
     fn single_observation_space(&self) -> Space {
         self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.reset_into(reset, columns));
-        let n = self.inner.num_envs();
-        if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.step_into(actions, columns));
-        let n = self.inner.num_envs();
-        if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

@@ -94,7 +94,8 @@ impl<E: Env> TimeAwareObservation<E> {
         Ok(Self { inner: env, config, max_timesteps, timesteps, full_space, space, full, seen })
     }
 
-    fn observe(&mut self, out: &mut Value) -> Result<()> {
+    fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
+        self.timesteps = if is_reset { 0 } else { self.timesteps.saturating_add(1) };
         let time = f64::from(self.timesteps);
         let time = if self.config.normalize_time { time / f64::from(self.max_timesteps) } else { time };
         let set_time = |value: &mut Value| {
@@ -142,29 +143,7 @@ impl<E: Env> TimeAwareObservation<E> {
 }
 
 impl<E: Env> gym_core::Wrapper for TimeAwareObservation<E> {
-    type Observation = Value;
-    type Action = E::Action;
-
-    env_within!(E);
-
-    fn observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        E::Observation::fill(seen, |seen| inner.reset_into(reset, seen))?;
-        self.timesteps = 0;
-        self.observe(observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, seen, .. } = self;
-        let outcome = E::Observation::fill(seen, |seen| inner.step_into(action, seen))?;
-        self.timesteps = self.timesteps.saturating_add(1);
-        self.observe(observation)?;
-        Ok(outcome)
-    }
+    observes!(E, seen);
 
     fn snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.timesteps))

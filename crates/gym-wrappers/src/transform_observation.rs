@@ -60,8 +60,8 @@ where
 }
 
 impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation<V, F, Seen> {
-    fn observe(&self, columns: &mut Columns) -> Result<()> {
-        let (n, space) = (self.inner.num_envs(), gym_core::VectorWrapper::single_observation_space(self));
+    fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
+        let space = gym_core::VectorWrapper::single_observation_space(self);
         self.seen.map(columns, |inner, out| {
             *out = (self.func)(inner);
             if space.is_batch(out, n) {
@@ -80,22 +80,10 @@ where
     V: VectorEnv,
     F: Fn(&Value) -> Value + Send + 'static,
 {
-    vector_within!();
+    observes_columns!();
 
     fn single_observation_space(&self) -> Space {
         self.space.clone().unwrap_or_else(|| self.inner.single_observation_space())
-    }
-
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.reset_into(reset, columns));
-        if goes_on { result.and(self.observe(columns)) } else { result }
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.step_into(actions, columns));
-        if goes_on { result.and(self.observe(columns)) } else { result }
     }
 }
 

@@ -119,6 +119,85 @@ macro_rules! reset_within {
     };
 }
 
+/// The part of a `Wrapper` that observes `Value`s of its own: with the fields `inner`, `space` and `seen`, for what was
+/// observed within, and the method `observe(&mut self, is_reset: bool, out: &mut Value)`.
+macro_rules! observes {
+    ($inner:ident, $seen:ident $(. $part:ident)?) => {
+        type Observation = gym_core::Value;
+        type Action = $inner::Action;
+
+        env_within!($inner);
+
+        fn observation_space(&self) -> gym_core::Space {
+            self.space.clone()
+        }
+
+        fn reset_into(
+            &mut self,
+            reset: &gym_core::Reset,
+            observation: &mut gym_core::Value,
+        ) -> gym_core::Result<()> {
+            let Self { inner, $seen, .. } = self;
+            $inner::Observation::fill(&mut $seen$(.$part)?, |seen| inner.reset_into(reset, seen))?;
+            self.observe(true, observation)
+        }
+
+        fn step_into(
+            &mut self,
+            action: &$inner::Action,
+            observation: &mut gym_core::Value,
+        ) -> gym_core::Result<gym_core::Outcome> {
+            let Self { inner, $seen, .. } = self;
+            let outcome =
+                $inner::Observation::fill(&mut $seen$(.$part)?, |seen| inner.step_into(action, seen))?;
+            self.observe(false, observation)?;
+            Ok(outcome)
+        }
+    };
+}
+
+/// The same of a `VectorWrapper`: with the method `observe_columns(&mut self, n: usize, columns: &mut Columns)`.
+macro_rules! observes_columns {
+    () => {
+        vector_within!();
+
+        fn reset_into(
+            &mut self,
+            reset: &gym_core::vector::VectorReset,
+            columns: &mut gym_core::vector::Columns,
+        ) -> gym_core::Result<()> {
+            let Self { inner, seen, .. } = self;
+            let (result, goes_on) = seen.fill(columns, |columns| inner.reset_into(reset, columns));
+            let n = self.inner.num_envs();
+            if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
+        }
+
+        fn step_into(
+            &mut self,
+            actions: &gym_core::Value,
+            columns: &mut gym_core::vector::Columns,
+        ) -> gym_core::Result<()> {
+            let Self { inner, seen, .. } = self;
+            let (result, goes_on) = seen.fill(columns, |columns| inner.step_into(actions, columns));
+            let n = self.inner.num_envs();
+            if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
+        }
+    };
+}
+
+/// Name and spec of a wrapper, from its field with the arguments.
+macro_rules! named_by {
+    ($config:ident: $type:ty) => {
+        fn name(&self) -> &'static str {
+            <$type>::NAME
+        }
+
+        fn wrapper_spec(&self) -> Option<gym_core::WrapperSpec> {
+            Some(self.$config.spec())
+        }
+    };
+}
+
 /// `get_ref`, `get_mut` and `into_inner` of a wrapper with a field `inner`.
 macro_rules! reach {
     ($name:ident<$inner:ident $(: $bound:path)? $(, $parameter:ident $(: $limit:path)?)*>) => {

@@ -102,13 +102,7 @@ impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
         act(inner, map.map(action, buffer), observation)
     }
 
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }
 
 impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
@@ -140,11 +134,5 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
         inner.step_into(rows, columns)
     }
 
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }

@@ -71,7 +71,7 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
         &self.map
     }
 
-    fn observe(&self, out: &mut Value) -> Result<()> {
+    fn observe(&self, _is_reset: bool, out: &mut Value) -> Result<()> {
         prepare(&self.space, out);
         self.map.map(&self.seen.observations, out)
     }
@@ -108,65 +108,19 @@ fn prepare(space: &Space, out: &mut Value) {
 }
 
 impl<E: Env, M: ObservationMap> gym_core::Wrapper for MapObservation<E, M> {
-    type Observation = Value;
-    type Action = E::Action;
+    observes!(E, seen.observations);
 
-    env_within!(E);
-
-    fn observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        E::Observation::fill(&mut seen.observations, |seen| inner.reset_into(reset, seen))?;
-        self.observe(observation)
-    }
-
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, seen, .. } = self;
-        let outcome = E::Observation::fill(&mut seen.observations, |seen| inner.step_into(action, seen))?;
-        self.observe(observation)?;
-        Ok(outcome)
-    }
-
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }
 
 impl<V: VectorEnv, M: ObservationMap> gym_core::VectorWrapper for MapObservation<V, M> {
-    vector_within!();
+    observes_columns!();
 
     fn single_observation_space(&self) -> Space {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.reset_into(reset, columns));
-        let n = self.inner.num_envs();
-        if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
-    }
-
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        let Self { inner, seen, .. } = self;
-        let (result, goes_on) = seen.fill(columns, |columns| inner.step_into(actions, columns));
-        let n = self.inner.num_envs();
-        if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
-    }
-
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }
 
 /// The observations of a vector within, for a wrapper that gives others.

@@ -57,13 +57,7 @@ impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
         Ok(Outcome { reward: self.map.map(outcome.reward), ..outcome })
     }
 
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }
 
 impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
@@ -73,13 +67,7 @@ impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
         step_rewards(&mut self.inner, actions, columns, |reward| self.map.map(reward))
     }
 
-    fn name(&self) -> &'static str {
-        M::Config::NAME
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
-    }
+    named_by!(config: M::Config);
 }
 
 /// Steps the vector within and maps the rewards of all sub-environments that went on.

@@ -1,11 +1,10 @@
 //! A state, and everything computed from it.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::physics::MAXVAL;
 use crate::physics::spatial::IDENTITY;
-use crate::physics::{Constraints, Work};
-use crate::{Error, Model, Result};
+use crate::physics::{Constraints, MAXVAL, Work, rne_post_constraint};
+use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
 ///
@@ -15,8 +14,9 @@ use crate::{Error, Model, Result};
 /// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional vectors are rotation, then
 /// translation, about the centre of mass of the kinematic tree (`subtree_com` of the body's root).
 ///
-/// A clone, or data that was serialised and read again, continues bit for bit.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+/// A clone, or data that was serialised and read again, continues bit for bit. What is serialised is the state, and the one that
+/// the last step or forward call started from; everything else follows from that, and [`resume`](Self::resume) computes it again.
+#[derive(Clone, Debug, Default)]
 pub struct Data {
     /// Time, in seconds.
     pub time: f64,
@@ -100,13 +100,63 @@ pub struct Data {
     /// Iterations of the solver, by island.
     pub solver_niter: Vec<usize>,
 
+    /// What computed everything that follows from a state, and from which; nothing did yet where there is none.
+    pub(crate) last: Option<Call>,
+    before: State,
+    /// Whether `cfrc_ext` is of that call.
+    pub(crate) contact_forces: bool,
     /// Buffers.
-    #[serde(skip)]
     pub(crate) work: Work,
 }
 
+/// All that a step depends on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct State {
+    time: f64,
+    qpos: Vec<f64>,
+    qvel: Vec<f64>,
+    ctrl: Vec<f64>,
+    qacc_warmstart: Vec<f64>,
+}
+
+/// What computes all that follows from a state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Call {
+    Forward,
+    Step,
+}
+
+/// How data is serialised.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Data")]
+struct Stored {
+    last: Option<Call>,
+    contact_forces: bool,
+    state: State,
+    /// Where the last call started, if that was another state.
+    before: Option<State>,
+}
+
+impl Serialize for Data {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let state = self.state();
+        let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
+        Stored { last: self.last, contact_forces: self.contact_forces, state, before }.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Data {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let Stored { last, contact_forces, state, before } = Stored::deserialize(deserializer)?;
+        let before = before.unwrap_or_else(|| state.clone());
+        let mut data = Self { last, contact_forces, before, ..Self::default() };
+        data.set(state);
+        Ok(data)
+    }
+}
+
 /// A contact of two geoms: MuJoCo's `mjContact`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Contact {
     /// Distance between the nearest points; negative where the geoms overlap.
@@ -149,6 +199,12 @@ impl Data {
 
     /// Back to the initial configuration: MuJoCo's `mj_resetData`.
     pub fn reset(&mut self, m: &Model) {
+        self.clear(m);
+        (self.last, self.contact_forces) = (None, false);
+    }
+
+    /// The same, within a call.
+    pub(crate) fn clear(&mut self, m: &Model) {
         self.fit(m);
         self.time = 0.0;
         self.qpos.copy_from_slice(&m.qpos0);
@@ -175,59 +231,77 @@ impl Data {
         self.solver_niter.clear();
     }
 
+    /// Computes again what is not serialised, by the call that computed it. Before a step or a forward call there is no need to.
+    ///
+    /// # Panics
+    /// If the data is of another model; [`check`](Self::check) tells.
+    pub fn resume(&mut self, m: &Model) {
+        self.fit(m);
+        let Some(last) = self.last else { return };
+        let (now, contact_forces) = (self.state(), self.contact_forces);
+        self.set(self.before.clone());
+        match last {
+            Call::Forward => forward(m, self),
+            Call::Step => step(m, self),
+        }
+        if contact_forces {
+            rne_post_constraint(m, self);
+        }
+        self.set(now);
+    }
+
+    fn state(&self) -> State {
+        State {
+            time: self.time,
+            qpos: self.qpos.clone(),
+            qvel: self.qvel.clone(),
+            ctrl: self.ctrl.clone(),
+            qacc_warmstart: self.qacc_warmstart.clone(),
+        }
+    }
+
+    fn set(&mut self, state: State) {
+        let State { time, qpos, qvel, ctrl, qacc_warmstart } = state;
+        self.time = time;
+        (self.qpos, self.qvel, self.ctrl, self.qacc_warmstart) = (qpos, qvel, ctrl, qacc_warmstart);
+    }
+
+    /// Notes the state that a call starts from.
+    #[inline]
+    pub(crate) fn begin(&mut self, m: &Model, call: Call) {
+        self.fit(m);
+        (self.last, self.contact_forces) = (Some(call), false);
+        let before = &mut self.before;
+        before.time = self.time;
+        before.qpos.copy_from_slice(&self.qpos);
+        before.qvel.copy_from_slice(&self.qvel);
+        before.ctrl.copy_from_slice(&self.ctrl);
+        before.qacc_warmstart.copy_from_slice(&self.qacc_warmstart);
+    }
+
     /// Whether this is data of a model, such as what a snapshot holds.
     ///
     /// # Errors
-    /// [`Error::Data`] if an array has another length than the model's, or a number of the state is not finite.
+    /// [`Error::Data`] if an array of the state has another length than the model's, or a number is beyond what a simulation
+    /// reaches.
     pub fn check(&self, m: &Model) -> Result<()> {
-        let fresh = Self::new(m);
-        macro_rules! lengths {
-            ($($field:ident)+) => {
-                [$((stringify!($field), self.$field.len(), fresh.$field.len())),+]
-            };
+        for state in [self.last.map(|_| &self.before), Some(&self.state())].into_iter().flatten() {
+            for (name, numbers, length, most) in [
+                ("qpos", &state.qpos, m.nq(), MAXVAL),
+                ("qvel", &state.qvel, m.nv(), MAXVAL),
+                ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
+                ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
+            ] {
+                if numbers.len() != length {
+                    let have = numbers.len();
+                    return Err(Error::Data(format!("{name} has {have} elements, the model needs {length}")));
+                }
+                if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
+                    return Err(Error::Data(format!("{name} has {x}, which no simulation reaches")));
+                }
+            }
         }
-        let lengths = lengths!(
-            qpos qvel ctrl qacc_warmstart qacc xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos
-            site_xmat subtree_com cinert cdof cvel cdof_dot ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator
-            qfrc_smooth qacc_smooth qfrc_constraint cfrc_ext qm qld qld_diag_inv actuator_force
-        );
-        if let Some((name, have, need)) = lengths.into_iter().find(|(_, have, need)| have != need) {
-            return Err(Error::Data(format!("{name} has {have} elements, the model needs {need}")));
-        }
-        macro_rules! flat {
-            ($($field:ident)+) => {
-                [$(&self.$field[..]),+]
-            };
-        }
-        macro_rules! rows {
-            ($($field:ident)+) => {
-                [$((stringify!($field), self.$field.as_flattened(), self.$field.first() == fresh.$field.first())),+]
-            };
-        }
-        // nothing that follows from a state goes beyond
-        const FOLLOWING: f64 = 1e18;
-        let within = |numbers: &[f64], bound: f64| numbers.iter().all(|x| x.abs() <= bound);
-        let state = flat!(qpos qvel qacc_warmstart).into_iter().all(|numbers| within(numbers, MAXVAL));
-        let following = flat!(
-            ctrl qacc ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint
-            qm qld qld_diag_inv actuator_force
-        );
-        let unbounded = f64::from(f32::MAX);
-        if !state || !following.into_iter().all(|numbers| within(numbers, unbounded)) {
-            return Err(Error::Data("a number of the state is beyond what a simulation reaches".into()));
-        }
-        // the world does not move
-        let of_bodies = rows!(xpos xquat xmat xipos ximat cinert cvel cfrc_ext);
-        if let Some((name, ..)) =
-            of_bodies.iter().find(|(_, numbers, world)| !world || !within(numbers, FOLLOWING))
-        {
-            return Err(Error::Data(format!("{name} is not what a simulation reaches")));
-        }
-        let others = rows!(xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat subtree_com cdof cdof_dot);
-        match others.iter().find(|(_, numbers, _)| !within(numbers, FOLLOWING)) {
-            Some((name, ..)) => Err(Error::Data(format!("{name} is not what a simulation reaches"))),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// Makes every array as long as the model needs it; does nothing to those that are.
@@ -279,10 +353,14 @@ impl Data {
         for vectors in [&mut self.cvel, &mut self.cfrc_ext] {
             vectors.resize(nbody, [0.0; 6]);
         }
+        self.before.qpos.resize(m.nq(), 0.0);
+        self.before.qvel.resize(nv, 0.0);
+        self.before.ctrl.resize(m.nu(), 0.0);
+        self.before.qacc_warmstart.resize(nv, 0.0);
         self.work = Work::new(m);
         let bounds = m.plan().bounds();
         self.contact.reserve(bounds.contacts);
-        self.efc.reserve(&bounds);
+        self.efc.reserve(&bounds, nv);
         self.solver_niter.reserve(m.ntree());
     }
 }

@@ -1,7 +1,7 @@
 //! Recorded steps and forward calls of an engine, answered by this one.
 //!
-//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model, or `xml` a file in MJCF
-//! beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
+//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model (what is before a dot says
+//! more of the recording), or `xml` a file in MJCF beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
 //! what one step leaves behind, under `after`, or what one forward call computes, under `out`, in MuJoCo's names. A recording
 //! without a `kind` is a table of a compiled model's figures, and answered with our own.
 
@@ -75,8 +75,11 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     let text = |key: &str| recording.get(key).and_then(Value::as_str);
     match (text("xml"), text("model")) {
         (Some(xml), _) => Model::from_xml_file(folder.join(xml)).map(Arc::new),
-        (None, Some(name)) => tasks::load(&format!("{name}.xml"))
-            .map_err(|error| Error::Data(format!("the recording's model: {error}"))),
+        (None, Some(name)) => {
+            let name = name.rsplit('.').next().unwrap_or(name);
+            tasks::load(&format!("{name}.xml"))
+                .map_err(|error| Error::Data(format!("the recording's model: {error}")))
+        }
         (None, None) => Err(Error::Data("the recording has neither `model` nor `xml`".into())),
     }
 }
@@ -125,16 +128,14 @@ pub fn after_forward(m: &Model, d: &mut Data) -> Value {
 fn constraints(m: &Model, d: &Data) -> Value {
     let efc = &d.efc;
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
-    let dot = |row: &Vec<f64>| row.iter().zip(&d.qacc_smooth).map(|(j, a)| j * a).sum::<f64>();
-    let b: Vec<f64> = jacobian.iter().zip(&efc.aref).map(|(row, aref)| dot(row) - aref).collect();
     // libmujoco leaves here what Newton's method saw last before it took the islands apart: the rows without constraint forces
     let active: Vec<u8> = match m.opt.solver {
         Solver::PGS => efc.force.iter().map(|force| u8::from(*force > 0.0)).collect(),
-        Solver::Newton => b.iter().map(|b| u8::from(*b < 0.0)).collect(),
+        Solver::Newton => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
         "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,
-        "efc_KBIP": efc.kbip, "efc_vel": efc.vel, "efc_aref": efc.aref, "efc_b": b, "efc_force": efc.force,
+        "efc_KBIP": efc.kbip, "efc_vel": efc.vel, "efc_aref": efc.aref, "efc_b": efc.b, "efc_force": efc.force,
         "efc_state": active, "efc_J": jacobian, "efc_island": efc.island,
     })
 }

@@ -58,8 +58,21 @@ impl Random {
     }
 }
 
+/// All that a user can see.
 fn everything(d: &Data) -> String {
-    serde_json::to_string(d).unwrap()
+    let state = (d.time, &d.qpos, &d.qvel, &d.ctrl, &d.qacc_warmstart, &d.qacc);
+    let frames =
+        (&d.xpos, &d.xquat, &d.xmat, &d.xipos, &d.ximat, &d.xanchor, &d.xaxis, &d.geom_xpos, &d.geom_xmat);
+    let inertia =
+        (&d.site_xpos, &d.site_xmat, &d.subtree_com, &d.cinert, &d.cdof, &d.qm, &d.qld, &d.qld_diag_inv);
+    let velocity = (&d.cvel, &d.cdof_dot, &d.ten_length, &d.ten_velocity, &d.actuator_force);
+    let forces =
+        (&d.qfrc_passive, &d.qfrc_bias, &d.qfrc_actuator, &d.qfrc_smooth, &d.qacc_smooth, &d.qfrc_constraint);
+    let rows = (&d.efc.pos, &d.efc.d, &d.efc.vel, &d.efc.aref, &d.efc.b, &d.efc.force, &d.efc.island);
+    format!(
+        "{state:?} {frames:?} {inertia:?} {velocity:?} {forces:?} {rows:?} {:?} {:?}",
+        d.contact, d.cfrc_ext
+    )
 }
 
 #[test]
@@ -71,7 +84,19 @@ fn stored_data_continues_bit_for_bit() {
             random.control(&m, &mut d, i / 20);
             step(&m, &mut d);
         }
-        let mut restored: Data = serde_json::from_str(&everything(&d)).unwrap();
+        physics::rne_post_constraint(&m, &mut d);
+        let stored = serde_json::to_string(&d).unwrap();
+        let mut restored: Data = serde_json::from_str(&stored).unwrap();
+        assert_eq!(
+            serde_json::to_string(&restored).unwrap(),
+            stored,
+            "{name}: it is stored again before it resumes"
+        );
+        restored.check(&m).unwrap();
+        restored.resume(&m);
+        assert_eq!(everything(&d), everything(&restored), "{name}");
+        assert_eq!(serde_json::to_string(&restored).unwrap(), stored);
+        let mut restored: Data = serde_json::from_str(&stored).unwrap();
         let mut cloned = d.clone();
         for _ in 0..40 {
             random.control(&m, &mut d, 0);
@@ -79,6 +104,7 @@ fn stored_data_continues_bit_for_bit() {
             cloned.ctrl.clone_from(&d.ctrl);
             for data in [&mut d, &mut restored, &mut cloned] {
                 step(&m, data);
+                physics::rne_post_constraint(&m, data);
             }
             assert!(
                 everything(&d) == everything(&restored) && everything(&d) == everything(&cloned),
@@ -86,6 +112,51 @@ fn stored_data_continues_bit_for_bit() {
             );
         }
     }
+}
+
+#[test]
+fn a_state_that_was_changed_is_stored_as_it_is() {
+    let m = built_in("ant");
+    let mut d = Data::new(&m);
+    let again = |d: &Data| -> Data { serde_json::from_str(&serde_json::to_string(d).unwrap()).unwrap() };
+    let mut fresh = again(&d);
+    fresh.resume(&m);
+    assert_eq!(everything(&d), everything(&fresh), "nothing was computed yet");
+    forward(&m, &mut d);
+    d.qvel[3] = 0.5;
+    d.ctrl.fill(0.25);
+    let mut restored = again(&d);
+    restored.resume(&m);
+    assert_eq!(everything(&d), everything(&restored));
+    step(&m, &mut d);
+    step(&m, &mut restored);
+    (d.qpos[2], d.time) = (0.6, 7.0);
+    let mut restored = again(&restored);
+    (restored.qpos[2], restored.time) = (0.6, 7.0);
+    restored.resume(&m);
+    assert_eq!(everything(&d), everything(&restored));
+    let mut restored = again(&restored);
+    for data in [&mut d, &mut restored] {
+        step(&m, data);
+    }
+    assert_eq!(everything(&d), everything(&restored));
+}
+
+#[test]
+fn what_is_stored_of_another_model_is_refused() {
+    let (ant, hopper) = (built_in("ant"), built_in("hopper"));
+    let mut d = Data::new(&ant);
+    step(&ant, &mut d);
+    let stored = serde_json::to_value(&d).unwrap();
+    let refusal = |stored: &Json, m: &Model| {
+        serde_json::from_value::<Data>(stored.clone()).unwrap().check(m).unwrap_err().to_string()
+    };
+    assert!(refusal(&stored, &hopper).contains("qpos has 15 elements, the model needs 6"));
+    let mut changed = stored.clone();
+    changed["before"]["qvel"][4] = json!(1e30);
+    assert!(refusal(&changed, &ant).contains("which no simulation reaches"));
+    changed["before"]["qvel"] = json!([0.0]);
+    assert!(refusal(&changed, &ant).contains("qvel has 1 elements, the model needs 14"));
 }
 
 #[test]

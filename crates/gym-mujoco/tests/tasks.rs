@@ -134,6 +134,31 @@ fn a_snapshot_in_mid_contact_continues_bit_for_bit() {
 }
 
 #[test]
+fn a_snapshot_holds_states_alone() {
+    for task in registry::all().into_iter().filter(|entry| entry.id().ends_with("-v5")) {
+        let mut env = make(task.id()).unwrap();
+        env.reset(5).unwrap();
+        play(&mut env, 1, 12);
+        let model = gym_mujoco::simulated(&env).map(|env| env.simulation().model.clone()).expect("a task");
+        let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        // the state now, and the one that the last step started from; the generator's, and what was measured in the step
+        let states = 2 * (model.nq() + 2 * model.nv() + model.nu() + 1);
+        let held = numbers(&text);
+        assert!(held >= states && held < states + 60, "{}: {held} numbers for {states}", task.id());
+    }
+}
+
+/// How many numbers there are.
+fn numbers(json: &Json) -> usize {
+    match json {
+        Json::Number(_) => 1,
+        Json::Array(all) => all.iter().map(numbers).sum(),
+        Json::Object(all) => all.values().map(numbers).sum(),
+        _ => 0,
+    }
+}
+
+#[test]
 fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<()> {
     use gym_mujoco::{simulated, simulated_mut};
 

@@ -9,54 +9,44 @@ use gym_core::registry;
 use gym_mujoco::simulated;
 use serde_json::{Value, json};
 
-/// The largest difference, relative above 1; infinite where keys, lengths, flags or texts differ.
-fn off(a: &Value, b: &Value) -> f64 {
-    match (a, b) {
-        (Value::Number(a), Value::Number(b)) => match (a.as_f64(), b.as_f64()) {
-            (Some(a), Some(b)) => (a - b).abs() / a.abs().max(1.0),
-            _ => f64::INFINITY,
-        },
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
-            a.iter().zip(b).map(|(a, b)| off(a, b)).fold(0.0, f64::max)
-        }
-        (Value::Object(a), Value::Object(b)) if a.len() == b.len() => {
-            a.iter().map(|(key, a)| b.get(key).map_or(f64::INFINITY, |b| off(a, b))).fold(0.0, f64::max)
-        }
-        _ if a == b => 0.0,
-        _ => f64::INFINITY,
-    }
-}
+mod common;
+use common::same;
 
-/// Compares a file up to its horizon: how many events, the largest difference, and what is wrong.
-fn compare(path: &Path) -> Result<(usize, f64), String> {
+/// Compares a file: how many events, or what is not the same to the last bit.
+fn compare(path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
-    let file: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
-    let mut trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
-    let horizon = file["horizon"].as_u64().ok_or("no horizon")? as usize;
-    let limit = file["tolerance"].as_f64().unwrap_or(1e-9);
-    trace.events.truncate(horizon);
+    let trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+    // versions 2 and 3 were recorded with numpy 1, whose norms and sums round otherwise in places: their rewards, which nothing
+    // follows from, are compared to the last bit but one
+    let old_numpy = text.contains("\"emulated\"") && !trace.id.contains("-v4");
     let state = |env: &gym_core::BoxEnv| {
         simulated(env)?.data().map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
     };
     let answers = trace.replay(state).map_err(|error| error.to_string())?;
-    let mut worst = 0.0_f64;
+    if answers.events.len() != trace.events.len() {
+        return Err(format!("{} answers to {} events", answers.events.len(), trace.events.len()));
+    }
     for (i, (asked, answer)) in trace.events.iter().zip(&answers.events).enumerate() {
         let (asked, answer) = (json!(asked), json!(answer));
         for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
-            if asked[part].is_null() {
-                continue;
+            let near = old_numpy && matches!(part, "reward" | "info") && nearly(&asked[part], &answer[part]);
+            if !asked[part].is_null() && !same(&asked[part], &answer[part]) && !near {
+                return Err(format!("event {i}, {part}: {} for {}", answer[part], asked[part]));
             }
-            let here = off(&asked[part], &answer[part]);
-            if here > limit {
-                return Err(format!(
-                    "event {i} of {horizon}, {part} is {here:.1e} off: {} for {}",
-                    answer[part], asked[part]
-                ));
-            }
-            worst = worst.max(here);
         }
     }
-    Ok((trace.events.len(), worst))
+    Ok(trace.events.len())
+}
+
+/// Whether numbers are neighbours, and everything else is the same.
+fn nearly(a: &Value, b: &Value) -> bool {
+    match (a.as_f64(), b.as_f64(), a, b) {
+        (Some(a), Some(b), ..) => (a - b).abs() <= 2.0 * f64::EPSILON * a.abs().max(0.5),
+        (_, _, Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(key, a)| b.get(key).is_some_and(|b| nearly(a, b)))
+        }
+        _ => same(a, b),
+    }
 }
 
 /// The traces of a folder: their names hold the id of a task.
@@ -78,7 +68,7 @@ fn compare_all(paths: &[PathBuf]) {
     let mut wrong = Vec::new();
     for path in paths {
         match compare(path) {
-            Ok((events, worst)) => println!("{}: {events} events, {worst:.1e}", name(path)),
+            Ok(events) => println!("{}: {events} events", name(path)),
             Err(error) => wrong.push(format!("{}: {}", name(path), &error[..error.len().min(400)])),
         }
     }
@@ -112,7 +102,7 @@ fn a_trace_that_differs_is_found() {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let differs = folder.join("Hopper-v5.json");
     for (place, other) in [
-        ("/events/5/reward", json!(file["events"][5]["reward"].as_f64().unwrap() + 2e-9)),
+        ("/events/5/reward", json!(file["events"][5]["reward"].as_f64().unwrap().next_up())),
         ("/events/5/info/x_velocity", json!(null)),
         ("/events/26/terminated", json!(false)),
         ("/events/3/state/qvel/2", json!(0.5)),

@@ -2,6 +2,7 @@
 
 use gym_core::vector::{Columns, VectorEnv, VectorEnvExt, VectorKind};
 use gym_core::{builder, registry};
+use gym_mujoco as _;
 
 /// The bits of all that a step gives back.
 fn bits(columns: &Columns) -> Vec<u64> {
@@ -15,7 +16,9 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
     const N: usize = 6;
     const STEPS: usize = 60;
     let ids = registry::all().into_iter().map(|entry| entry.id().to_owned());
-    for id in ids.filter(|id| id.ends_with("-v5")) {
+    let ids: Vec<String> = ids.filter(|id| id.ends_with("-v5")).collect();
+    assert_eq!(ids.len(), 11);
+    for id in ids {
         let vector = builder(&id).max_episode_steps(25).vector(N);
         let mut sync = vector.clone().kind(VectorKind::Sync).build().unwrap();
         let mut actions = sync.action_sampler(3).unwrap();

@@ -3,11 +3,12 @@
 use std::collections::HashSet;
 
 use super::inertia::{self, Inertia, MINVAL};
-use super::orientation::{EPS, from_z, norm};
+use super::orientation::{EPS, from_z, norm, unit};
 use super::spec::{Body, Geom, Inertial, Joint, Moments, Spec};
 use super::xml::Place;
 use crate::Result;
 use crate::model::{CompiledModel, GeomType, JointType};
+use crate::physics::spatial::normalize_quat;
 
 /// The most bodies, the most geoms, and the most degrees of freedom: the engine's matrices are dense.
 const MOST: usize = 1000;
@@ -113,7 +114,7 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
         return Err(place.attribute("range", "the lower limit must be less than the upper one"));
     }
     let to_radians = spec.compiler.degree && *kind == JointType::Hinge;
-    let angle = |x: f64| if to_radians { x * std::f64::consts::PI / 180.0 } else { x };
+    let angle = |x: f64| if to_radians { x * (std::f64::consts::PI / 180.0) } else { x };
     m.names.joint.push(joint.name.clone());
     m.jnt_type.push(*kind);
     m.jnt_qposadr.push(m.nq());
@@ -121,8 +122,7 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
     m.jnt_bodyid.push(body_id);
     m.jnt_limited.push(limited);
     m.jnt_pos.push(if free { [0.0; 3] } else { joint.pos });
-    let length = norm(&joint.axis);
-    m.jnt_axis.push(if free { [0.0, 0.0, 1.0] } else { joint.axis.map(|x| x / length) });
+    m.jnt_axis.push(if free { [0.0, 0.0, 1.0] } else { unit(joint.axis).0 });
     m.jnt_range.push(if limited { joint.range.map(angle) } else { joint.range });
     m.jnt_margin.push(joint.margin);
     m.jnt_stiffness.push(joint.stiffness);
@@ -174,8 +174,8 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
         if geom.pos.is_some() {
             return Err(place.attribute("fromto", "does not go with pos, which it implies"));
         }
-        let along = [x0 - x1, y0 - y1, z0 - z1];
-        size[1] = norm(&along) / 2.0;
+        let (along, length) = unit([x0 - x1, y0 - y1, z0 - z1]);
+        size[1] = length / 2.0;
         if size[1] < EPS {
             return Err(place.attribute("fromto", "the ends are too close"));
         }
@@ -472,11 +472,9 @@ fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
 
 fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
     for j in (0..m.njnt()).filter(|j| m.jnt_type[*j] == JointType::Free) {
-        let quat = &mut qpos[m.jnt_qposadr[j] + 3..m.jnt_qposadr[j] + 7];
-        let length = norm(quat);
-        if length > EPS {
-            quat.iter_mut().for_each(|x| *x /= length);
-        }
+        let start = m.jnt_qposadr[j] + 3;
+        let quat = std::array::from_fn(|k| qpos[start + k]);
+        qpos[start..start + 4].copy_from_slice(&normalize_quat(unit(quat).0));
     }
 }
 

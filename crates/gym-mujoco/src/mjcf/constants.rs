@@ -3,6 +3,7 @@
 use super::orientation::norm;
 use super::spec::Statistic;
 use crate::model::JointType;
+use crate::physics::dense::dot_slices;
 use crate::physics::spatial::cross;
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
 use crate::{CompiledModel, Data, Model, Result};
@@ -82,7 +83,7 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
                 }
                 solved.copy_from_slice(&row);
                 solve_m(model, d, &mut solved);
-                trace += row.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>();
+                trace += dot_slices(&row, &solved);
             }
             m.body_invweight0[b][kind] = trace / 3.0;
         }
@@ -136,8 +137,8 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
         0 => (0.2, 1.0),
         n => {
-            let sizes = body_sizes(m, d)[1..].iter().sum::<f64>();
-            (sizes / n as f64, m.body_mass[1..].iter().sum::<f64>() / n as f64)
+            let sizes = body_sizes(m, d)[1..].iter().map(|size| size / n as f64).sum();
+            (sizes, m.body_mass[1..].iter().sum::<f64>() / n as f64)
         }
     };
     (m.stat.extent, m.stat.center) = if min[0] <= max[0] {

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::constants::body_sizes;
 use super::orientation::{EPS, norm};
 use crate::model::{GeomType, JointType};
+use crate::physics::dense::dot_slices;
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
 use crate::{CompiledModel, Data, Model};
 
@@ -133,6 +134,7 @@ fn derived(m: &Model) -> Value {
         let terms = m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t];
         terms.map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w]]]).sum::<f64>()
     };
+    let length = |row: &[f64]| dot_slices(row, row).sqrt();
     let sizes = body_sizes(m, &d);
     let dof_length = |i: usize| {
         let joint = m.dof_jntid[i];
@@ -142,7 +144,6 @@ fn derived(m: &Model) -> Value {
         };
         if turns { sizes[m.dof_bodyid[i]] } else { 1.0 }
     };
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     json!({
         "body_sameframe": body_frames,
         "body_contype": bodies.clone().map(|b| any(&m.geom_contype, b)).collect::<Vec<_>>(),
@@ -151,11 +152,11 @@ fn derived(m: &Model) -> Value {
         "geom_sameframe": (0..m.ngeom()).map(|g| same_frame(m, m.geom_bodyid[g], m.geom_pos[g], m.geom_quat[g])).collect::<Vec<_>>(),
         "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m.geom_type[g], m.geom_size[g])).collect::<Vec<_>>(),
         "actuator_length0": actuators.clone().map(|a| m.actuator_gear[a][0] * m.qpos0[m.jnt_qposadr[joint_of(a)]]).collect::<Vec<_>>(),
-        "actuator_acc0": actuators.map(|a| norm(&solved(&along(joint_of(a), m.actuator_gear[a][0])))).collect::<Vec<_>>(),
+        "actuator_acc0": actuators.map(|a| length(&solved(&along(joint_of(a), m.actuator_gear[a][0])))).collect::<Vec<_>>(),
         "dof_length": (0..m.nv()).map(dof_length).collect::<Vec<_>>(),
         "tendon_length0": (0..m.ntendon()).map(|t| tendon_length(t, &m.qpos0)).collect::<Vec<_>>(),
         "tendon_lengthspring": (0..m.ntendon()).map(|t| [tendon_length(t, &m.qpos_spring); 2]).collect::<Vec<_>>(),
-        "tendon_invweight0": tendon_rows.iter().map(|row| dot(row, &solved(row))).collect::<Vec<_>>(),
+        "tendon_invweight0": tendon_rows.iter().map(|row| dot_slices(row, &solved(row))).collect::<Vec<_>>(),
     })
 }
 

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
+use super::orientation::{compose, unit};
 use crate::model::GeomType;
 pub(super) use crate::physics::spatial::MINVAL;
-use crate::physics::spatial::{Mat3, Quat, inertia_at, mul_quat, normalize_quat, quat_to_mat};
+use crate::physics::spatial::{Mat3, Quat, inertia_at, quat_to_mat};
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +42,7 @@ pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f6
             let tube = mass - ball;
             let ball_moment = 2.0 * ball * r * r / 5.0;
             let across = tube * (3.0 * r * r + height * height) / 12.0
-                + ball_moment
-                + ball * height * (3.0 * r + 2.0 * height) / 8.0;
+                + (ball_moment + ball * height * (3.0 * r + 2.0 * height) / 8.0);
             [across, across, tube * r * r / 2.0 + ball_moment]
         }
     }
@@ -59,9 +59,20 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     let pos = std::array::from_fn(|i| parts.iter().map(|part| part.mass * part.pos[i]).sum::<f64>() / mass);
     let mut total = [0.0; 6];
     for part in parts {
-        let offset = std::array::from_fn(|i| part.pos[i] - pos[i]);
-        let shifted = inertia_at(part.moments, &quat_to_mat(part.quat), offset, part.mass);
-        total.iter_mut().zip(shifted).for_each(|(sum, term)| *sum += term);
+        let turned = inertia_at(part.moments, &quat_to_mat(part.quat), [0.0; 3], part.mass);
+        let [x, y, z] = std::array::from_fn(|i| part.pos[i] - pos[i]);
+        let m = part.mass;
+        let shift = [
+            m * (y * y + z * z),
+            m * (x * x + z * z),
+            m * (x * x + y * y),
+            -m * x * y,
+            -m * x * z,
+            -m * y * z,
+        ];
+        for ((sum, turned), shift) in total.iter_mut().zip(turned).zip(shift) {
+            *sum = *sum + turned + shift;
+        }
     }
     let (moments, quat) = principal_axes(total);
     Some(Inertia { mass, pos, quat, moments })
@@ -72,6 +83,9 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
 pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Quat) {
     const EIG_EPS: f64 = 1e-12;
     const MAX_ITERATIONS: usize = 500;
+    // the root of one half, with as many digits as libmujoco has
+    #[expect(clippy::approx_constant, reason = "the last digits of the moments' axes depend on it")]
+    const QUARTER_TURN: f64 = 0.707106781186548;
     let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     let mut moments = [0.0; 3];
@@ -101,14 +115,14 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
         let half_sin = (0.5 - 0.5 * cos).sqrt();
         turn[axis + 1] = if (tau >= 0.0) == (axis == 1) { half_sin } else { -half_sin };
         turn[0] = (1.0 - half_sin * half_sin).sqrt();
-        quat = normalize_quat(mul_quat(quat, normalize_quat(turn)));
+        quat = unit(compose(quat, unit(turn).0)).0;
     }
     for pair in [0, 1, 0] {
         if moments[pair] + EIG_EPS < moments[pair + 1] {
             moments.swap(pair, pair + 1);
-            let mut quarter = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, 0.0];
+            let mut quarter = [QUARTER_TURN, 0.0, 0.0, 0.0];
             quarter[(pair + 2) % 3 + 1] = quarter[0];
-            quat = normalize_quat(mul_quat(quat, quarter));
+            quat = unit(compose(quat, quarter)).0;
         }
     }
     (moments, quat)

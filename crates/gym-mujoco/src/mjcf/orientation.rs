@@ -1,7 +1,7 @@
 //! Orientations: the forms in which MJCF gives them, as quaternions `w, x, y, z`.
 
 use super::xml::Element;
-use crate::physics::spatial::{Quat, axis_angle, cross, mul_quat, normalize_quat};
+use crate::physics::spatial::{Quat, axis_angle, cross, mul_quat};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -89,61 +89,73 @@ impl Orientation {
     pub(super) fn resolve(&self, degree: bool) -> Quat {
         let radians = |angle: f64| if degree { angle / 180.0 * std::f64::consts::PI } else { angle };
         match &self.other {
-            None => normalize_quat(self.quat),
-            Some(Form::AxisAngle([x, y, z, angle])) => {
-                let length = norm(&[*x, *y, *z]);
-                normalize_quat(axis_angle([x / length, y / length, z / length], radians(*angle)))
-            }
+            None => unit(self.quat).0,
+            Some(Form::AxisAngle([x, y, z, angle])) => axis_angle(unit([*x, *y, *z]).0, radians(*angle)),
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
                 for (axis, angle) in
                     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(angles)
                 {
-                    quat = mul_quat(quat, axis_angle(axis, radians(*angle)));
+                    quat = compose(quat, axis_angle(axis, radians(*angle)));
                 }
-                normalize_quat(quat)
+                unit(quat).0
             }
             Some(Form::XyAxes(axes)) => plane_of(axes).map_or(IDENTITY, |[x, y, z]| from_columns(x, y, z)),
-            Some(Form::ZAxis(axis)) => from_z(*axis),
+            Some(Form::ZAxis(axis)) => from_z(unit(*axis).0),
         }
     }
 }
 
-/// The shortest rotation that turns the z axis to a direction; by half a turn about x where it is opposite.
-pub(super) fn from_z(direction: [f64; 3]) -> Quat {
-    let length = norm(&direction);
-    let [x, y, z] = direction.map(|c| c / length);
-    let sin = norm(&[-y, x]);
-    let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { [-y / sin, x / sin, 0.0] };
-    axis_angle(axis, libm::atan2(sin, z))
+/// A vector at length 1, and its length before: MuJoCo's `mjuu_normvec`, which leaves alone what has this length nearly, and what
+/// has none.
+pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
+    let square: f64 = v.iter().map(|x| x * x).sum();
+    if square < EPS {
+        return (v, 0.0);
+    }
+    let length = square.sqrt();
+    (if (length - 1.0).abs() > EPS { v.map(|x| x / length) } else { v }, length)
+}
+
+/// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
+pub(super) fn compose(a: Quat, b: Quat) -> Quat {
+    unit(mul_quat(a, b)).0
+}
+
+/// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x where it is opposite.
+pub(super) fn from_z([x, y, z]: [f64; 3]) -> Quat {
+    let (axis, sin) = unit([-y, x, 0.0]);
+    let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
+    let (s, c) = libm::sin_cos(libm::atan2(sin, z) / 2.0);
+    [c, axis[0] * s, axis[1] * s, axis[2] * s]
 }
 
 /// Right-handed unit axes from an x axis and a vector in the xy plane; `None` where they do not span one.
 fn plane_of(axes: &[f64; 6]) -> Option<[[f64; 3]; 3]> {
-    let x = unit([axes[0], axes[1], axes[2]])?;
-    let along = (0..3).map(|i| x[i] * axes[3 + i]).sum::<f64>();
-    let y = unit([axes[3] - along * x[0], axes[4] - along * x[1], axes[5] - along * x[2]])?;
-    Some([x, y, cross(x, y)])
+    let long = |(v, length): ([f64; 3], f64)| (length >= EPS).then_some(v);
+    let x = long(unit([axes[0], axes[1], axes[2]]))?;
+    let along = x[0] * axes[3] + x[1] * axes[4] + x[2] * axes[5];
+    let y = long(unit([axes[3] - x[0] * along, axes[4] - x[1] * along, axes[5] - x[2] * along]))?;
+    Some([x, y, long(unit(cross(x, y)))?])
 }
 
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    let length = norm(&v);
-    (length >= EPS).then(|| v.map(|x| x / length))
-}
-
-/// The quaternion of a rotation matrix with these columns.
+/// The quaternion of a rotation matrix with these columns: MuJoCo's `mjuu_frame2quat`.
 fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
-    let trace = x[0] + y[1] + z[2];
-    let quat = if trace > 0.0 {
-        [1.0 + trace, y[2] - z[1], z[0] - x[2], x[1] - y[0]]
+    let (half, quarter) = (|square: f64| 0.5 * square.sqrt(), |difference: f64| 0.25 * difference);
+    let quat = if x[0] + y[1] + z[2] > 0.0 {
+        let w = half(1.0 + x[0] + y[1] + z[2]);
+        [w, quarter(y[2] - z[1]) / w, quarter(z[0] - x[2]) / w, quarter(x[1] - y[0]) / w]
     } else if x[0] > y[1] && x[0] > z[2] {
-        [y[2] - z[1], 1.0 + x[0] - y[1] - z[2], y[0] + x[1], z[0] + x[2]]
+        let i = half(1.0 + x[0] - y[1] - z[2]);
+        [quarter(y[2] - z[1]) / i, i, quarter(y[0] + x[1]) / i, quarter(z[0] + x[2]) / i]
     } else if y[1] > z[2] {
-        [z[0] - x[2], y[0] + x[1], 1.0 - x[0] + y[1] - z[2], z[1] + y[2]]
+        let j = half(1.0 - x[0] + y[1] - z[2]);
+        [quarter(z[0] - x[2]) / j, quarter(y[0] + x[1]) / j, j, quarter(z[1] + y[2]) / j]
     } else {
-        [x[1] - y[0], z[0] + x[2], z[1] + y[2], 1.0 - x[0] - y[1] + z[2]]
+        let k = half(1.0 - x[0] - y[1] + z[2]);
+        [quarter(x[1] - y[0]) / k, quarter(z[0] + x[2]) / k, quarter(z[1] + y[2]) / k, k]
     };
-    normalize_quat(quat)
+    unit(quat).0
 }
 
 pub(super) fn norm(v: &[f64]) -> f64 {
@@ -161,7 +173,7 @@ mod tests {
         for axis in [[1.0, 0.2, -0.3], [0.1, -1.0, 0.2], [-0.2, 0.3, 1.0]] {
             for angle in [0.0, 0.4, 2.0, 3.0, 3.1, -3.0, -1.0] {
                 let length = norm(&axis);
-                let (s, c) = f64::sin_cos(angle / 2.0);
+                let (s, c) = libm::sin_cos(angle / 2.0);
                 let quat = [c, s * axis[0] / length, s * axis[1] / length, s * axis[2] / length];
                 let m = quat_to_mat(quat);
                 let column = |k: usize| [m[k], m[3 + k], m[6 + k]];

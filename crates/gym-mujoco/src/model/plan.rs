@@ -19,6 +19,8 @@ pub(crate) struct Plan {
     pub(crate) m_rowadr: Vec<usize>,
     /// Columns of the elements.
     pub(crate) m_colind: Vec<usize>,
+    /// The same, counted from the first degree of freedom of the tree.
+    pub(crate) m_local: Vec<usize>,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
@@ -29,6 +31,10 @@ pub(crate) struct Plan {
     pub(crate) limits: Vec<Limit>,
     /// Whether any joint has damping, which Euler's integrator treats implicitly.
     pub(crate) damped: bool,
+    /// Joints with springs.
+    pub(crate) springs: Vec<usize>,
+    /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
+    pub(crate) boxes: Vec<(usize, [f64; 3])>,
     /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and each site in its body's.
     pub(crate) bodies: Vec<Placed>,
     pub(crate) inertias: Vec<Placed>,
@@ -63,17 +69,11 @@ pub(crate) struct Bounds {
     /// Limits and contacts.
     pub(crate) blocks: usize,
     pub(crate) rows: usize,
-    /// Normals and tangents.
-    pub(crate) directions: usize,
-    pub(crate) columns: usize,
-    /// Elements of the Jacobians.
-    pub(crate) jac: usize,
 }
 
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
-    pub(crate) joint: usize,
     pub(crate) qpos: usize,
     pub(crate) dof: usize,
     pub(crate) tree: usize,
@@ -105,6 +105,8 @@ pub(crate) struct Pair {
     /// The degrees of freedom that move one of the bodies and not the other, ascending, with the sign of the motion of the
     /// second body against the first.
     pub(crate) columns: Vec<Column>,
+    /// The groups of four degrees of freedom up to the last of these.
+    pub(crate) groups: usize,
     /// The trees of the bodies, if they can move.
     pub(crate) trees: [Option<usize>; 2],
 }
@@ -176,14 +178,23 @@ impl Plan {
             let inertial = *pos == m.body_ipos[b] && *quat == m.body_iquat[b];
             (!inertial).then(|| Placed::new(pos, quat))
         });
+        let m_local = (0..m.nv())
+            .flat_map(|i| {
+                let first = trees[m.dof_treeid[i]].start;
+                m_colind[m_rowadr[i]..m_rowadr[i + 1]].iter().map(move |j| j - first)
+            })
+            .collect();
         let mut plan = Self {
             m_rowadr,
             m_colind,
+            m_local,
             last_dof,
             trees,
             pairs: Vec::new(),
             limits: Vec::new(),
             damped,
+            springs: (0..m.njnt()).filter(|&j| m.jnt_stiffness[j] != 0.0).collect(),
+            boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
             inertias: Placed::all(&m.body_ipos, &m.body_iquat),
             sites: Placed::all(&m.site_pos, &m.site_quat),
@@ -202,14 +213,7 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
-        let mut bounds = Bounds {
-            contacts: 0,
-            blocks: limits,
-            rows: limits,
-            directions: limits,
-            columns: limits,
-            jac: limits,
-        };
+        let mut bounds = Bounds { contacts: 0, blocks: limits, rows: limits };
         for pair in &self.pairs {
             let contacts = match pair.kind {
                 (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
@@ -217,13 +221,10 @@ impl Plan {
                 (GeomType::Capsule, GeomType::Cylinder) => 5,
                 _ => 1,
             };
-            let (rows, directions) = if pair.dim == 1 { (1, 1) } else { (4, 3) };
+            let rows = if pair.dim == 1 { 1 } else { 4 };
             bounds.contacts += contacts;
             bounds.blocks += contacts;
             bounds.rows += contacts * rows;
-            bounds.directions += contacts * directions;
-            bounds.columns += contacts * pair.columns.len();
-            bounds.jac += contacts * directions * pair.columns.len();
         }
         // of so many rows hardly any state has all: buffers grow as they are needed
         const MOST_ROWS: usize = 4000;
@@ -304,6 +305,7 @@ impl Plan {
         };
         let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
+        let columns = self.columns(m, b1, b2);
         Ok(Some(Pair {
             geom: [g1, g2],
             kind,
@@ -316,7 +318,8 @@ impl Plan {
             solimp,
             softness: Softness::new(solref, solimp, m.opt.timestep),
             diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
-            columns: self.columns(m, b1, b2),
+            groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
+            columns,
             trees: [tree(b1), tree(b2)],
         }))
     }
@@ -332,6 +335,19 @@ impl Plan {
         columns.sort_by_key(|column| column.dof);
         columns
     }
+}
+
+/// The boxes on which a medium acts: MuJoCo's `mj_inertiaBoxFluidModel`.
+fn boxes(m: &CompiledModel) -> Vec<(usize, [f64; 3])> {
+    const LEAST: f64 = 1e-15;
+    let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;
+    let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= LEAST);
+    let of = |b: usize| {
+        let ([i, j, k], mass) = (m.body_inertia[b], m.body_mass[b]);
+        let edge = |a: f64, b: f64, c: f64| (f64::max(LEAST, a + b - c) / mass * 6.0).sqrt();
+        (b, [edge(j, k, i), edge(i, k, j), edge(i, j, k)])
+    };
+    heavy.map(of).collect()
 }
 
 /// The weight of the first of two geoms: MuJoCo's `mix` of `solmix`.
@@ -359,7 +375,6 @@ fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
 fn limit(m: &CompiledModel, joint: usize) -> Limit {
     let dof = m.jnt_dofadr[joint];
     Limit {
-        joint,
         qpos: m.jnt_qposadr[joint],
         dof,
         tree: m.dof_treeid[dof],

@@ -5,6 +5,7 @@ use crate::model::JointType;
 use crate::{Data, Model};
 
 /// `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
+#[inline(always)]
 pub fn com_pos(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();

@@ -1,30 +1,25 @@
 //! Constraint rows: limits of joints and contacts, their Jacobians, impedances and reference accelerations.
 //!
 //! Rows belong to blocks: a limit is one row, a contact without friction is one, a contact with friction is a pyramid of four,
-//! `n + mu t1, n - mu t1, n + mu t2, n - mu t2`, of the Jacobians of the normal and the two tangents. The three are kept, the four
-//! follow from them.
+//! `n + mu t1, n - mu t1, n + mu t2, n - mu t2`, of the Jacobians of the normal and the two tangents. Rows are dense, because
+//! libmujoco sums over zeros too; see [`dense`](super::dense).
 
-use serde::{Deserialize, Serialize};
-
+use super::dense::{self, Lanes};
 use super::spatial::{Vec3, add, cross, dot, rotate, sub};
 use crate::libm;
 use crate::model::{Bounds, Pair, Softness};
-use crate::{Data, Model};
+use crate::{Contact, Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
 ///
 /// Rows of limits come first, by joint, lower before upper; then those of contacts, in their order.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default)]
 pub struct Constraints {
-    /// What the rows belong to. This and the Jacobians are not stored: the next forward call makes them anew.
-    #[serde(skip)]
+    /// What the rows belong to.
     pub(crate) blocks: Vec<Block>,
-    /// Degrees of freedom of the blocks' Jacobians.
-    #[serde(skip)]
-    pub(crate) columns: Vec<usize>,
-    /// The blocks' Jacobians: of the normal, then of the tangents.
-    #[serde(skip)]
-    pub(crate) jac: Vec<f64>,
+    /// The Jacobian: `stride` groups for each row.
+    jac: Vec<Lanes>,
+    stride: usize,
     /// Distance to the constraint; negative where it is violated.
     pub pos: Vec<f64>,
     /// The constraint acts where the distance is below this.
@@ -42,6 +37,8 @@ pub struct Constraints {
     pub vel: Vec<f64>,
     /// Reference acceleration.
     pub aref: Vec<f64>,
+    /// How far the acceleration without constraints is from the reference: `J qacc_smooth - aref`.
+    pub b: Vec<f64>,
     /// Force.
     pub force: Vec<f64>,
     /// The island of each row.
@@ -57,18 +54,10 @@ pub(crate) struct Block {
     pub(crate) source: Source,
     /// First row.
     pub(crate) row: usize,
-    /// Normals and tangents of the blocks before.
-    pub(crate) direction: usize,
-    /// First column.
-    pub(crate) column: usize,
-    /// Number of columns.
-    pub(crate) width: usize,
-    /// First element of the Jacobian.
-    pub(crate) jac: usize,
-    /// Rows of the Jacobian: 1 or 3.
-    pub(crate) dim: usize,
-    /// Friction.
-    pub(crate) mu: f64,
+    /// Number of rows: 1 or 4.
+    pub(crate) rows: usize,
+    /// Beyond so many groups the rows' Jacobians are zero.
+    pub(crate) groups: usize,
     /// A tree of the block.
     pub(crate) tree: usize,
     pub(crate) island: usize,
@@ -77,16 +66,24 @@ pub(crate) struct Block {
 /// What a block stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
-    Limit(usize),
+    Limit,
     Contact(usize),
 }
 
-impl Block {
-    /// Number of rows.
-    #[inline]
-    pub(crate) fn rows(&self) -> usize {
-        if self.dim == 1 { 1 } else { 4 }
-    }
+macro_rules! columns {
+    ($efc:ident) => {
+        [
+            &mut $efc.pos,
+            &mut $efc.margin,
+            &mut $efc.diag_approx,
+            &mut $efc.r,
+            &mut $efc.d,
+            &mut $efc.vel,
+            &mut $efc.aref,
+            &mut $efc.b,
+            &mut $efc.force,
+        ]
+    };
 }
 
 impl Constraints {
@@ -96,26 +93,12 @@ impl Constraints {
         self.pos.len()
     }
 
-    /// Number of normals and tangents.
-    fn directions(&self) -> usize {
-        self.blocks.last().map_or(0, |block| block.direction + block.dim)
-    }
-
     /// Makes room for the most constraints that there can be.
-    pub(crate) fn reserve(&mut self, bounds: &Bounds) {
+    pub(crate) fn reserve(&mut self, bounds: &Bounds, nv: usize) {
+        self.stride = dense::groups(nv);
         self.blocks.reserve(bounds.blocks);
-        self.columns.reserve(bounds.columns);
-        self.jac.reserve(bounds.jac);
-        for column in [
-            &mut self.pos,
-            &mut self.margin,
-            &mut self.diag_approx,
-            &mut self.r,
-            &mut self.d,
-            &mut self.vel,
-            &mut self.aref,
-            &mut self.force,
-        ] {
+        self.jac.reserve(bounds.rows * self.stride);
+        for column in columns!(self) {
             column.reserve(bounds.rows);
         }
         self.kbip.reserve(bounds.rows);
@@ -124,18 +107,8 @@ impl Constraints {
 
     pub(crate) fn clear(&mut self) {
         self.blocks.clear();
-        self.columns.clear();
         self.jac.clear();
-        for column in [
-            &mut self.pos,
-            &mut self.margin,
-            &mut self.diag_approx,
-            &mut self.r,
-            &mut self.d,
-            &mut self.vel,
-            &mut self.aref,
-            &mut self.force,
-        ] {
+        for column in columns!(self) {
             column.clear();
         }
         self.kbip.clear();
@@ -143,97 +116,46 @@ impl Constraints {
         self.nisland = 0;
     }
 
-    /// The block's columns, and its Jacobian.
+    /// The Jacobian, row by row.
     #[inline]
-    pub(crate) fn jacobian(&self, block: &Block) -> (&[usize], &[f64]) {
-        (
-            &self.columns[block.column..block.column + block.width],
-            &self.jac[block.jac..block.jac + block.width * block.dim],
-        )
+    pub(crate) fn jacobian(&self) -> &[Lanes] {
+        &self.jac
     }
 
-    /// `J x` of one block, without friction's pyramid: along the normal and the tangents.
+    /// How many groups a row has.
     #[inline]
-    pub(crate) fn along(&self, block: &Block, x: &[f64]) -> [f64; 3] {
-        let (columns, jac) = self.jacobian(block);
-        if block.dim == 1 {
-            return [columns.iter().zip(jac).map(|(&c, j)| j * x[c]).sum(), 0.0, 0.0];
-        }
-        let (n, rest) = jac.split_at(block.width);
-        let (t1, t2) = rest.split_at(block.width);
-        let mut sum = [0.0; 3];
-        for (((&c, n), t1), t2) in columns.iter().zip(n).zip(t1).zip(t2) {
-            let x = x[c];
-            sum[0] += n * x;
-            sum[1] += t1 * x;
-            sum[2] += t2 * x;
-        }
-        sum
-    }
-
-    /// `out += J' force`, for one block.
-    #[inline]
-    pub(crate) fn add_jac_t(&self, block: &Block, force: &[f64], out: &mut [f64]) {
-        let (columns, jac) = self.jacobian(block);
-        let f = frame_force(block, force);
-        if f == [0.0; 3] {
-            return;
-        }
-        if block.dim == 1 {
-            for (&c, j) in columns.iter().zip(jac) {
-                out[c] += j * f[0];
-            }
-            return;
-        }
-        let (n, rest) = jac.split_at(block.width);
-        let (t1, t2) = rest.split_at(block.width);
-        for (((&c, n), t1), t2) in columns.iter().zip(n).zip(t1).zip(t2) {
-            out[c] += n * f[0] + t1 * f[1] + t2 * f[2];
-        }
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
     }
 
     /// The whole Jacobian, row by row (nefc * nv numbers): MuJoCo's `efc_J`.
     #[must_use]
     pub fn full_jacobian(&self, nv: usize) -> Vec<f64> {
-        let mut full = vec![0.0; self.nefc() * nv];
-        for block in &self.blocks {
-            let (columns, jac) = self.jacobian(block);
-            for (k, &c) in columns.iter().enumerate() {
-                let along = [0, 1, 2].map(|i| if i < block.dim { jac[i * block.width + k] } else { 0.0 });
-                let mut rows = [0.0; 4];
-                put_rows(&Block { row: 0, ..block.clone() }, along, &mut rows);
-                for r in 0..block.rows() {
-                    full[(block.row + r) * nv + c] = rows[r];
-                }
-            }
+        let rows = self.jac.chunks(self.stride.max(1));
+        rows.flat_map(|row| &row.as_flattened()[..nv]).copied().collect()
+    }
+}
+
+/// `J x` of some blocks, row by row.
+#[inline(always)]
+pub(crate) fn mul_jacobian(
+    blocks: &[Block],
+    jac: &[Lanes],
+    stride: usize,
+    x: &[Lanes],
+    n: usize,
+    out: &mut [f64],
+) {
+    for block in blocks {
+        let rows = jac[block.row * stride..(block.row + block.rows) * stride].chunks_exact(stride);
+        for (out, row) in out[block.row..block.row + block.rows].iter_mut().zip(rows) {
+            *out = dense::dot(&row[..block.groups], x, n);
         }
-        full
     }
-}
-
-/// Rows of a block from what happens along its normal and tangents.
-#[inline]
-pub(crate) fn put_rows(block: &Block, along: [f64; 3], rows: &mut [f64]) {
-    let [n, t1, t2] = along;
-    if block.dim == 1 {
-        rows[block.row] = n;
-    } else {
-        let (t1, t2) = (block.mu * t1, block.mu * t2);
-        rows[block.row..block.row + 4].copy_from_slice(&[n + t1, n - t1, n + t2, n - t2]);
-    }
-}
-
-/// The force along normal and tangents from the forces of a block's rows: MuJoCo's `mju_decodePyramid`.
-#[inline]
-pub(crate) fn frame_force(block: &Block, force: &[f64]) -> Vec3 {
-    if block.dim == 1 {
-        return [force[block.row], 0.0, 0.0];
-    }
-    let f = &force[block.row..block.row + 4];
-    [(f[0] + f[1]) + (f[2] + f[3]), (f[0] - f[1]) * block.mu, (f[2] - f[3]) * block.mu]
 }
 
 /// Makes all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are known.
+#[inline(always)]
 pub fn make_constraint(m: &Model, d: &mut Data) {
     d.efc.clear();
     limits(m, d);
@@ -242,37 +164,32 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
 }
 
 /// Rows of the limits that are near: MuJoCo's `mj_instantiateLimit`.
+#[inline(always)]
 fn limits(m: &Model, d: &mut Data) {
     for limit in &m.plan().limits {
         let q = d.qpos[limit.qpos];
         for (side, dist) in [(1.0, q - limit.range[0]), (-1.0, limit.range[1] - q)] {
             if dist < limit.margin {
-                let (column, jac) = (d.efc.columns.len(), d.efc.jac.len());
-                let direction = d.efc.directions();
-                d.efc.columns.push(limit.dof);
-                d.efc.jac.push(side);
-                let source = Source::Limit(limit.joint);
-                let row = d.efc.nefc();
-                let tree = limit.tree;
-                d.efc.blocks.push(Block {
-                    source,
-                    row,
-                    direction,
-                    column,
-                    width: 1,
-                    jac,
-                    dim: 1,
-                    mu: 0.0,
-                    tree,
-                    island: 0,
-                });
-                push_row(&mut d.efc, &limit.softness, dist, limit.margin, limit.diag);
+                let efc = &mut d.efc;
+                let row = push_block(efc, Source::Limit, 1, limit.dof / 4 + 1, limit.tree);
+                efc.jac[row * efc.stride..].as_flattened_mut()[limit.dof] = side;
+                push_rows(efc, &limit.softness, dist, limit.margin, limit.diag, None);
             }
         }
     }
 }
 
+/// Adds a block without numbers, and returns its first row.
+#[inline(always)]
+fn push_block(efc: &mut Constraints, source: Source, rows: usize, groups: usize, tree: usize) -> usize {
+    let row = efc.nefc();
+    efc.blocks.push(Block { source, row, rows, groups, tree, island: 0 });
+    efc.jac.resize((row + rows) * efc.stride, [0.0; 4]);
+    row
+}
+
 /// Rows of the contacts that act: MuJoCo's `mj_instantiateContact`.
+#[inline(always)]
 fn contacts(m: &Model, d: &mut Data) {
     for index in 0..d.contact.len() {
         let contact = &mut d.contact[index];
@@ -283,83 +200,60 @@ fn contacts(m: &Model, d: &mut Data) {
         let Some(tree) = pair.trees[0].or(pair.trees[1]) else { continue };
         let efc = &mut d.efc;
         contact.efc_address = efc.nefc() as i32;
-        let dim = usize::from(contact.dim);
-        let mu = if dim == 1 { 0.0 } else { contact.friction[0] };
+        let rows = if contact.dim == 1 { 1 } else { 4 };
+        let mu = if rows == 1 { 0.0 } else { contact.friction[0] };
         contact.mu = mu;
-
-        let (column, jac, width) = (efc.columns.len(), efc.jac.len(), pair.columns.len());
-        efc.columns.extend(pair.columns.iter().map(|column| column.dof));
-        efc.jac.resize(jac + dim * width, 0.0);
-        contact_jacobian(pair, &d.cdof, &d.subtree_com, contact.pos, &contact.frame, &mut efc.jac[jac..]);
-
-        let (row, direction) = (efc.nefc(), efc.directions());
-        efc.blocks.push(Block {
-            source: Source::Contact(index),
-            row,
-            direction,
-            column,
-            width,
-            jac,
-            dim,
-            mu,
-            tree,
-            island: 0,
-        });
-        if dim == 1 {
-            push_row(efc, &pair.softness, contact.dist, contact.includemargin, pair.diag);
-        } else {
-            let diag = pair.diag + mu * mu * pair.diag;
-            for _ in 0..4 {
-                push_row(efc, &pair.softness, contact.dist, contact.includemargin, diag);
-            }
-            // a pyramid as soft as the cone within it
-            let r = f64::max(1e-15, 2.0 * mu * mu * efc.r[row]);
-            efc.r[row..].fill(r);
-            efc.d[row..].fill(1.0 / r);
-        }
+        let row = push_block(efc, Source::Contact(index), rows, pair.groups, tree);
+        let jac = &mut efc.jac[row * efc.stride..];
+        contact_jacobian(pair, &d.cdof, &d.subtree_com, contact, jac.as_flattened_mut(), 4 * efc.stride);
+        let mu = (rows > 1).then_some(mu);
+        push_rows(efc, &pair.softness, contact.dist, contact.includemargin, pair.diag, mu);
     }
 }
 
-/// How the contact point moves, on the second body against the first, along the contact's frame.
-#[inline]
+/// How the contact point moves, on the second body against the first, along the contact's normal or the edges of its pyramid:
+/// rows of so many numbers.
+#[inline(always)]
 fn contact_jacobian(
     pair: &Pair,
     cdof: &[[f64; 6]],
     com: &[Vec3],
-    pos: Vec3,
-    frame: &[f64; 9],
+    contact: &Contact,
     jac: &mut [f64],
+    width: usize,
 ) {
-    let width = pair.columns.len();
-    for (k, column) in pair.columns.iter().enumerate() {
+    let frame = &contact.frame;
+    for column in &pair.columns {
         let c = &cdof[column.dof];
-        let offset = sub(pos, com[column.root]);
+        let offset = sub(contact.pos, com[column.root]);
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
-        if jac.len() == width {
-            jac[k] = column.sign * dot([frame[0], frame[1], frame[2]], moves);
+        if contact.dim == 1 {
+            jac[column.dof] = column.sign * dot([frame[0], frame[1], frame[2]], moves);
         } else {
-            let along = rotate(frame, moves);
-            for i in 0..3 {
-                jac[i * width + k] = column.sign * along[i];
+            let [n, t1, t2] = rotate(frame, moves).map(|along| column.sign * along);
+            let (t1, t2) = (t1 * contact.mu, t2 * contact.mu);
+            for (row, value) in [n + t1, n - t1, n + t2, n - t2].into_iter().enumerate() {
+                jac[row * width + column.dof] = value;
             }
         }
     }
 }
 
-/// A row at some distance: MuJoCo's `mj_makeImpedance`.
-fn push_row(efc: &mut Constraints, softness: &Softness, pos: f64, margin: f64, diag: f64) {
+/// Rows at some distance: MuJoCo's `mj_makeImpedance`. Of the edges of a pyramid with friction `mu` each is a row.
+#[inline(always)]
+fn push_rows(efc: &mut Constraints, softness: &Softness, pos: f64, margin: f64, diag: f64, mu: Option<f64>) {
     let (impedance, slope) = softness.impedance(pos, margin);
+    let diag = mu.map_or(diag, |mu| diag + mu * mu * diag);
     let r = f64::max(1e-15, (1.0 - impedance) * diag / impedance);
-    efc.pos.push(pos);
-    efc.margin.push(margin);
-    efc.diag_approx.push(diag);
-    efc.r.push(r);
-    efc.d.push(1.0 / r);
-    efc.kbip.push([softness.stiffness, softness.damping, impedance, slope]);
-    efc.vel.push(0.0);
-    efc.aref.push(0.0);
-    efc.force.push(0.0);
-    efc.island.push(0);
+    // a pyramid as soft as the cone within it
+    let r = mu.map_or(r, |mu| 2.0 * mu * mu * r);
+    let rows = efc.pos.len() + if mu.is_some() { 4 } else { 1 };
+    for (column, value) in columns!(efc).into_iter().zip([pos, margin, diag, r, 1.0 / r, 0.0, 0.0, 0.0, 0.0])
+    {
+        column.resize(rows, value);
+    }
+    efc.kbip.resize(rows, [softness.stiffness, softness.damping, impedance, slope]);
+    efc.island.resize(rows, 0);
 }
 
 impl Softness {
@@ -379,29 +273,42 @@ impl Softness {
             return (dmin, 0.0);
         }
         // x^power / midpoint^(power - 1) below the midpoint, and the same turned around above
-        let (x, end, turned) =
-            if x <= midpoint { (x, midpoint, false) } else { (1.0 - x, 1.0 - midpoint, true) };
+        let (x, end, turned) = if power == 1.0 || x <= midpoint {
+            (x, midpoint, false)
+        } else {
+            (1.0 - x, 1.0 - midpoint, true)
+        };
         let (y, slope) = if power == 1.0 {
             (x, 1.0)
-        } else if power == 2.0 {
-            (x * x / end, 2.0 * x / end)
         } else {
-            let end = libm::pow(end, power - 1.0);
-            (libm::pow(x, power) / end, power * libm::pow(x, power - 1.0) / end)
+            let factor = 1.0 / self::power(end, power - 1.0);
+            (factor * self::power(x, power), power * factor * self::power(x, power - 1.0))
         };
         let y = if turned { 1.0 - y } else { y };
         (dmin + y * (dmax - dmin), signed.signum() * slope * (dmax - dmin) / width)
     }
 }
 
-/// Velocities and reference accelerations of all rows: MuJoCo's `mj_referenceConstraint`.
-pub fn reference_constraint(_m: &Model, d: &mut Data) {
-    let efc = &mut d.efc;
-    for index in 0..efc.blocks.len() {
-        let block = &efc.blocks[index];
-        let along = efc.along(block, &d.qvel);
-        put_rows(block, along, &mut efc.vel);
+/// A power, without rounding more than once for the usual exponents.
+fn power(x: f64, exponent: f64) -> f64 {
+    if exponent == 1.0 {
+        x
+    } else if exponent == 2.0 {
+        x * x
+    } else {
+        libm::pow(x, exponent)
     }
+}
+
+/// Velocities and reference accelerations of all rows: MuJoCo's `mj_referenceConstraint`.
+#[inline(always)]
+pub fn reference_constraint(m: &Model, d: &mut Data) {
+    let (efc, x) = (&mut d.efc, &mut d.work.dofs);
+    if efc.blocks.is_empty() {
+        return;
+    }
+    dense::put(x, &d.qvel);
+    mul_jacobian(&efc.blocks, &efc.jac, efc.stride, x, m.nv(), &mut efc.vel);
     for i in 0..efc.pos.len() {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
@@ -462,6 +369,6 @@ fn islands(m: &Model, d: &mut Data) {
     efc.nisland = number;
     for block in &mut efc.blocks {
         block.island = work.tree_island[block.tree];
-        efc.island[block.row..block.row + block.rows()].fill(block.island);
+        efc.island[block.row..block.row + block.rows].fill(block.island);
     }
 }

@@ -4,10 +4,14 @@
 //! triangle, each with the columns of that way, root first and diagonal last. The columns of an ancestor are then the first
 //! columns of a descendant, and factors `L' D L`, made from the last row on, fill in nothing.
 
+use std::ops::Range;
+
+use super::dense;
 use super::spatial::{dot6, mul_inertia};
 use crate::{Data, Model};
 
 /// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
+#[inline(always)]
 pub fn crb(m: &Model, d: &mut Data) {
     let (n, nv) = (m.nbody(), m.nv());
     let (crb, parents) = (&mut d.work.crb[..n], &m.body_parentid[..n]);
@@ -40,12 +44,14 @@ pub fn crb(m: &Model, d: &mut Data) {
 }
 
 /// Factors the inertia matrix: MuJoCo's `mj_factorM`.
+#[inline(always)]
 pub fn factor_m(m: &Model, d: &mut Data) {
     d.qld.copy_from_slice(&d.qm);
     factor(m, &mut d.qld, &mut d.qld_diag_inv);
 }
 
 /// Replaces a matrix of the inertia matrix's structure by `L' D L`: MuJoCo's `mj_factorI`.
+#[inline(always)]
 pub(crate) fn factor(m: &Model, matrix: &mut [f64], diag_inv: &mut [f64]) {
     let plan = m.plan();
     for k in (0..m.nv()).rev() {
@@ -73,51 +79,55 @@ pub fn solve_m(m: &Model, d: &Data, x: &mut [f64]) {
 }
 
 /// `x = (L' D L)^-1 x`.
+#[inline(always)]
 pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64]) {
-    solve_among(m, factors, diag_inv, 0..m.nv(), x);
+    for tree in &m.plan().trees {
+        solve_tree(m, factors, diag_inv, tree, &mut x[tree.clone()]);
+    }
 }
 
-/// The same for some whole trees, given by their degrees of freedom in order.
-pub(crate) fn solve_among(
-    m: &Model,
-    factors: &[f64],
-    diag_inv: &[f64],
-    dofs: impl DoubleEndedIterator<Item = usize> + Clone,
-    x: &mut [f64],
-) {
+/// The same for the degrees of freedom of one tree: MuJoCo's `mj_solveLD`.
+#[inline(always)]
+pub(crate) fn solve_tree(m: &Model, factors: &[f64], diag_inv: &[f64], tree: &Range<usize>, x: &mut [f64]) {
     let plan = m.plan();
-    for i in dofs.clone().rev() {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
+    let diag_inv = &diag_inv[tree.clone()];
+    let rows = &plan.m_rowadr[tree.start..=tree.end];
+    for i in (1..x.len()).rev() {
         let xi = x[i];
         if xi != 0.0 {
-            for (&j, l) in plan.m_colind[start..end].iter().zip(&factors[start..end]) {
+            let row = rows[i]..rows[i + 1] - 1;
+            for (&j, l) in plan.m_local[row.clone()].iter().zip(&factors[row]) {
                 x[j] -= l * xi;
             }
         }
     }
-    for i in dofs {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-        let mut xi = x[i] * diag_inv[i];
-        for (&j, l) in plan.m_colind[start..end].iter().zip(&factors[start..end]) {
-            xi -= l * x[j];
-        }
-        x[i] = xi;
+    for (x, inv) in x.iter_mut().zip(diag_inv) {
+        *x *= inv;
+    }
+    for i in 1..x.len() {
+        let row = rows[i]..rows[i + 1] - 1;
+        x[i] -= dense::dot_sparse(&factors[row.clone()], &plan.m_local[row], x);
     }
 }
 
 /// `y = M x`: MuJoCo's `mj_mulM`.
+#[inline(always)]
 pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
-    mul_m_among(m, d, 0..m.nv(), x, y);
+    for tree in &m.plan().trees {
+        mul_m_tree(m, &d.qm, tree, &x[tree.clone()], &mut y[tree.clone()]);
+    }
 }
 
-/// The same for some whole trees, given by their degrees of freedom in order.
-pub(crate) fn mul_m_among(m: &Model, d: &Data, dofs: impl Iterator<Item = usize>, x: &[f64], y: &mut [f64]) {
+/// The same for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors from the nearest to the root.
+#[inline(always)]
+pub(crate) fn mul_m_tree(m: &Model, qm: &[f64], tree: &Range<usize>, x: &[f64], y: &mut [f64]) {
     let plan = m.plan();
-    for i in dofs {
-        let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-        let xi = x[i];
-        let mut sum = d.qm[end] * xi;
-        for (&j, value) in plan.m_colind[start..end].iter().zip(&d.qm[start..end]) {
+    let rows = &plan.m_rowadr[tree.start..=tree.end];
+    for (i, &xi) in x.iter().enumerate() {
+        let diagonal = rows[i + 1] - 1;
+        let row = rows[i]..diagonal;
+        let mut sum = qm[diagonal] * xi;
+        for (&j, value) in plan.m_local[row.clone()].iter().zip(&qm[row]).rev() {
             sum += value * x[j];
             y[j] += value * xi;
         }

@@ -1,8 +1,9 @@
 //! Velocities and positions from accelerations.
 
-use super::forward;
+use super::evaluate;
 use super::inertia::{factor, solve};
 use super::spatial::quat_integrate;
+use crate::libm::wide;
 use crate::model::JointType;
 use crate::{Data, Model};
 
@@ -26,6 +27,17 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
 
 /// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`.
 pub fn euler(m: &Model, d: &mut Data) {
+    wide(
+        (m, d),
+        #[inline(always)]
+        |(m, d)| semi_implicit(m, d),
+        #[inline(always)]
+        |(m, d)| semi_implicit(m, d),
+    );
+}
+
+#[inline(always)]
+fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
     if m.plan().damped {
         let work = &mut d.work;
@@ -69,7 +81,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
                 d.qvel[i] = d.work.qvel_start[i] + part * dt * d.qacc[i];
             }
             d.time = start + part * dt;
-            forward(m, d);
+            evaluate(m, d);
         }
     }
     d.qpos.copy_from_slice(&d.work.qpos_start);

@@ -9,6 +9,7 @@ use crate::model::{JointType, Placed};
 use crate::{Data, Model};
 
 /// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
+#[inline(always)]
 pub fn kinematics(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();

@@ -39,6 +39,7 @@ mod actuation;
 mod collision;
 mod com;
 mod constraint;
+pub(crate) mod dense;
 mod inertia;
 mod integrate;
 mod kinematics;
@@ -62,6 +63,8 @@ pub use solver::fwd_constraint;
 pub use velocity::{com_vel, rne};
 pub(crate) use work::Work;
 
+use crate::data::Call;
+use crate::libm::wide;
 use crate::model::Integrator;
 use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
@@ -74,13 +77,14 @@ pub(crate) use actuation::MAXVAL;
 /// # Panics
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Step);
     if diverged(&d.qpos) || diverged(&d.qvel) {
-        d.reset(m);
+        d.clear(m);
     }
-    forward(m, d);
+    evaluate(m, d);
     if diverged(&d.qacc) {
-        d.reset(m);
-        forward(m, d);
+        d.clear(m);
+        evaluate(m, d);
     }
     match m.opt.integrator {
         Integrator::Euler => euler(m, d),
@@ -93,7 +97,23 @@ pub fn step(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn forward(m: &Model, d: &mut Data) {
-    d.fit(m);
+    d.begin(m, Call::Forward);
+    evaluate(m, d);
+}
+
+/// A forward call, or one of those that a step consists of.
+fn evaluate(m: &Model, d: &mut Data) {
+    wide(
+        (m, d),
+        #[inline(always)]
+        |(m, d)| stages(m, d),
+        #[inline(always)]
+        |(m, d)| stages(m, d),
+    );
+}
+
+#[inline(always)]
+fn stages(m: &Model, d: &mut Data) {
     fwd_position(m, d);
     fwd_velocity(m, d);
     fwd_actuation(m, d);
@@ -102,6 +122,7 @@ pub fn forward(m: &Model, d: &mut Data) {
 }
 
 /// Everything that depends on positions: MuJoCo's `mj_fwdPosition`.
+#[inline(always)]
 fn fwd_position(m: &Model, d: &mut Data) {
     kinematics(m, d);
     com_pos(m, d);
@@ -113,6 +134,7 @@ fn fwd_position(m: &Model, d: &mut Data) {
 }
 
 /// Everything that depends on velocities too: MuJoCo's `mj_fwdVelocity`.
+#[inline(always)]
 fn fwd_velocity(m: &Model, d: &mut Data) {
     com_vel(m, d);
     tendon_velocity(m, d);
@@ -122,6 +144,7 @@ fn fwd_velocity(m: &Model, d: &mut Data) {
 }
 
 /// Accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
+#[inline(always)]
 fn fwd_acceleration(m: &Model, d: &mut Data) {
     for i in 0..m.nv() {
         d.qfrc_smooth[i] = d.qfrc_passive[i] - d.qfrc_bias[i] + d.qfrc_actuator[i];

@@ -5,6 +5,7 @@ use crate::{Data, Model};
 
 /// Computes `cfrc_ext` from the contacts of the last forward call: the part of MuJoCo's `mj_rnePostConstraint` that tasks read.
 pub fn rne_post_constraint(m: &Model, d: &mut Data) {
+    d.contact_forces = true;
     d.cfrc_ext.fill([0.0; 6]);
     for contact in &d.contact {
         let Ok(row) = usize::try_from(contact.efc_address) else { continue };
@@ -13,7 +14,7 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
             1 => f.get(row).map(|&n| [n, 0.0, 0.0]),
             _ => f.get(row..row + 4).map(|f| {
                 let mu = contact.mu;
-                [(f[0] + f[1]) + (f[2] + f[3]), (f[0] - f[1]) * mu, (f[2] - f[3]) * mu]
+                [f[0] + f[1] + f[2] + f[3], (f[0] - f[1]) * mu, (f[2] - f[3]) * mu]
             }),
         };
         let Some(along) = along else { continue };

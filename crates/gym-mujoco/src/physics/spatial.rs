@@ -123,9 +123,12 @@ pub(crate) fn axis_angle(axis: Vec3, angle: f64) -> Quat {
 /// `v` rotated by a quaternion.
 #[inline]
 pub(crate) fn rotate_quat(v: Vec3, q: Quat) -> Vec3 {
-    let u = [q[1], q[2], q[3]];
-    let t = add_scaled(cross(u, v), v, q[0]);
-    let c = cross(u, t);
+    let t = [
+        q[0] * v[0] + q[2] * v[2] - q[3] * v[1],
+        q[0] * v[1] + q[3] * v[0] - q[1] * v[2],
+        q[0] * v[2] + q[1] * v[1] - q[2] * v[0],
+    ];
+    let c = cross([q[1], q[2], q[3]], t);
     [v[0] + 2.0 * c[0], v[1] + 2.0 * c[1], v[2] + 2.0 * c[2]]
 }
 
@@ -179,9 +182,10 @@ pub(crate) fn join(rotation: Vec3, translation: Vec3) -> Vec6 {
     [rotation[0], rotation[1], rotation[2], translation[0], translation[1], translation[2]]
 }
 
+/// The product of two vectors, in the order of [`dense::dot`](super::dense::dot).
 #[inline]
 pub(crate) fn dot6(a: &Vec6, b: &Vec6) -> f64 {
-    (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+    ((a[0] * b[0] + a[2] * b[2]) + (a[1] * b[1] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5])
 }
 
 /// `a += s b`.
@@ -222,10 +226,11 @@ pub(crate) fn mul_inertia(i: &Inertia, v: &Vec6) -> Vec6 {
 /// Principal moments about axes `mat`, at an offset from the point of reference: MuJoCo's `mju_inertCom`.
 #[inline]
 pub(crate) fn inertia_at(moments: Vec3, mat: &Mat3, offset: Vec3, mass: f64) -> Inertia {
+    // the moments multiply the second factor
     let r = |i: usize, j: usize| {
-        mat[3 * i] * moments[0] * mat[3 * j]
-            + mat[3 * i + 1] * moments[1] * mat[3 * j + 1]
-            + mat[3 * i + 2] * moments[2] * mat[3 * j + 2]
+        mat[3 * i] * (mat[3 * j] * moments[0])
+            + mat[3 * i + 1] * (mat[3 * j + 1] * moments[1])
+            + mat[3 * i + 2] * (mat[3 * j + 2] * moments[2])
     };
     let d = offset;
     [

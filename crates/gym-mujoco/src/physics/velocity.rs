@@ -1,26 +1,23 @@
 //! Velocities of bodies, and the forces that follow from them: Coriolis, centrifugal, gravitational.
 
-use super::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
+use super::spatial::{Vec6, add_to, cross_force, cross_motion, dot6, mul_inertia};
 use crate::model::JointType;
 use crate::{Data, Model};
 
 /// `cvel` and `cdof_dot`: MuJoCo's `mj_comVel`.
+#[inline(always)]
 pub fn com_vel(m: &Model, d: &mut Data) {
     for b in 1..m.nbody() {
         let mut vel = d.cvel[m.body_parentid[b]];
         for j in joints(m, b) {
             let i = m.jnt_dofadr[j];
             if m.jnt_type[j] == JointType::Free {
-                for k in i..i + 3 {
-                    d.cdof_dot[k] = [0.0; 6];
-                    add_to(&mut vel, &d.cdof[k], d.qvel[k]);
-                }
+                d.cdof_dot[i..i + 3].fill([0.0; 6]);
+                add_to(&mut vel, &along(&d.cdof[i..i + 3], &d.qvel[i..i + 3]), 1.0);
                 for k in i + 3..i + 6 {
                     d.cdof_dot[k] = cross_motion(&vel, &d.cdof[k]);
                 }
-                for k in i + 3..i + 6 {
-                    add_to(&mut vel, &d.cdof[k], d.qvel[k]);
-                }
+                add_to(&mut vel, &along(&d.cdof[i + 3..i + 6], &d.qvel[i + 3..i + 6]), 1.0);
             } else {
                 d.cdof_dot[i] = cross_motion(&vel, &d.cdof[i]);
                 add_to(&mut vel, &d.cdof[i], d.qvel[i]);
@@ -28,6 +25,16 @@ pub fn com_vel(m: &Model, d: &mut Data) {
         }
         d.cvel[b] = vel;
     }
+}
+
+/// The sum of axes, each times its velocity, as one motion: MuJoCo's `mju_mulDofVec`.
+#[inline(always)]
+fn along(axes: &[Vec6], velocities: &[f64]) -> Vec6 {
+    let mut sum = [0.0; 6];
+    for (axis, &velocity) in axes.iter().zip(velocities) {
+        add_to(&mut sum, axis, velocity);
+    }
+    sum
 }
 
 /// The joints of a body.
@@ -41,6 +48,7 @@ pub(crate) fn dofs(m: &Model, body: usize) -> std::ops::Range<usize> {
 }
 
 /// `qfrc_bias` by recursive Newton-Euler without accelerations: MuJoCo's `mj_rne`.
+#[inline(always)]
 pub fn rne(m: &Model, d: &mut Data) {
     let (acc, force) = (&mut d.work.acc, &mut d.work.body_force);
     // slices of one length: an index is checked once for all of them
@@ -52,9 +60,12 @@ pub fn rne(m: &Model, d: &mut Data) {
     acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
     force[0] = [0.0; 6];
     for b in 1..n {
+        let own = dofs(m, b);
         let mut a = acc[parents[b]];
-        for i in dofs(m, b) {
-            add_to(&mut a, &cdof_dot[i], qvel[i]);
+        if own.len() == 1 {
+            add_to(&mut a, &cdof_dot[own.start], qvel[own.start]);
+        } else {
+            add_to(&mut a, &along(&cdof_dot[own.clone()], &qvel[own]), 1.0);
         }
         acc[b] = a;
         let mut f = mul_inertia(&cinert[b], &a);

@@ -1,7 +1,10 @@
 //! Buffers of a forward call, which carry nothing from one to the next.
 
+use super::collision::Polytope;
+use super::dense::{self, Lanes};
 use super::solver::{Island, newton, pgs};
 use crate::Model;
+use crate::model::GeomType;
 
 /// Buffers, allocated once.
 #[derive(Clone, Debug, Default)]
@@ -14,15 +17,19 @@ pub(crate) struct Work {
     pub(crate) acc: Vec<[f64; 6]>,
     /// Forces on bodies.
     pub(crate) body_force: Vec<[f64; 6]>,
-    /// All degrees of freedom.
-    pub(crate) all_dofs: Vec<usize>,
+    /// A vector of degrees of freedom.
+    pub(crate) dofs: Vec<Lanes>,
+    /// Forces of the medium.
+    pub(crate) fluid: Vec<f64>,
+
+    pub(crate) polytope: Polytope,
 
     /// The island of each tree; `usize::MAX` for none.
     pub(crate) tree_island: Vec<usize>,
     pub(crate) tree_least: Vec<usize>,
     pub(crate) tree_touched: Vec<bool>,
-    /// Degrees of freedom by island.
-    pub(crate) island_dofs: Vec<usize>,
+    /// Trees by island.
+    pub(crate) island_trees: Vec<usize>,
     /// Blocks by island.
     pub(crate) island_blocks: Vec<usize>,
     pub(crate) islands: Vec<Island>,
@@ -48,20 +55,23 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
+        let deep = m.plan().pairs.iter().any(|pair| pair.kind == (GeomType::Capsule, GeomType::Cylinder));
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
             tree_touched: Vec::with_capacity(trees),
-            island_dofs: Vec::with_capacity(nv),
+            island_trees: Vec::with_capacity(trees),
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
-            newton: newton::Buffers::new(nv, bounds.rows),
-            pgs: pgs::Buffers::new(m.opt.solver, nv, trees, &bounds),
+            newton: newton::Buffers::new(nv, bounds.rows, bounds.blocks),
+            pgs: pgs::Buffers::new(m.opt.solver, nv, &bounds),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],
             acc: vec![[0.0; 6]; m.nbody()],
             body_force: vec![[0.0; 6]; m.nbody()],
-            all_dofs: (0..nv).collect(),
+            dofs: vec![[0.0; 4]; dense::groups(nv)],
+            fluid: vec![0.0; nv],
+            polytope: if deep { Polytope::new() } else { Polytope::default() },
             qh: vec![0.0; m.plan().m_colind.len()],
             qh_diag_inv: vec![0.0; nv],
             acc_sum: vec![0.0; nv],

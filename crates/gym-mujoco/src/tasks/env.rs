@@ -214,7 +214,10 @@ impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let model = &self.inner.simulation.model;
         let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
-        let episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        let mut episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        if let Some(episode) = &mut episode {
+            episode.data.resume(model);
+        }
         self.inner.episode = episode.map(Box::new);
         Ok(())
     }

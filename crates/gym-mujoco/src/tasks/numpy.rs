@@ -42,6 +42,10 @@ fn pairwise<T: Copy + Default + Add<Output = T>>(term: &impl Fn(usize) -> T, ran
 }
 
 /// Length of a vector, with fused multiply-adds: numpy's `np.linalg.norm`.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "numpy fuses here, and a fused product is the same on every platform"
+)]
 pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum)).sqrt()
 }

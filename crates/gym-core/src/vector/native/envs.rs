@@ -272,12 +272,17 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             };
             // options are those of all environments: if one cannot start, the first cannot
             let state = stream.lend(|rng| {
-                if let Some(varied) = &mut self.varied {
-                    varied.draw(i, &self.dynamics, rng)?;
+                let own = match &mut self.varied {
+                    Some(varied) => varied.draw(i, &self.dynamics, rng)?,
+                    None => None,
+                };
+                let state = self.dynamics.start(&start, rng)?;
+                if let (Some(varied), Some(own)) = (&mut self.varied, own) {
+                    varied.keep(i, &own);
                 }
-                self.dynamics.start(&start, rng)
+                Ok(state)
             });
-            let state = state.map_err(|error| error.at_env(i))?;
+            let state = state.map_err(|error: Error| error.at_env(i))?;
             if self.blocks.is_empty() {
                 self.make_room(self.dynamics.pack(&state), &stream)?;
             }
@@ -322,6 +327,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             columns;
         has_final.fill(false);
         progress.fill(Progress::Stepped);
+        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
         let step = Step {
             dynamics: &self.dynamics,
             constants: &self.constants,
@@ -341,7 +347,12 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        let result = widest(level, Run { step, blocks, streams });
+        // two functions rather than one, which would need the stack of both where it is not optimised
+        let result = if is_usual {
+            widest(level, Run::<D, true> { step, blocks, streams })
+        } else {
+            widest(level, Run::<D, false> { step, blocks, streams })
+        };
         self.keep(cast);
         result
     }
@@ -392,18 +403,18 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 }
 
 /// One step, compiled for each set of vector instructions.
-struct Run<'a, D: Native> {
+struct Run<'a, D: Native, const USUAL: bool> {
     step: Step<'a, D>,
     blocks: &'a mut [Block<D>],
     streams: &'a mut [D::Stream],
 }
 
-impl<D: Native> Kernel for Run<'_, D> {
+impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn run<R: Real>(self, token: R::Token) -> Result<()> {
-        self.step.run::<R>(token, self.blocks, self.streams)
+        self.step.run::<R, USUAL>(token, self.blocks, self.streams)
     }
 }
 

@@ -302,17 +302,37 @@ where
 
     #[inline(always)]
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        block.advance::<R, K, A, P, O>(token, self);
+        let constants = block.constants;
+        block.advance::<R, K, A, P, O>(
+            token,
+            self,
+            #[inline(always)]
+            |first| registers(token, constants, first),
+        );
+    }
+
+    #[inline(always)]
+    fn step_usual_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        // there are some where `is_usual` says so
+        if let Some(usual) = E::USUAL {
+            block.advance::<R, K, A, P, O>(
+                token,
+                self,
+                #[inline(always)]
+                |_| splat(token, usual),
+            );
+        }
     }
 }
 
 impl<E: Native> Many<'_, E> {
-    /// Steps each environment by the equations, as many at once as `R` holds.
+    /// Steps each environment by the equations, as many at once as `R` holds, with the constants of those from a place on.
     #[inline(always)]
     fn advance<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
         &mut self,
         token: R::Token,
         equations: &E,
+        constants_of: impl Fn(usize) -> [R; P],
     ) where
         E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
             + Native<Packed = [f64; K], Constants = [f64; P]>
@@ -333,51 +353,14 @@ impl<E: Native> Many<'_, E> {
             }
             ages[lane] = f64::from(self.steps[lane]);
         }
-        match E::USUAL.filter(|_| self.is_usual) {
-            Some(usual) => self.solve::<R, K, A, P, O>(
-                token,
-                equations,
-                &inputs,
-                &ages,
-                #[inline(always)]
-                |_| splat(token, usual),
-            ),
-            None => {
-                let constants = self.constants;
-                self.solve::<R, K, A, P, O>(
-                    token,
-                    equations,
-                    &inputs,
-                    &ages,
-                    #[inline(always)]
-                    |first| registers(token, constants, first),
-                );
-            }
-        }
-    }
-
-    /// The loop over the registers of a block, with the constants of each.
-    #[inline(always)]
-    fn solve<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
-        &mut self,
-        token: R::Token,
-        equations: &E,
-        inputs: &[[f64; LANES]; A],
-        ages: &[f64; LANES],
-        constants: impl Fn(usize) -> [R; P],
-    ) where
-        E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
-            + Native<Packed = [f64; K], Constants = [f64; P]>
-            + Task<Observation = [f32; O]>,
-    {
         let mut seen = [[0.0; LANES]; O];
         let mut terminated = 0;
         for first in (0..LANES).step_by(R::LANES) {
             let age = R::get(token, &ages[first..]);
             let fresh = age.lt(age.same(1.0));
             let state = registers::<R, K>(token, self.states, first);
-            let input = registers::<R, A>(token, inputs, first);
-            let next = equations.advance(constants(first), state, fresh, input);
+            let input = registers::<R, A>(token, &inputs, first);
+            let next = equations.advance(constants_of(first), state, fresh, input);
             for (column, x) in self.states.iter_mut().zip(next.state) {
                 x.put(&mut column[first..]);
             }

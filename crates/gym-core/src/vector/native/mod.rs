@@ -83,7 +83,7 @@ pub trait Native:
     /// The constants for these arguments.
     fn constants(&self) -> Self::Constants;
 
-    /// Whether the constants are those that code was compiled for.
+    /// Whether [`step_usual_block`](Self::step_usual_block) is for these constants.
     fn is_usual(&self) -> bool {
         false
     }
@@ -110,6 +110,15 @@ pub trait Native:
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized;
+
+    /// The same where all environments have the constants that it was compiled for.
+    #[inline(always)]
+    fn step_usual_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
+    where
+        Self: Sized,
+    {
+        self.step_block::<R>(token, block);
+    }
 }
 
 /// Makes a native vector of a registered task, for

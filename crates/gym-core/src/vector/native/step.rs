@@ -67,9 +67,9 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block. Inlined into a function for each set of vector instructions.
+    /// Steps block by block, all with the usual constants or not. Inlined into a function for each set of vector instructions.
     #[inline(always)]
-    pub(super) fn run<R: Real>(
+    pub(super) fn run<R: Real, const USUAL: bool>(
         mut self,
         token: R::Token,
         blocks: &mut [Block<D>],
@@ -83,7 +83,6 @@ impl<D: Native> Step<'_, D> {
         };
         let mut last = [Default::default(); LANES];
         let num_envs = self.actions.len();
-        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
         for (i, (block, streams)) in blocks.iter_mut().zip(streams.as_chunks_mut().0).enumerate() {
             let first = i * LANES;
             let len = LANES.min(num_envs - first);
@@ -92,7 +91,6 @@ impl<D: Native> Step<'_, D> {
                 &last
             });
             let mut many = Many {
-                is_usual,
                 constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
@@ -103,7 +101,11 @@ impl<D: Native> Step<'_, D> {
                 rewards: &mut results.rewards,
                 terminated: &mut results.terminated,
             };
-            self.dynamics.step_block::<R>(token, &mut many);
+            if USUAL {
+                self.dynamics.step_usual_block::<R>(token, &mut many);
+            } else {
+                self.dynamics.step_block::<R>(token, &mut many);
+            }
             let done = count(block, &mut results, self.limit) & (u32::MAX >> (LANES - len));
             self.reset(block, streams, done, first, &mut results)?;
 
@@ -136,8 +138,10 @@ impl<D: Native> Step<'_, D> {
         let mut start =
             |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
                 let state = streams[lane].lend(|rng| {
-                    if let Some(varied) = &mut self.varied {
-                        varied.draw(first + lane, self.dynamics, rng)?;
+                    if let Some(varied) = &mut self.varied
+                        && let Some(own) = varied.draw(first + lane, self.dynamics, rng)?
+                    {
+                        varied.keep(first + lane, &own);
                     }
                     self.dynamics.start(&reset, rng)
                 });
@@ -178,8 +182,6 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and where its results go.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
-    /// Whether the constants are [usual](Native::is_usual) ones.
-    pub(super) is_usual: bool,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],

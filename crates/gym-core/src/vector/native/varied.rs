@@ -30,12 +30,14 @@ impl<D: Native> Varied<D> {
         let each: Vec<_> = each.iter().map(|(name, each)| (name.clone(), each.clone())).collect();
         let values = each.iter().map(|(name, _)| (name.clone(), 0.0)).collect();
         let blocks = vec![dynamics.constants().splat(); num_envs.div_ceil(LANES)];
-        let ranges = each.iter().filter(|(_, each)| each.range().is_some()).count();
-        let mut varied = Self { each, values, drawn: vec![0.0; num_envs * ranges], blocks };
+        let mut varied = Self { each, values, drawn: Vec::new(), blocks };
+        varied.drawn = vec![0.0; num_envs * varied.ranges()];
         for end in [|(low, _): (f64, f64)| low, |(_, high)| high] {
             for i in 0..num_envs {
                 let spaces = |dynamics: &D| (dynamics.observation_space(), dynamics.action_space());
-                if spaces(&varied.set(i, dynamics, |range| end(range))?) != spaces(dynamics) {
+                let own = varied.choose(i, dynamics, end)?;
+                varied.keep(i, &own);
+                if spaces(&own) != spaces(dynamics) {
                     let names: Vec<_> = varied.each.iter().map(|(name, _)| name.as_str()).collect();
                     let reason = format!("with {} the spaces of the environments differ", names.join(", "));
                     return Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
@@ -62,19 +64,34 @@ impl<D: Native> Varied<D> {
     }
 
     fn drawn_of(&self, index: usize) -> &[f64] {
-        let ranges = self.each.iter().filter(|(_, each)| each.range().is_some()).count();
+        let ranges = self.ranges();
         &self.drawn[index * ranges..][..ranges]
     }
 
-    /// Draws new values of an environment, before it starts.
+    /// How many arguments are ranges.
+    fn ranges(&self) -> usize {
+        self.each.iter().filter(|(_, each)| each.range().is_some()).count()
+    }
+
+    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; none where nothing is drawn.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are out of range together.
-    pub(super) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<()> {
+    pub(super) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<Option<D>> {
         if self.drawn.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
-        self.set(index, dynamics, |(low, high)| rng.uniform(low, high)).map(|_| ())
+        self.choose(index, dynamics, |(low, high)| rng.uniform(low, high)).map(Some)
+    }
+
+    /// Gives an environment the values that were chosen last, which made these dynamics.
+    pub(super) fn keep(&mut self, index: usize, own: &D) {
+        own.constants().set(&mut self.blocks[index / LANES], index % LANES);
+        let chosen = self.each.iter().zip(&self.values).filter(|((_, each), _)| each.range().is_some());
+        let ranges = chosen.clone().count();
+        for (drawn, (_, (_, value))) in self.drawn[index * ranges..][..ranges].iter_mut().zip(chosen) {
+            *drawn = *value;
+        }
     }
 
     /// All values that were drawn, to store.
@@ -95,37 +112,29 @@ impl<D: Native> Varied<D> {
         for i in 0..num_envs {
             let mut own = drawn[i * ranges..][..ranges].iter();
             let mut fits = true;
-            self.set(i, dynamics, |(low, high)| {
-                let value = own.next().copied().unwrap_or(f64::NAN);
+            let chosen = self.choose(i, dynamics, |(low, high)| {
+                let value = own.next().copied().unwrap_or(low);
                 fits &= (low..=high).contains(&value);
-                if (low..=high).contains(&value) { value } else { low }
-            })?;
-            if !fits {
-                return Err(refuse());
+                value
+            });
+            match chosen {
+                Ok(own) if fits => self.keep(i, &own),
+                _ => return Err(refuse()),
             }
         }
         Ok(())
     }
 
-    /// Sets the constants of an environment, with what `choose` picks from each range. Gives its dynamics.
-    fn set(&mut self, index: usize, dynamics: &D, mut choose: impl FnMut((f64, f64)) -> f64) -> Result<D> {
-        let ranges = self.each.iter().filter(|(_, each)| each.range().is_some()).count();
-        let mut drawn = self.drawn[index * ranges..][..ranges].iter_mut();
+    /// The dynamics of an environment, with what `choose` picks from each range.
+    fn choose(&mut self, index: usize, dynamics: &D, mut choose: impl FnMut((f64, f64)) -> f64) -> Result<D> {
         for ((name, each), (_, value)) in self.each.iter().zip(&mut self.values) {
             *value = match (each.range(), each.number(index)) {
                 (Some(range), _) => choose(range),
                 (None, Some(value)) => value,
                 (None, None) => return Err(Error::argument(name, "a native vector varies numbers alone")),
             };
-            if each.range().is_some()
-                && let Some(drawn) = drawn.next()
-            {
-                *drawn = *value;
-            }
         }
-        let own = dynamics.with_numbers(&self.values)?;
-        own.constants().set(&mut self.blocks[index / LANES], index % LANES);
-        Ok(own)
+        dynamics.with_numbers(&self.values)
     }
 
     /// The dynamics of an environment.

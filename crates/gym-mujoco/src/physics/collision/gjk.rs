@@ -1,101 +1,180 @@
 //! The distance of two convex sets by the algorithm of Gilbert, Johnson and Keerthi, with the distance sub-algorithm of signed
 //! volumes (Montanari, Petrinic, Barbieri: Improving the GJK algorithm, ACM Transactions on Graphics 36, 2017).
+//!
+//! It repeats MuJoCo's `engine_collision_gjk` operation by operation: where sets touch, a last bit decides how often it iterates.
 
-use super::super::spatial::{Vec3, add_scaled, cross, dot, norm, scale, sub};
+use super::super::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
 
 /// MuJoCo's `ccd_tolerance`.
 pub(super) const TOLERANCE: f64 = 1e-6;
 /// MuJoCo's `ccd_iterations`.
-const ITERATIONS: usize = 35;
-
-/// How two sets lie.
-pub(super) enum Distance {
-    /// No nearer than the distance asked about.
-    Beyond,
-    /// The nearest points.
-    Apart(Vec3, Vec3),
-    /// They overlap, or nearly.
-    Within,
-}
+pub(super) const ITERATIONS: usize = 35;
 
 /// Points of the two sets, and their difference.
-#[derive(Clone, Copy, Default)]
-struct Vertex {
-    w1: Vec3,
-    w2: Vec3,
-    x: Vec3,
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Vertex {
+    pub(super) w1: Vec3,
+    pub(super) w2: Vec3,
+    pub(super) x: Vec3,
 }
 
-/// The distance of two sets given by their furthest points in a direction.
+impl Vertex {
+    pub(super) fn new(w1: Vec3, w2: Vec3) -> Self {
+        Self { w1, w2, x: sub(w1, w2) }
+    }
+}
+
+/// What the algorithm ends with.
+pub(super) struct Found {
+    /// The distance; 0 where the sets overlap, [`f64::MAX`] where they are further apart than asked about.
+    pub(super) distance: f64,
+    /// Nearest points, where the distance is neither of these.
+    pub(super) nearest: [Vec3; 2],
+    pub(super) simplex: [Vertex; 4],
+    /// The vertices of the simplex.
+    pub(super) number: usize,
+    /// A plane separates the sets.
+    pub(super) separated: bool,
+}
+
+impl Found {
+    fn beyond() -> Self {
+        Self {
+            distance: f64::MAX,
+            nearest: [[0.0; 3]; 2],
+            simplex: [Vertex::default(); 4],
+            number: 0,
+            separated: true,
+        }
+    }
+}
+
+/// The distance of two sets, of which `support` gives the furthest points, of the first in a direction of length 1, of the second
+/// in the opposite one.
 ///
-/// `start` is the difference of any two points. `reach` is the distance from which on it does not matter.
-pub(super) fn distance(
-    start: Vec3,
-    reach: f64,
-    support1: impl Fn(Vec3) -> Vec3,
-    support2: impl Fn(Vec3) -> Vec3,
-) -> Distance {
-    let mut simplex = [Vertex::default(); 4];
-    let mut weights = [0.0; 4];
-    let mut number = 0;
-    let mut x = start;
-    let mut length = norm(x);
-    let mut before = f64::MAX;
-    for _ in 0..ITERATIONS {
-        if length < TOLERANCE || (before - length).abs() < 1e-15 {
+/// `centers` are points of the sets. From the distance `reach` on it does not matter; with 0, all that matters is whether they
+/// overlap.
+pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
+    let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
+    let mut nearest = centers;
+    let mut portal = reach == 0.0;
+    let mut x = sub(centers[0], centers[1]);
+    let (mut length, mut before) = (norm(x), 0.0);
+    let toward_origin = |x: Vec3, length: f64| support(scale(scale(x, 1.0 / length), -1.0));
+    let mut iteration = 0;
+    while iteration < ITERATIONS {
+        if length < TOLERANCE || f64::abs(before - length) < MINVAL {
             break;
         }
-        let direction = scale(x, -1.0 / length);
-        let (w1, w2) = (support1(direction), support2(scale(direction, -1.0)));
-        let s = sub(w1, w2);
-        if dot(x, sub(x, s)) < 0.5 * TOLERANCE * TOLERANCE {
+        let vertex = toward_origin(x, length);
+        let s = vertex.x;
+        if dot(x, sub(x, s)) < 0.5 * (TOLERANCE * TOLERANCE) {
             break;
         }
         let along = dot(x, s);
-        if along > 0.0 && along * along >= reach * reach * length * length {
-            return Distance::Beyond;
+        if along > 0.0 && along * along >= reach * reach * (length * length) {
+            return Found::beyond();
         }
-        simplex[number] = Vertex { w1, w2, x: s };
+        simplex[number] = vertex;
+        if number == 3 && portal {
+            match contains_origin(&mut simplex, &mut iteration, support) {
+                Some(true) => return Found { distance: 0.0, nearest, simplex, number: 4, separated: false },
+                Some(false) => return Found::beyond(),
+                None => portal = false,
+            }
+        }
         number += 1;
         let found = closest(&simplex.map(|v| v.x)[..number]);
         // vertices without weight are dropped
-        let mut kept = 0;
-        for i in 0..number {
+        number = 0;
+        for i in 0..4 {
             if found[i] != 0.0 {
-                (simplex[kept], weights[kept]) = (simplex[i], found[i]);
-                kept += 1;
+                (simplex[number], weights[number]) = (simplex[i], found[i]);
+                number += 1;
             }
         }
-        number = kept;
-        if number == 4 {
-            return Distance::Within;
+        if number == 0 {
+            return Found::beyond();
         }
         x = combine(&simplex, &weights, number, |v| v.x);
-        before = length;
-        length = norm(x);
+        (before, length) = (length, norm(x));
+        if number == 4 {
+            break;
+        }
+        iteration += 1;
     }
-    if length <= TOLERANCE {
-        Distance::Within
-    } else {
-        Distance::Apart(
-            combine(&simplex, &weights, number, |v| v.w1),
-            combine(&simplex, &weights, number, |v| v.w2),
-        )
+    if number > 0 {
+        nearest =
+            [combine(&simplex, &weights, number, |v| v.w1), combine(&simplex, &weights, number, |v| v.w2)];
     }
+    let separated = dot(x, toward_origin(x, length).x) > 0.0;
+    let distance = if number == 4 && !separated { 0.0 } else { length };
+    Found { distance, nearest, simplex, number, separated }
 }
 
 fn combine(simplex: &[Vertex; 4], weights: &[f64; 4], number: usize, of: impl Fn(&Vertex) -> Vec3) -> Vec3 {
-    (0..number).fold([0.0; 3], |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
+    let first = scale(of(&simplex[0]), weights[0]);
+    (1..number).fold(first, |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
+}
+
+/// Whether the origin is within the difference of the sets, by exchanging the vertex of a tetrahedron that is opposite to the face
+/// which separates them most; `None` if that leads nowhere. MuJoCo's `gjkIntersect`.
+fn contains_origin(
+    simplex: &mut [Vertex; 4],
+    iteration: &mut usize,
+    support: &impl Fn(Vec3) -> Vertex,
+) -> Option<bool> {
+    let mut s = *simplex;
+    while *iteration < ITERATIONS {
+        let faces = [
+            signed_distance(&s[2], &s[1], &s[3]),
+            signed_distance(&s[0], &s[2], &s[3]),
+            signed_distance(&s[1], &s[0], &s[3]),
+            signed_distance(&s[0], &s[1], &s[2]),
+        ];
+        if faces.iter().any(|face| face.0 == 0.0) {
+            return None;
+        }
+        let i = if faces[0].0 < faces[1].0 { 0 } else { 1 };
+        let j = if faces[2].0 < faces[3].0 { 2 } else { 3 };
+        let least = if faces[i].0 < faces[j].0 { i } else { j };
+        let (distance, normal) = faces[least];
+        if distance > 0.0 {
+            *simplex = s;
+            return Some(true);
+        }
+        s[least] = support(normal);
+        if dot(normal, s[least].x) < 0.0 {
+            return Some(false);
+        }
+        // the next two change places, which turns the tetrahedron right side out again
+        s.swap((least + 1) % 4, (least + 2) % 4);
+        *iteration += 1;
+    }
+    None
+}
+
+/// How far a face is from the origin along its normal, and the normal; the largest number for a face without normal.
+fn signed_distance(a: &Vertex, b: &Vertex, c: &Vertex) -> (f64, Vec3) {
+    const LEAST: f64 = MINVAL * MINVAL;
+    const MOST: f64 = crate::physics::MAXVAL * crate::physics::MAXVAL;
+    let normal = cross(sub(c.x, a.x), sub(b.x, a.x));
+    let square = dot(normal, normal);
+    if square > LEAST && square < MOST {
+        let normal = scale(normal, 1.0 / square.sqrt());
+        (dot(normal, a.x), normal)
+    } else {
+        (f64::MAX, normal)
+    }
 }
 
 /// Weights of the simplex's corners at its point nearest to the origin.
 fn closest(s: &[Vec3]) -> [f64; 4] {
     match *s {
-        [_] => [1.0, 0.0, 0.0, 0.0],
         [a, b] => spread(segment(a, b), [0, 1]),
         [a, b, c] => spread(triangle(a, b, c), [0, 1, 2]),
         [a, b, c, d] => tetrahedron([a, b, c, d]),
-        _ => [0.0; 4],
+        _ => [1.0, 0.0, 0.0, 0.0],
     }
 }
 
@@ -114,68 +193,98 @@ fn same_sign(a: f64, b: f64) -> bool {
 
 fn segment(a: Vec3, b: Vec3) -> [f64; 2] {
     let along = sub(b, a);
-    let nearest = add_scaled(b, along, -dot(b, along) / dot(along, along));
+    let nearest = add_scaled(b, along, -(dot(b, along) / dot(along, along)));
     // the axis on which the segment is longest
     let k = (0..3).fold(0, |best, k| if (a[k] - b[k]).abs() >= (a[best] - b[best]).abs() { k } else { best });
     let (whole, from_b, from_a) = (a[k] - b[k], nearest[k] - b[k], a[k] - nearest[k]);
     if same_sign(whole, from_b) && same_sign(whole, from_a) {
         [from_b / whole, from_a / whole]
-    } else if dot(a, a) < dot(b, b) {
-        [1.0, 0.0]
     } else {
         [0.0, 1.0]
     }
 }
 
-fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
-    let normal = cross(sub(b, a), sub(c, a));
-    let square = dot(normal, normal);
-    let corners = [a, b, c];
-    let mut outside = [true; 3];
-    if square > 0.0 {
-        let nearest = scale(normal, dot(normal, a) / square);
-        // the plane of two axes on which the triangle is largest
-        let k = (0..3).fold(0, |best, k| if normal[k].abs() >= normal[best].abs() { k } else { best });
-        let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-        let area = |p: Vec3, q: Vec3, r: Vec3| (q[u] - p[u]) * (r[v] - p[v]) - (q[v] - p[v]) * (r[u] - p[u]);
-        let parts = [area(nearest, b, c), area(a, nearest, c), area(a, b, nearest)];
-        outside = parts.map(|part| !same_sign(normal[k], part));
-        if outside == [false; 3] {
-            return parts.map(|part| part / normal[k]);
+/// The origin projected onto the plane of a triangle; `None` where that has no area. The normal is made at the corner where it
+/// has a part towards the origin.
+pub(super) fn project(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
+    let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
+    for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
+        let (height, square) = (dot(normal, corner), dot(normal, normal));
+        if square == 0.0 {
+            return None;
+        }
+        if height != 0.0 && square > MINVAL {
+            return Some(scale(normal, height / square));
         }
     }
-    let mut best = ([0.0, 0.0, 1.0], f64::MAX);
-    for i in (0..3).filter(|&i| outside[i]) {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        let weights = segment(corners[j], corners[k]);
-        let point = add_scaled(scale(corners[j], weights[0]), corners[k], weights[1]);
-        let square = dot(point, point);
+    let normal = cross(ca, cb);
+    Some(scale(normal, dot(normal, c) / dot(normal, normal)))
+}
+
+/// The areas of a triangle and of its three parts about a point of its plane, on the two axes on which it is largest.
+pub(super) fn areas([a, b, c]: [Vec3; 3], p: Vec3) -> (f64, [f64; 3]) {
+    let minor = |x: usize, y: usize| {
+        b[x] * c[y] - b[y] * c[x] - a[x] * c[y] + a[y] * c[x] + a[x] * b[y] - a[y] * b[x]
+    };
+    let minors = [minor(1, 2), minor(0, 2), minor(0, 1)];
+    let [m0, m1, m2] = minors.map(f64::abs);
+    let (whole, x, y) = if m0 >= m1 && m0 >= m2 {
+        (minors[0], 1, 2)
+    } else if m1 >= m2 {
+        (minors[1], 0, 2)
+    } else {
+        (minors[2], 0, 1)
+    };
+    let part =
+        |q: Vec3, r: Vec3| p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y];
+    (whole, [part(b, c), part(c, a), part(a, b)])
+}
+
+fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
+    let Some(origin) = project(a, b, c) else {
+        let [u, v] = segment(a, b);
+        return [u, v, 0.0];
+    };
+    let (whole, parts) = areas([a, b, c], origin);
+    let inside = parts.map(|part| same_sign(whole, part));
+    if inside == [true; 3] {
+        return parts.map(|part| part / whole);
+    }
+    let mut best = ([0.0; 3], f64::MAX);
+    let edges = [([b, c], [1, 2]), ([a, c], [0, 2]), ([a, b], [0, 1])];
+    for ([p, q], corners) in edges.into_iter().zip(inside).filter(|(_, inside)| !inside).map(|(edge, _)| edge)
+    {
+        let weights = segment(p, q);
+        let nearest = add_scaled(scale(p, weights[0]), q, weights[1]);
+        let square = dot(nearest, nearest);
         if square < best.1 {
             best = ([0.0; 3], square);
-            (best.0[j], best.0[k]) = (weights[0], weights[1]);
+            (best.0[corners[0]], best.0[corners[1]]) = (weights[0], weights[1]);
         }
     }
     best.0
 }
 
-fn tetrahedron(s: [Vec3; 4]) -> [f64; 4] {
+fn tetrahedron([a, b, c, d]: [Vec3; 4]) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
     // the volumes of the origin with each face, with the sign of the whole for the inside
-    let [a, b, c, d] = s;
-    let parts = [volume(b, c, d), -volume(a, c, d), volume(a, b, d), -volume(a, b, c)];
-    let whole: f64 = parts.iter().sum();
-    let outside = parts.map(|part| !same_sign(whole, part));
-    if outside == [false; 4] {
+    let parts = [-volume(b, c, d), volume(a, c, d), -volume(a, b, d), volume(a, b, c)];
+    let whole = parts[0] + parts[1] + parts[2] + parts[3];
+    let inside = parts.map(|part| same_sign(whole, part));
+    if inside == [true; 4] {
         return parts.map(|part| part / whole);
     }
-    let mut best = ([0.0, 0.0, 0.0, 1.0], f64::MAX);
-    for i in (0..4).filter(|&i| outside[i]) {
-        let [j, k, l] = [1, 2, 3].map(|step| (i + step) % 4);
-        let weights = triangle(s[j], s[k], s[l]);
-        let point = add_scaled(add_scaled(scale(s[j], weights[0]), s[k], weights[1]), s[l], weights[2]);
-        let square = dot(point, point);
+    let mut best = ([0.0; 4], f64::MAX);
+    let faces =
+        [([b, c, d], [1, 2, 3]), ([a, c, d], [0, 2, 3]), ([a, b, d], [0, 1, 3]), ([a, b, c], [0, 1, 2])];
+    for ([p, q, r], corners) in
+        faces.into_iter().zip(inside).filter(|(_, inside)| !inside).map(|(face, _)| face)
+    {
+        let weights = triangle(p, q, r);
+        let nearest = add_scaled(add_scaled(scale(p, weights[0]), q, weights[1]), r, weights[2]);
+        let square = dot(nearest, nearest);
         if square < best.1 {
-            best = (spread(weights, [j, k, l]), square);
+            best = (spread(weights, corners), square);
         }
     }
     best.0
@@ -203,6 +312,7 @@ mod tests {
         best
     }
 
+    /// Where the origin is nearest to no corner nor edge, as it is once the algorithm has found its way.
     #[test]
     fn finds_the_nearest_point_of_simplices() {
         let mut seed = 1_u64;
@@ -210,17 +320,22 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 33) as f64 / f64::from(1_u32 << 31) * 4.0 - 1.5
         };
-        for _ in 0..200 {
+        let mut found = [0; 5];
+        for _ in 0..500 {
             let corners: [Vec3; 4] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
             for n in 1..=4 {
                 let weights = closest(&corners[..n]);
-                assert!(
-                    weights.iter().all(|&w| w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9
-                );
+                assert!(weights.iter().all(|&w| w >= 0.0));
+                assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+                if weights[..n].contains(&0.0) {
+                    continue;
+                }
                 let p = corners.iter().zip(weights).fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
                 let many = nearest_of_many(&corners[..n]);
                 assert!(norm(p) <= many + 1e-12 && norm(p) > many - 0.15, "{} {many} {n}", norm(p));
+                found[n] += 1;
             }
         }
+        assert!(found[1..].iter().all(|found| *found > 5), "{found:?}");
     }
 }

@@ -4,12 +4,14 @@
 //! most of them; it never changes the result.
 
 mod capsule_cylinder;
+mod epa;
 mod gjk;
 mod primitive;
 
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
 use crate::model::{GeomType, Pair};
 use crate::{Contact, Data, Model};
+pub(crate) use epa::Polytope;
 
 /// A geom in the world.
 #[derive(Clone, Copy)]
@@ -45,7 +47,7 @@ pub fn collision(m: &Model, d: &mut Data) {
         }
         let [a, b] =
             pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
-        let contacts = &mut d.contact;
+        let (contacts, polytope) = (&mut d.contact, &mut d.work.polytope);
         let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
             (GeomType::Plane, GeomType::Sphere) => primitive::plane_sphere(a, b, pair.margin, &mut push),
@@ -58,7 +60,7 @@ pub fn collision(m: &Model, d: &mut Data) {
             }
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, &mut push);
+                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, polytope, &mut push);
             }
             _ => {} // refused by Model::new
         }

@@ -1,12 +1,44 @@
 //! Newton's line search: the exact minimum of a piecewise quadratic function.
 
+use crate::physics::spatial::MINVAL;
+
+/// What a line search needs to know about a row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Row {
+    /// Its residual at the start, and how it changes with the length of the step.
+    jar: f64,
+    jv: f64,
+    /// Its cost while it pushes, by powers of the length.
+    quad: [f64; 3],
+    /// Its cost at the start.
+    cost: f64,
+}
+
+impl Row {
+    #[inline]
+    pub(super) fn new(jar: f64, jv: f64, stiffness: f64) -> Self {
+        let force = stiffness * jar;
+        let quad = [jar * force * 0.5, jv * force, jv * stiffness * jv * 0.5];
+        Self { jar, jv, quad, cost: if jar < 0.0 { quad[0] } else { 0.0 } }
+    }
+}
+
+/// The cost along a direction, relative to that at its start.
+pub(super) struct Along<'a> {
+    pub(super) rows: &'a [Row],
+    /// The factors of the length and of its square in the cost of accelerating otherwise than without constraints.
+    pub(super) linear: f64,
+    pub(super) quadratic: f64,
+    pub(super) evaluations: usize,
+}
+
 /// A step length, and the cost there (relative to no step) with its first and second derivative.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Point {
-    pub(super) alpha: f64,
-    pub(super) cost: f64,
-    pub(super) slope: f64,
-    pub(super) curvature: f64,
+struct Point {
+    alpha: f64,
+    cost: f64,
+    slope: f64,
+    curvature: f64,
 }
 
 impl Point {
@@ -16,76 +48,87 @@ impl Point {
     }
 }
 
-/// The length of the step along a search direction: MuJoCo's `PrimalSearch`. 0 if no step lowers the cost.
-///
-/// `evaluate` gives the point at a step length; `flat` is the slope that counts as zero.
-pub(super) fn line_search(mut evaluate: impl FnMut(f64) -> Point, flat: f64, most: usize) -> f64 {
-    let mut evaluations = 0;
-    let mut at = |alpha: f64| {
-        evaluations += 1;
-        (evaluate(alpha), evaluations < most)
-    };
-    let (p0, _) = at(0.0);
-    let (mut p1, mut more) = at(p0.newton());
-    if p0.cost < p1.cost {
-        p1 = p0;
+impl Along<'_> {
+    /// The cost at a step length: MuJoCo's `PrimalEval`.
+    #[inline(always)]
+    fn at(&mut self, alpha: f64) -> Point {
+        self.evaluations += 1;
+        let (mut cost, mut quad) = (0.0, [0.0, self.linear, self.quadratic]);
+        for row in self.rows {
+            if row.jar + alpha * row.jv < 0.0 {
+                quad[0] += row.quad[0] - row.cost;
+                quad[1] += row.quad[1];
+                quad[2] += row.quad[2];
+            } else {
+                cost -= row.cost;
+            }
+        }
+        cost += alpha * alpha * quad[2] + alpha * quad[1] + quad[0];
+        let curvature = 2.0 * quad[2];
+        Point {
+            alpha,
+            cost,
+            slope: 2.0 * alpha * quad[2] + quad[1],
+            curvature: if curvature <= 0.0 { MINVAL } else { curvature },
+        }
     }
-    if p1.slope.abs() < flat {
-        return p1.alpha;
+}
+
+/// The length of the step along a direction, and by how much it lowers the cost: MuJoCo's `PrimalSearch`. No length if no step
+/// lowers it.
+///
+/// `flat` is the slope that counts as zero, `most` the number of evaluations.
+#[inline(always)]
+pub(super) fn line_search(mut along: Along<'_>, flat: f64, most: usize) -> (f64, f64) {
+    let found = |p: &Point| (p.alpha, -p.cost);
+    let p0 = along.at(0.0);
+    let mut p1 = along.at(p0.newton());
+    if p1.slope.abs() < flat && (p1.alpha == 0.0 || p1.cost < 0.0) {
+        return found(&p1);
     }
 
     // Newton's steps in one direction, until the minimum is behind
     let direction = if p1.slope < 0.0 { 1.0 } else { -1.0 };
-    let mut p2 = p1;
-    let mut moved = false;
-    while p1.slope * direction <= -flat && more {
-        (p2, moved) = (p1, true);
-        (p1, more) = at(p1.newton());
-        if p1.slope.abs() < flat {
-            return p1.alpha;
+    let mut p2 = p0;
+    while p1.slope * direction <= -flat && along.evaluations < most {
+        p2 = p1;
+        p1 = along.at(p1.newton());
+        if p1.slope.abs() < flat && p1.cost < 0.0 {
+            return found(&p1);
         }
     }
-    if !more || !moved {
-        return p1.alpha;
+    if along.evaluations >= most {
+        return found(&p1);
     }
 
     // the minimum is between p1 and p2
     let mut next2 = p1;
-    let (mut next1, _) = at(p1.newton());
-    loop {
-        let (middle, more) = at(0.5 * (p1.alpha + p2.alpha));
+    let mut next1 = along.at(p1.newton());
+    while along.evaluations < most {
+        let middle = along.at(0.5 * (p1.alpha + p2.alpha));
         let candidates = [next1, next2, middle];
-        let good = candidates.iter().filter(|p| p.slope.abs() < flat);
-        if let Some(best) = good.fold(None, |best: Option<&Point>, p| match best {
-            Some(best) if best.cost <= p.cost => Some(best),
-            _ => Some(p),
-        }) {
-            return best.alpha;
+        let flat_ones = candidates.iter().filter(|p| p.slope.abs() < flat);
+        if let Some(best) = flat_ones.reduce(|best, p| if p.cost < best.cost { p } else { best }) {
+            return found(best);
         }
-        let moved1 = narrow(&mut p1, &candidates);
-        if moved1 {
-            next1 = at(p1.newton()).0;
-        }
-        let moved2 = narrow(&mut p2, &candidates);
-        if moved2 {
-            next2 = at(p2.newton()).0;
-        }
+        let moved1 = narrow(&mut along, &mut p1, &candidates, &mut next1);
+        let moved2 = narrow(&mut along, &mut p2, &candidates, &mut next2);
         if !moved1 && !moved2 {
-            return middle.alpha;
-        }
-        if !more {
-            break;
+            return found(&middle);
         }
     }
-    match (p1.cost <= p2.cost && p1.cost < 0.0, p2.cost <= p1.cost && p2.cost < 0.0) {
-        (true, _) => p1.alpha,
-        (_, true) => p2.alpha,
-        _ => 0.0,
+    if p1.cost <= p2.cost && p1.cost < 0.0 {
+        found(&p1)
+    } else if p2.cost <= p1.cost && p2.cost < 0.0 {
+        found(&p2)
+    } else {
+        (0.0, 0.0)
     }
 }
 
-/// Moves an end of the bracket to the candidates on its side that are nearer to the minimum.
-fn narrow(p: &mut Point, candidates: &[Point; 3]) -> bool {
+/// Moves an end of the bracket to the candidates on its side that are nearer to the minimum: MuJoCo's `updateBracket`.
+#[inline(always)]
+fn narrow(along: &mut Along<'_>, p: &mut Point, candidates: &[Point; 3], next: &mut Point) -> bool {
     let mut moved = false;
     for c in candidates {
         if (p.slope < 0.0 && c.slope < 0.0 && p.slope < c.slope)
@@ -93,6 +136,9 @@ fn narrow(p: &mut Point, candidates: &[Point; 3]) -> bool {
         {
             (*p, moved) = (*c, true);
         }
+    }
+    if moved {
+        *next = along.at(p.newton());
     }
     moved
 }

@@ -1,22 +1,29 @@
 //! Constraint forces: what accelerations become when constraints push back.
 
+mod cholesky;
 mod line_search;
 pub(crate) mod newton;
 pub(crate) mod pgs;
 
-use super::constraint::put_rows;
+use std::ops::Range;
+
+use super::constraint::{Constraints, mul_jacobian};
+use super::dense::{self, Lanes};
 use crate::model::Solver;
 use crate::{Data, Model};
 
 /// `qacc`, `qfrc_constraint` and the rows' forces: MuJoCo's `mj_fwdConstraint`.
+#[inline(always)]
 pub fn fwd_constraint(m: &Model, d: &mut Data) {
     d.qfrc_constraint.fill(0.0);
     d.solver_niter.clear();
     if d.efc.nefc() == 0 {
         d.qacc.copy_from_slice(&d.qacc_smooth);
-        d.solver_niter.push(0);
         return;
     }
+    let mut b = std::mem::take(&mut d.efc.b);
+    residuals(m, &d.efc, &d.qacc_smooth, &mut d.work.dofs, &mut b);
+    d.efc.b = b;
     islands(m, d);
     match m.opt.solver {
         Solver::Newton => newton::solve(m, d),
@@ -24,49 +31,41 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// Lists the degrees of freedom and the blocks of each island, in their order.
+/// Lists the trees and the blocks of each island, in their order.
 fn islands(m: &Model, d: &mut Data) {
     let (work, efc) = (&mut d.work, &d.efc);
-    work.island_dofs.clear();
+    work.island_trees.clear();
     work.island_blocks.clear();
     work.islands.clear();
     for island in 0..efc.nisland {
-        let (dofs, blocks) = (work.island_dofs.len(), work.island_blocks.len());
-        for (tree, range) in m.plan().trees.iter().enumerate() {
-            if work.tree_island[tree] == island {
-                work.island_dofs.extend(range.clone());
-            }
-        }
-        for (index, block) in efc.blocks.iter().enumerate() {
-            if block.island == island {
-                work.island_blocks.push(index);
-            }
-        }
+        let (trees, blocks) = (work.island_trees.len(), work.island_blocks.len());
+        work.island_trees.extend((0..m.ntree()).filter(|&tree| work.tree_island[tree] == island));
+        let own = efc.blocks.iter().enumerate().filter(|(_, block)| block.island == island);
+        work.island_blocks.extend(own.map(|(index, _)| index));
         work.islands
-            .push(Island { dofs: dofs..work.island_dofs.len(), blocks: blocks..work.island_blocks.len() });
+            .push(Island { trees: trees..work.island_trees.len(), blocks: blocks..work.island_blocks.len() });
     }
 }
 
 /// Where the lists of an island are.
 #[derive(Clone, Debug)]
 pub(crate) struct Island {
-    pub(crate) dofs: std::ops::Range<usize>,
-    pub(crate) blocks: std::ops::Range<usize>,
+    trees: Range<usize>,
+    blocks: Range<usize>,
 }
 
-/// `jar = J qacc - aref`, for all rows.
-fn residuals(d: &Data, qacc: &[f64], jar: &mut [f64]) {
-    let efc = &d.efc;
-    for block in &efc.blocks {
-        let along = efc.along(block, qacc);
-        put_rows(block, along, jar);
-    }
+/// `jar = J qacc - aref`, for all rows; `x` is a buffer.
+#[inline(always)]
+fn residuals(m: &Model, efc: &Constraints, qacc: &[f64], x: &mut [Lanes], jar: &mut [f64]) {
+    dense::put(x, qacc);
+    mul_jacobian(&efc.blocks, efc.jacobian(), efc.stride(), x, m.nv(), jar);
     for (jar, aref) in jar.iter_mut().zip(&efc.aref) {
         *jar -= aref;
     }
 }
 
 /// The cost of rows at their residuals: each pushes with its stiffness where it is violated.
+#[inline(always)]
 fn cost_of_rows(d: &[f64], jar: &[f64]) -> f64 {
     let mut cost = 0.0;
     for (&d, &jar) in d.iter().zip(jar) {
@@ -75,9 +74,4 @@ fn cost_of_rows(d: &[f64], jar: &[f64]) -> f64 {
         }
     }
     cost
-}
-
-/// Half of `(M a - qfrc_smooth).(a - qacc_smooth)`: the cost of accelerating otherwise than without constraints.
-fn gauss(ma: &[f64], smooth: &[f64], a: &[f64], a_smooth: &[f64], dofs: &[usize]) -> f64 {
-    0.5 * dofs.iter().map(|&i| (ma[i] - smooth[i]) * (a[i] - a_smooth[i])).sum::<f64>()
 }

@@ -2,223 +2,149 @@
 //!
 //! It stops long before it converges. So order and number of iterations are part of the answer, and both are repeated.
 
-use std::ops::Range;
-
-use super::residuals;
+use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
-use crate::physics::constraint::Block;
+use crate::physics::dense::{Lanes, add_scaled, dot};
 use crate::physics::inertia;
 use crate::{Data, Model};
 
-/// Buffers of the solver.
+/// Buffers of the solver: vectors of all rows, and of an island's.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    /// `D^-1/2 L^-T J'` of normals and tangents, by block: nv numbers each.
-    half: Vec<f64>,
-    /// The degrees of freedom, by block, beyond which these numbers are zero.
-    spans: Vec<Range<usize>>,
-    /// Rows, by island; the vectors below have the same order.
+    /// `(J L^-1 D^-1/2)'`: for each degree of freedom its number in every row.
+    half: Vec<Lanes>,
+    /// `J M^-1 J' + R`, row by row.
+    ar: Vec<Lanes>,
+    diag_inv: Vec<f64>,
+    jar: Vec<f64>,
+    force: Vec<Lanes>,
+    product: Vec<Lanes>,
+    /// The rows of an island; the vectors below have their order.
     rows: Vec<usize>,
-    /// `J M^-1 J' + R` of each island, row by row.
-    ar: Vec<f64>,
-    parts: Vec<Part>,
-    b: Vec<f64>,
-    force: Vec<f64>,
     before: Vec<f64>,
     momentum: Vec<f64>,
-    residual: Vec<f64>,
-    residual_before: Vec<f64>,
-    diag_inv: Vec<f64>,
     order: Vec<u32>,
-    jar: Vec<f64>,
-    sqrt_diag_inv: Vec<f64>,
-}
-
-/// Where the rows of an island are, and the first element of its matrix.
-#[derive(Clone, Debug)]
-struct Part {
-    rows: Range<usize>,
-    ar: usize,
 }
 
 impl Buffers {
     /// Buffers that need not grow; for another solver they stay empty.
-    pub(crate) fn new(solver: Solver, nv: usize, trees: usize, bounds: &Bounds) -> Self {
+    pub(crate) fn new(solver: Solver, nv: usize, bounds: &Bounds) -> Self {
         let mut buffers = Self::default();
         if solver != Solver::PGS {
             return buffers;
         }
-        let rows = bounds.rows;
-        buffers.half.reserve(bounds.directions * nv);
-        buffers.spans.reserve(bounds.blocks);
+        let (rows, groups) = (bounds.rows, dense::groups(bounds.rows));
+        buffers.half.reserve(nv * groups);
+        buffers.ar.reserve(rows * groups);
+        buffers.force.reserve(groups);
+        buffers.product.reserve(groups);
         buffers.rows.reserve(rows);
-        buffers.ar.reserve(rows * rows);
-        buffers.parts.reserve(trees);
         buffers.order.reserve(rows);
-        for vector in [
-            &mut buffers.b,
-            &mut buffers.force,
-            &mut buffers.before,
-            &mut buffers.momentum,
-            &mut buffers.residual,
-            &mut buffers.residual_before,
-            &mut buffers.diag_inv,
-            &mut buffers.jar,
-            &mut buffers.sqrt_diag_inv,
-        ] {
-            vector.reserve(rows.max(nv));
+        for vector in [&mut buffers.diag_inv, &mut buffers.jar, &mut buffers.before, &mut buffers.momentum] {
+            vector.reserve(rows);
         }
         buffers
     }
-
-    /// The dual cost of an island's forces.
-    fn cost(&self, part: &Part) -> f64 {
-        let n = part.rows.len();
-        let force = &self.force[part.rows.clone()];
-        let terms = part.rows.clone().enumerate().map(|(i, row)| {
-            let ar = &self.ar[part.ar + i * n..part.ar + (i + 1) * n];
-            self.force[row] * (self.b[row] + 0.5 * dot(ar, force))
-        });
-        terms.sum()
-    }
 }
 
-/// Solves all islands: MuJoCo's `mj_solPGS`.
+/// Solves all islands: MuJoCo's `mj_solPGS_island`.
+#[inline(always)]
 pub(super) fn solve(m: &Model, d: &mut Data) {
     let mut s = std::mem::take(&mut d.work.pgs);
-    let (dofs, blocks) = (std::mem::take(&mut d.work.island_dofs), std::mem::take(&mut d.work.island_blocks));
+    let nefc = d.efc.nefc();
     project(m, d, &mut s);
 
-    // forces at the accelerations of the last step
-    s.jar.resize(d.efc.nefc(), 0.0);
-    residuals(d, &d.qacc_warmstart, &mut s.jar);
-    for i in 0..d.efc.nefc() {
-        d.efc.force[i] = if s.jar[i] < 0.0 { -d.efc.d[i] * s.jar[i] } else { 0.0 };
+    // forces at the accelerations of the last step, unless none are better
+    s.jar.resize(nefc, 0.0);
+    residuals(m, &d.efc, &d.qacc_warmstart, &mut d.work.dofs, &mut s.jar);
+    let stride = dense::groups(nefc);
+    for vector in [&mut s.force, &mut s.product] {
+        vector.clear();
+        vector.resize(stride, [0.0; 4]);
     }
-    residuals(d, &d.qacc_smooth, &mut s.jar);
+    let force = s.force.as_flattened_mut();
+    for ((force, &jar), d) in force.iter_mut().zip(&s.jar).zip(&d.efc.d) {
+        *force = if jar < 0.0 { -d * jar } else { 0.0 };
+    }
+    for (product, row) in s.product.as_flattened_mut().iter_mut().zip(s.ar.chunks_exact(stride)) {
+        *product = dot(row, &s.force, nefc);
+    }
+    // with what it is used for below, one more product of vectors
+    let half_square = 0.5 * dot(&s.force, &s.product, nefc);
+    dense::put(&mut s.product, &d.efc.b);
+    if dot(&s.force, &s.product, nefc) + half_square > 0.0 {
+        s.force.fill([0.0; 4]);
+    }
 
     let islands = std::mem::take(&mut d.work.islands);
-    s.rows.clear();
-    s.ar.clear();
-    s.parts.clear();
     for island in &islands {
-        gather(d, &mut s, &blocks[island.blocks.clone()]);
-    }
-    let cost: f64 = s.parts.iter().map(|part| s.cost(part)).sum();
-    if cost > 0.0 {
-        s.force.fill(0.0);
-    }
-    for index in 0..s.parts.len() {
-        let iterations = iterate(m, &mut s, index);
+        s.rows.clear();
+        for &index in &d.work.island_blocks[island.blocks.clone()] {
+            let block = &d.efc.blocks[index];
+            s.rows.extend(block.row..block.row + block.rows);
+        }
+        let iterations = iterate(m, d, &mut s);
         d.solver_niter.push(iterations);
     }
-    for (&row, &force) in s.rows.iter().zip(&s.force) {
-        d.efc.force[row] = force;
-    }
+    d.work.islands = islands;
+    d.efc.force.copy_from_slice(&s.force.as_flattened()[..nefc]);
 
-    for index in 0..d.efc.blocks.len() {
-        d.efc.add_jac_t(&d.efc.blocks[index], &d.efc.force, &mut d.qfrc_constraint);
+    let sum = &mut d.work.dofs;
+    sum.fill([0.0; 4]);
+    for (row, &force) in d.efc.jacobian().chunks_exact(d.efc.stride()).zip(&d.efc.force) {
+        if force != 0.0 {
+            add_scaled(sum, row, force);
+        }
     }
+    d.qfrc_constraint.copy_from_slice(&sum.as_flattened()[..m.nv()]);
     d.qacc.copy_from_slice(&d.qfrc_constraint);
     inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc);
     for (a, smooth) in d.qacc.iter_mut().zip(&d.qacc_smooth) {
         *a += smooth;
     }
-    (d.work.island_dofs, d.work.island_blocks, d.work.islands) = (dofs, blocks, islands);
     d.work.pgs = s;
 }
 
-/// `D^-1/2 L^-T J'`, whose products with itself are `J M^-1 J'`: the first half of MuJoCo's `mj_projectConstraint`.
+/// `J M^-1 J' + R`: MuJoCo's `mj_projectConstraint`.
+#[inline(always)]
 fn project(m: &Model, d: &Data, s: &mut Buffers) {
-    let (plan, nv) = (m.plan(), m.nv());
-    s.sqrt_diag_inv.clear();
-    s.sqrt_diag_inv.extend(d.qld_diag_inv.iter().map(|x| x.sqrt()));
+    let (plan, nv, nefc) = (m.plan(), m.nv(), d.efc.nefc());
+    let stride = dense::groups(nefc);
     s.half.clear();
-    s.spans.clear();
-    for block in &d.efc.blocks {
-        let (columns, jac) = d.efc.jacobian(block);
-        let span = match (columns.first(), columns.last()) {
-            (Some(&first), Some(&last)) => plan.trees[m.dof_treeid[first]].start..last + 1,
-            _ => 0..0,
-        };
-        for k in 0..block.dim {
-            let start = s.half.len();
-            s.half.resize(start + nv, 0.0);
-            let x = &mut s.half[start..];
-            for (&c, &j) in columns.iter().zip(&jac[k * block.width..]) {
-                x[c] = j;
-            }
-            for i in span.clone().rev() {
-                let xi = x[i];
-                if xi != 0.0 {
-                    let (start, end) = (plan.m_rowadr[i], plan.m_rowadr[i + 1] - 1);
-                    for (&j, l) in plan.m_colind[start..end].iter().zip(&d.qld[start..end]) {
-                        x[j] -= l * xi;
-                    }
-                    x[i] = xi * s.sqrt_diag_inv[i];
-                }
+    s.half.resize(nv * stride, [0.0; 4]);
+    let half = s.half.as_flattened_mut();
+    for (row, jac) in d.efc.jacobian().chunks_exact(d.efc.stride()).enumerate() {
+        for (i, &x) in jac.as_flattened()[..nv].iter().enumerate() {
+            half[i * 4 * stride + row] = x;
+        }
+    }
+    for i in (0..nv).rev() {
+        let (above, rest) = s.half.split_at_mut(i * stride);
+        let own = &mut rest[..stride];
+        if m.dof_simplenum[i] == 0 {
+            let row = plan.m_rowadr[i]..plan.m_rowadr[i + 1] - 1;
+            for (&j, l) in plan.m_colind[row.clone()].iter().zip(&d.qld[row]) {
+                add_scaled(&mut above[j * stride..(j + 1) * stride], own, -l);
             }
         }
-        s.spans.push(span);
+        // the root of D, not of its inverse
+        let scale = 1.0 / d.qld[plan.m_rowadr[i + 1] - 1].sqrt();
+        own.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     }
-}
 
-/// Appends the rows of an island, with their matrix, `b` and forces.
-fn gather(d: &Data, s: &mut Buffers, blocks: &[usize]) {
-    let nv = d.qacc.len();
-    let (start, ar_start) = (s.rows.len(), s.ar.len());
-    for &index in blocks {
-        let block = &d.efc.blocks[index];
-        s.rows.extend(block.row..block.row + block.rows());
-    }
-    let n = s.rows.len() - start;
-    s.ar.resize(ar_start + n * n, 0.0);
-    let ar = &mut s.ar[ar_start..];
-    let half = |block: &Block, k: usize, span: &Range<usize>| {
-        let start = (block.direction + k) * nv;
-        &s.half[start + span.start..start + span.end]
-    };
-    let mut first = 0;
-    for (index, &i) in blocks.iter().enumerate() {
-        let a = &d.efc.blocks[i];
-        let mut second = 0;
-        for &j in &blocks[..=index] {
-            let b = &d.efc.blocks[j];
-            let (low, high) = (s.spans[i].start.max(s.spans[j].start), s.spans[i].end.min(s.spans[j].end));
-            let shared = low..high.max(low);
-            // products of normals and tangents, then of the rows of both pyramids
-            let mut partial = [[0.0; 3]; 4];
-            for k in 0..b.dim {
-                let b_half = half(b, k, &shared);
-                let along = [0, 1, 2].map(|i| if i < a.dim { dot(half(a, i, &shared), b_half) } else { 0.0 });
-                for (partial, value) in partial.iter_mut().zip(pyramid(a, along)) {
-                    partial[k] = value;
-                }
+    s.ar.clear();
+    s.ar.resize(nefc * stride, [0.0; 4]);
+    for (i, row) in s.ar.chunks_exact_mut(stride).enumerate() {
+        for half in s.half.chunks_exact(stride) {
+            let x = half[i / 4][i % 4];
+            if x != 0.0 {
+                add_scaled(row, half, x);
             }
-            for (r, along) in partial[..a.rows()].iter().enumerate() {
-                for (c, value) in pyramid(b, *along)[..b.rows()].iter().enumerate() {
-                    ar[(first + r) * n + second + c] = *value;
-                    ar[(second + c) * n + first + r] = *value;
-                }
-            }
-            second += b.rows();
         }
-        first += a.rows();
+        row[i / 4][i % 4] += d.efc.r[i];
     }
-    s.b.resize(start + n, 0.0);
-    s.force.resize(start + n, 0.0);
-    for (i, &row) in s.rows[start..].iter().enumerate() {
-        ar[i * n + i] += d.efc.r[row];
-        s.b[start + i] = s.jar[row];
-        s.force[start + i] = d.efc.force[row];
-    }
-    s.parts.push(Part { rows: start..start + n, ar: ar_start });
-}
-
-/// The rows of a block from what happens along its normal and tangents.
-fn pyramid(block: &Block, [n, t1, t2]: [f64; 3]) -> [f64; 4] {
-    let (t1, t2) = (block.mu * t1, block.mu * t2);
-    if block.dim == 1 { [n, 0.0, 0.0, 0.0] } else { [n + t1, n - t1, n + t2, n - t2] }
+    s.diag_inv.clear();
+    s.diag_inv.extend((0..nefc).map(|i| 1.0 / s.ar[i * stride + i / 4][i % 4]));
 }
 
 /// MuJoCo's generator of the order: PCG32.
@@ -234,96 +160,62 @@ impl Pcg32 {
 }
 
 /// Iterates on the forces of an island; the number of iterations.
-fn iterate(m: &Model, s: &mut Buffers, part: usize) -> usize {
-    let Part { rows, ar } = s.parts[part].clone();
-    let n = rows.len();
-    let ar = &s.ar[ar..ar + n * n];
-    let (b, force) = (&s.b[rows.clone()], &mut s.force[rows]);
+#[inline(always)]
+fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
+    let (n, nefc) = (s.rows.len(), d.efc.nefc());
+    let stride = dense::groups(nefc);
+    let rows = &s.rows;
     let scale = 1.0 / (m.stat.meaninertia * m.nv().max(1) as f64);
     let mut generator = Pcg32(0);
     generator.next();
     s.order.clear();
     s.order.extend(0..n as u32);
-    s.before.clear();
-    s.before.extend_from_slice(force);
-    s.diag_inv.clear();
-    s.diag_inv.extend((0..n).map(|i| 1.0 / ar[i * n + i]));
-    // residuals `b + AR f`, kept up to date; the matrix is symmetric
-    s.residual.clear();
-    s.residual.extend((0..n).map(|i| b[i] + dot(&ar[i * n..(i + 1) * n], force)));
-    s.residual_before.clone_from(&s.residual);
+    for vector in [&mut s.before, &mut s.momentum] {
+        vector.clear();
+        vector.extend(rows.iter().map(|row| s.force.as_flattened()[*row]));
+    }
 
     let mut k = 0.0;
     for iteration in 0..m.opt.iterations {
         let beta = if iteration > 0 { (k - 1.0) / (k + 2.0) } else { 0.0 };
-        if beta > 0.0 {
-            for (residual, before) in s.residual.iter_mut().zip(&mut s.residual_before) {
-                let now = *residual;
-                *residual = now + beta * (now - *before);
-                *before = now;
+        let force = s.force.as_flattened_mut();
+        for ((&row, before), momentum) in rows.iter().zip(&mut s.before).zip(&mut s.momentum) {
+            let now = force[row];
+            if beta > 0.0 {
+                let moved = now + beta * (now - *before);
+                force[row] = if moved < 0.0 { 0.0 } else { moved };
             }
-            for i in 0..n {
-                let now = force[i];
-                let moved = now + beta * (now - s.before[i]);
-                s.before[i] = now;
-                force[i] = moved.max(0.0);
-                if moved < 0.0 {
-                    add_scaled(&mut s.residual, &ar[i * n..(i + 1) * n], -moved);
-                }
-            }
-        } else {
-            s.before.copy_from_slice(force);
-            s.residual_before.copy_from_slice(&s.residual);
+            (*before, *momentum) = (now, force[row]);
         }
-        s.momentum.clear();
-        s.momentum.extend_from_slice(force);
 
         for i in (1..n).rev() {
             s.order.swap(i, (generator.next() % (i as u32 + 1)) as usize);
         }
         let mut improvement = 0.0;
         for &i in &s.order {
-            let i = i as usize;
-            let (residual, old) = (s.residual[i], force[i]);
-            let new = (old - residual * s.diag_inv[i]).max(0.0);
+            let row = rows[i as usize];
+            let residual = d.efc.b[row] + dot(&s.ar[row * stride..(row + 1) * stride], &s.force, nefc);
+            let force = &mut s.force[row / 4][row % 4];
+            let old = *force;
+            let moved = old - residual * s.diag_inv[row];
+            let new = if moved < 0.0 { 0.0 } else { moved };
             let delta = new - old;
-            if delta == 0.0 {
-                continue;
-            }
-            let row = &ar[i * n..(i + 1) * n];
-            let change = 0.5 * delta * delta * row[i] + delta * residual;
+            let change = 0.5 * delta * delta * (1.0 / s.diag_inv[row]) + delta * residual;
             if change <= 1e-10 {
-                force[i] = new;
+                *force = new;
                 improvement -= change;
-                add_scaled(&mut s.residual, row, delta);
             }
         }
-        let turned: f64 =
-            force.iter().zip(&s.momentum).zip(&s.before).map(|((f, m), p)| (f - m) * (m - p)).sum();
+        improvement *= scale;
+        let force = s.force.as_flattened();
+        let mut turned = 0.0;
+        for ((&row, momentum), before) in rows.iter().zip(&s.momentum).zip(&s.before) {
+            turned += (force[row] - momentum) * (momentum - before);
+        }
         k = if iteration > 0 && turned < 0.0 { 0.0 } else { k + 1.0 };
-        if improvement * scale < m.opt.tolerance {
+        if improvement < m.opt.tolerance {
             return iteration + 1;
         }
     }
     m.opt.iterations
-}
-
-/// `a += s b`.
-fn add_scaled(a: &mut [f64], b: &[f64], s: f64) {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a += s * b;
-    }
-}
-
-/// The product of two vectors.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }

@@ -69,6 +69,9 @@ class CartPoleEnv(ClassicControlEnv):
     state_names = ("x", "x_dot", "theta", "theta_dot")
     _when_set = {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
+    masspole: float
+    masscart: float
+    length: float
     _names = {"kinematics_integrator": lambda name: name if name == "euler" else "semi-implicit euler"}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:

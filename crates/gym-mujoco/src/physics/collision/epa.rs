@@ -1,0 +1,353 @@
+//! How far two convex sets overlap, by the expanding polytope algorithm: a polytope within their difference grows where it is
+//! nearest to the origin, until it is as near as the difference itself.
+//!
+//! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list of faces, which decides between
+//! faces that are equally near.
+
+use super::super::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
+use super::gjk::{Found, ITERATIONS, TOLERANCE, Vertex, areas, project};
+
+/// Faces nearer to the origin than this, squared, contain it.
+const LEAST: f64 = MINVAL * MINVAL;
+/// The most faces that are ever made.
+const FACES: usize = 6 * ITERATIONS;
+
+/// A polytope that contains the origin.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polytope {
+    vertices: Vec<Vertex>,
+    faces: Vec<Face>,
+    center: Vec3,
+    /// The faces among which the nearest is looked for.
+    candidates: Vec<usize>,
+    /// Faces that stay and their edges to faces that do not.
+    horizon: Vec<(usize, usize)>,
+}
+
+#[derive(Clone, Debug)]
+struct Face {
+    corners: [usize; 3],
+    /// The faces beyond the edges from each corner to the next.
+    beyond: [usize; 3],
+    /// The origin's projection, and the square of its distance.
+    nearest: Vec3,
+    square: f64,
+    place: Place,
+}
+
+/// Whether a face is a candidate, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Candidate(usize),
+    Aside,
+    Removed,
+}
+
+impl Polytope {
+    /// A polytope that need not grow.
+    pub(crate) fn new() -> Self {
+        Self {
+            vertices: Vec::with_capacity(ITERATIONS + 5),
+            faces: Vec::with_capacity(FACES),
+            center: [0.0; 3],
+            candidates: Vec::with_capacity(FACES),
+            horizon: Vec::with_capacity(FACES),
+        }
+    }
+
+    /// The points of both sets that are as far within the other set as the sets overlap, and by how much; `None` where they do not
+    /// overlap, or nothing can be found out.
+    pub(super) fn overlap(
+        &mut self,
+        found: &Found,
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> Option<([Vec3; 2], f64)> {
+        self.vertices.clear();
+        self.clear_faces();
+        let s = &found.simplex;
+        match found.number {
+            2 => self.start_from_line([s[0], s[1]], support)?,
+            3 => self.start_from_triangle([s[0], s[1], s[2]], support)?,
+            4 => self.start_from_tetrahedron(s, support)?,
+            _ => return None,
+        }
+        self.candidates.extend(0..self.faces.len());
+        for (i, face) in self.faces.iter_mut().enumerate() {
+            face.place = Place::Candidate(i);
+        }
+        let nearest = self.expand(support)?;
+        let face = &self.faces[nearest];
+        let corners = face.corners.map(|v| self.vertices[v]);
+        let (whole, parts) = areas(corners.map(|v| v.x), face.nearest);
+        let weights = parts.map(|part| part / whole);
+        let point = |of: fn(&Vertex) -> Vec3| {
+            let [a, b, c] = corners.map(|v| of(&v));
+            add(add(scale(a, weights[0]), scale(b, weights[1])), scale(c, weights[2]))
+        };
+        Some(([point(|v| v.w1), point(|v| v.w2)], face.square.sqrt()))
+    }
+
+    fn clear_faces(&mut self) {
+        self.faces.clear();
+        self.candidates.clear();
+        self.horizon.clear();
+    }
+
+    fn insert(&mut self, vertex: Vertex) -> usize {
+        self.vertices.push(vertex);
+        self.vertices.len() - 1
+    }
+
+    /// Inserts the furthest vertex in a direction of some length.
+    fn insert_furthest(&mut self, direction: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> usize {
+        let direction = if length > MINVAL { direction.map(|x| x / length) } else { [1.0, 0.0, 0.0] };
+        self.insert(support(direction))
+    }
+
+    /// Adds a face, and returns the square of its distance from the origin; 0 for a face without area.
+    fn attach(&mut self, corners: [usize; 3], beyond: [usize; 3]) -> f64 {
+        let [a, b, c] = corners.map(|v| self.vertices[v].x);
+        let (nearest, square) = match project(c, b, a) {
+            None => ([0.0; 3], 0.0),
+            Some(nearest) => {
+                let inward = dot(nearest, sub(a, self.center)) < 0.0;
+                let nearest = if inward { scale(nearest, -1.0) } else { nearest };
+                (nearest, dot(nearest, nearest))
+            }
+        };
+        self.faces.push(Face { corners, beyond, nearest, square, place: Place::Aside });
+        square
+    }
+
+    /// Two pyramids on a triangle of points around the line: MuJoCo's `polytope2`.
+    fn start_from_line(&mut self, [a, b]: [Vertex; 2], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+        self.center = scale(add(a.x, b.x), 0.5);
+        let along = sub(b.x, a.x);
+        // across the line and the axis on which it is shortest
+        let axis = (0..3).fold(0, |best, k| if along[k].abs() < along[best].abs() { k } else { best });
+        let mut unit = [0.0; 3];
+        unit[axis] = 1.0;
+        let turn = third_of_a_turn(along);
+        let across = cross(unit, along);
+        let second = rotate(&turn, across);
+        let third = rotate(&turn, second);
+        let (v1, v2) = (self.insert(a), self.insert(b));
+        let [v3, v4, v5] = [across, second, third].map(|d| self.insert_furthest(d, norm(d), support));
+        for (corners, beyond) in [
+            ([v1, v3, v4], [1, 3, 2]),
+            ([v1, v5, v3], [2, 4, 0]),
+            ([v1, v4, v5], [0, 5, 1]),
+            ([v2, v4, v3], [5, 0, 4]),
+            ([v2, v3, v5], [3, 1, 5]),
+            ([v2, v5, v4], [4, 2, 3]),
+        ] {
+            if self.attach(corners, beyond) < LEAST {
+                return self.restart_from_face(corners, support);
+            }
+        }
+        let [x1, x2, x3, x4, x5] = [v1, v2, v3, v4, v5].map(|v| self.vertices[v].x);
+        crosses([x1, x2], [x3, x4, x5]).then_some(())
+    }
+
+    fn restart_from_face(&mut self, corners: [usize; 3], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+        let triangle = corners.map(|v| self.vertices[v]);
+        self.clear_faces();
+        self.vertices.clear();
+        self.start_from_triangle(triangle, support)
+    }
+
+    /// A pyramid on each side of the triangle: MuJoCo's `polytope3`.
+    fn start_from_triangle(&mut self, t: [Vertex; 3], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+        let [a, b, c] = t.map(|v| v.x);
+        self.center = scale(add(add(a, b), c), 1.0 / 3.0);
+        let normal = cross(sub(b, a), sub(c, a));
+        let length = norm(normal);
+        if length < MINVAL {
+            return None;
+        }
+        let [v1, v2, v3] = t.map(|v| self.insert(v));
+        // the second of these is inserted first
+        let v5 = self.insert_furthest(scale(normal, -1.0), length, support);
+        let v4 = self.insert_furthest(normal, length, support);
+        if [v4, v5].into_iter().any(|v| is_in_triangle([a, b, c], self.vertices[v].x)) {
+            return None;
+        }
+        for (corners, beyond) in [
+            ([v4, v1, v2], [1, 3, 2]),
+            ([v4, v3, v1], [2, 4, 0]),
+            ([v4, v2, v3], [0, 5, 1]),
+            ([v5, v2, v1], [5, 0, 4]),
+            ([v5, v1, v3], [3, 1, 5]),
+            ([v5, v3, v2], [4, 2, 3]),
+        ] {
+            if self.attach(corners, beyond) < LEAST {
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// MuJoCo's `polytope4`.
+    fn start_from_tetrahedron(&mut self, t: &[Vertex; 4], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+        let [v1, v2, v3, v4] = t.map(|v| self.insert(v));
+        let [a, b, c, d] = t.map(|v| v.x);
+        self.center = scale(add(add(add(a, b), c), d), 0.25);
+        for (corners, beyond) in [
+            ([v1, v2, v3], [1, 3, 2]),
+            ([v1, v4, v2], [2, 3, 0]),
+            ([v1, v3, v4], [0, 3, 1]),
+            ([v4, v3, v2], [2, 0, 1]),
+        ] {
+            if self.attach(corners, beyond) < LEAST {
+                return self.restart_from_face(corners, support);
+            }
+        }
+        let sides = [[a, b, c, d], [b, c, d, a], [c, d, a, b], [d, a, b, c]];
+        sides.into_iter().all(is_on_side_of_fourth).then_some(())
+    }
+
+    /// Expands until the nearest face is one of the difference: MuJoCo's `epa`.
+    fn expand(&mut self, support: &impl Fn(Vec3) -> Vertex) -> Option<usize> {
+        let (mut upper, mut upper_square) = (f64::MAX, f64::MAX);
+        let mut face = None;
+        for iteration in 0..ITERATIONS {
+            let before = face;
+            let mut lower_square = f64::MAX;
+            for &candidate in &self.candidates {
+                if self.faces[candidate].square < lower_square {
+                    (face, lower_square) = (Some(candidate), self.faces[candidate].square);
+                }
+            }
+            let Some(nearest) = face.filter(|_| lower_square <= upper_square) else { return before };
+            if lower_square <= 0.0 {
+                return face;
+            }
+            let lower = lower_square.sqrt();
+            let direction = self.faces[nearest].nearest;
+            let vertex = self.insert_furthest(direction, lower, support);
+            let w = self.vertices[vertex].x;
+            let bound = dot(direction, w) / lower;
+            if bound < upper {
+                (upper, upper_square) = (bound, bound * bound);
+            }
+            if upper - lower < TOLERANCE {
+                return face.filter(|_| iteration > 0 || upper >= lower - 1e-10);
+            }
+            self.find_horizon(nearest, w);
+            let edges = self.horizon.len();
+            if edges < 3 {
+                return None;
+            }
+            let first = self.faces.len();
+            if first + edges > FACES {
+                return face;
+            }
+            for i in 0..edges {
+                let (beyond, edge) = self.horizon[i];
+                let (v1, v2) = {
+                    let face = &mut self.faces[beyond];
+                    face.beyond[edge] = first + i;
+                    (face.corners[edge], face.corners[(edge + 1) % 3])
+                };
+                let (last, next) = (first + (i + edges - 1) % edges, first + (i + 1) % edges);
+                let square = self.attach([vertex, v2, v1], [last, beyond, next]);
+                if square == 0.0 {
+                    return None;
+                }
+                if square >= lower_square && square <= upper_square {
+                    self.faces[first + i].place = Place::Candidate(self.candidates.len());
+                    self.candidates.push(first + i);
+                }
+            }
+            self.horizon.clear();
+            if self.candidates.is_empty() {
+                return face;
+            }
+        }
+        face
+    }
+
+    /// Removes a face; the last candidate takes its place in the list.
+    fn remove(&mut self, face: usize) {
+        if let Place::Candidate(place) = self.faces[face].place {
+            self.candidates.swap_remove(place);
+            if let Some(&moved) = self.candidates.get(place) {
+                self.faces[moved].place = Place::Candidate(place);
+            }
+        }
+        self.faces[face].place = Place::Removed;
+    }
+
+    /// Removes the faces that can be seen from a point, from one of them on, and lists the edges where those begin that cannot.
+    fn find_horizon(&mut self, face: usize, w: Vec3) {
+        self.remove(face);
+        let Face { corners, beyond, .. } = self.faces[face];
+        for edge in 0..3 {
+            let neighbour = beyond[edge];
+            if edge == 0 || self.faces[neighbour].place != Place::Removed {
+                self.look_beyond(neighbour, corners[(edge + 1) % 3], w);
+            }
+        }
+    }
+
+    /// Goes on at a face that is entered at the edge from a corner.
+    fn look_beyond(&mut self, face: usize, corner: usize, w: Vec3) {
+        let Face { corners, beyond, nearest, square, .. } = self.faces[face];
+        let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
+        if dot(nearest, w) - square > MINVAL {
+            self.remove(face);
+            for edge in [(entry + 1) % 3, (entry + 2) % 3] {
+                let neighbour = beyond[edge];
+                if self.faces[neighbour].place != Place::Removed {
+                    self.look_beyond(neighbour, corners[(edge + 1) % 3], w);
+                }
+            }
+        } else {
+            self.horizon.push((face, entry));
+        }
+    }
+}
+
+/// The rotation by 120 degrees about an axis.
+fn third_of_a_turn(axis: Vec3) -> Mat3 {
+    // as many digits as libmujoco has
+    const SIN: f64 = 0.866_025_403_78;
+    const COS: f64 = -0.5;
+    let length = norm(axis);
+    let [x, y, z] = axis.map(|a| a / length);
+    [
+        COS + x * x * (1.0 - COS),
+        x * y * (1.0 - COS) - z * SIN,
+        x * z * (1.0 - COS) + y * SIN,
+        y * x * (1.0 - COS) + z * SIN,
+        COS + y * y * (1.0 - COS),
+        y * z * (1.0 - COS) - x * SIN,
+        x * z * (1.0 - COS) - y * SIN,
+        y * z * (1.0 - COS) + x * SIN,
+        COS + z * z * (1.0 - COS),
+    ]
+}
+
+/// Whether the line through two points crosses a triangle.
+fn crosses([a, b]: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
+    let along = sub(b, a);
+    let [p, q, r] = triangle.map(|corner| sub(corner, a));
+    let volumes = [(p, q), (q, r), (r, p)].map(|(p, q)| dot(p, cross(q, along)));
+    volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0)
+}
+
+/// Whether a point is one of a triangle.
+fn is_in_triangle(corners: [Vec3; 3], p: Vec3) -> bool {
+    let (whole, parts) = areas(corners, p);
+    let weights = parts.map(|part| part / whole);
+    let [a, b, c] = corners;
+    let nearest = add(add(scale(a, weights[0]), scale(b, weights[1])), scale(c, weights[2]));
+    !weights.iter().any(|w| *w < 0.0) && norm(sub(nearest, p)) < MINVAL
+}
+
+/// Whether the origin and the fourth point are on the same side of the plane of the first three.
+fn is_on_side_of_fourth([a, b, c, d]: [Vec3; 4]) -> bool {
+    let normal = cross(sub(b, a), sub(c, a));
+    let (fourth, origin) = (dot(normal, sub(d, a)), dot(normal, scale(a, -1.0)));
+    (fourth > 0.0 && origin > 0.0) || (fourth < 0.0 && origin < 0.0)
+}

@@ -1,0 +1,113 @@
+//! Vectors and products of vectors in the order in which libmujoco sums them.
+//!
+//! libmujoco's `mju_dot` keeps four sums, of the elements 0, 4, 8, ..., of 1, 5, 9, ... and so on, which one AVX register holds, and
+//! adds a rest of one to three elements in the end. The order of a sum is part of its last bit, so every scalar product over
+//! degrees of freedom or rows is one of these, zeros included.
+
+/// Four neighbours of a vector. What is beyond the last element is zero.
+pub(crate) type Lanes = [f64; 4];
+
+/// How many groups of four hold so many elements.
+#[inline]
+pub(crate) const fn groups(n: usize) -> usize {
+    n.div_ceil(4)
+}
+
+/// The four sums as one.
+#[inline(always)]
+pub(crate) fn total(sums: &Lanes) -> f64 {
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// The product of two vectors of `n` elements: MuJoCo's `mju_dot`.
+///
+/// A vector may end early, at a whole group, where only zeros would follow.
+#[inline(always)]
+pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
+    let full = n / 4;
+    let groups = a.len().min(b.len());
+    let (a, b) = (&a[..groups], &b[..groups]);
+    let whole = groups.min(full);
+    let mut sums = [0.0; 4];
+    for (a, b) in a[..whole].iter().zip(&b[..whole]) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let sum = total(&sums);
+    match (a.get(full), b.get(full)) {
+        (Some(a), Some(b)) if n > 4 * full => sum + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]),
+        _ => sum,
+    }
+}
+
+/// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
+#[inline(always)]
+pub(crate) fn norm(a: &[Lanes], n: usize) -> f64 {
+    dot(a, a, n).sqrt()
+}
+
+/// The product of two plain vectors: MuJoCo's `mju_dot`.
+pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let sum = dot(a, b, 4 * a.len());
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).reduce(|sum, x| sum + x);
+    rest.map_or(sum, |rest| sum + rest)
+}
+
+/// The product of a vector and chosen elements of another: MuJoCo's `mju_dotSparse`, which adds the rest one by one.
+#[inline(always)]
+pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
+    let ((a, a_rest), (columns, columns_rest)) = (a.as_chunks::<4>(), columns.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, columns) in a.iter().zip(columns) {
+        for k in 0..4 {
+            sums[k] += a[k] * x[columns[k]];
+        }
+    }
+    let mut sum = total(&sums);
+    for (a, &column) in a_rest.iter().zip(columns_rest) {
+        sum += a * x[column];
+    }
+    sum
+}
+
+/// `a += s b`.
+#[inline(always)]
+pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
+    for (a, b) in a.iter_mut().zip(b) {
+        for k in 0..4 {
+            a[k] += b[k] * s;
+        }
+    }
+}
+
+/// Copies numbers to the front of a vector.
+#[inline]
+pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
+    to.as_flattened_mut()[..from.len()].copy_from_slice(from);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sums differ in their last bits, so each order is told from the others.
+    #[test]
+    fn sums_have_libmujocos_order() {
+        let x: Vec<f64> = (1..=11).map(|k| f64::from(k) * 0.1 + 0.01).collect();
+        let p = |k: usize| x[k] * x[k];
+        let lanes = |k: usize| p(k) + p(k + 4);
+        let four = (lanes(0) + lanes(2)) + (lanes(1) + lanes(3));
+        let mut padded = vec![[0.0; 4]; groups(11)];
+        put(&mut padded, &x);
+        let expected = four + (p(8) + p(9) + p(10));
+        assert_eq!(dot(&padded, &padded, 11), expected);
+        assert_eq!(dot_slices(&x, &x), expected);
+        assert_eq!(dot(&padded[..2], &padded, 11), four);
+        let columns: Vec<usize> = (0..11).collect();
+        assert_eq!(dot_sparse(&x, &columns, &x), four + p(8) + p(9) + p(10));
+        assert_ne!(expected, four + p(8) + p(9) + p(10), "the two products differ");
+        assert_eq!(dot_slices(&x[..3], &x[..3]), p(0) + p(1) + p(2));
+    }
+}

@@ -1,0 +1,220 @@
+//! Factors `L L'` of a positive definite matrix, each sum in libmujoco's order.
+//!
+//! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which libmujoco makes one after the
+//! other, are made for four rows at once here. What is above the diagonal is not defined.
+
+use crate::physics::dense::{Lanes, total};
+use crate::physics::spatial::MINVAL;
+
+/// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A pivot that is too small is
+/// replaced.
+#[inline(always)]
+pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
+    for j in 0..n {
+        let (before, column) = matrix.split_at_mut(j * stride);
+        let (first, lane) = (j / 4, j % 4);
+        let column = &mut column[first..stride];
+        for (g, rows) in column.iter_mut().enumerate() {
+            // element j of each column is what the rows' elements are multiplied by
+            let products = dot_rows(before, stride, first + g, |column, _| column[first][lane]);
+            for k in 0..4 {
+                rows[k] -= products[k];
+            }
+        }
+        let pivot = column[0][lane];
+        if pivot < MINVAL {
+            column.fill([0.0; 4]);
+            column[0][lane] = MINVAL.sqrt();
+        } else {
+            let diagonal = pivot.sqrt();
+            let inverse = 1.0 / diagonal;
+            column.as_flattened_mut().iter_mut().for_each(|x| *x *= inverse);
+            column[0][lane] = diagonal;
+        }
+    }
+}
+
+/// The products of four rows, of which some columns are given, with a vector, as [`dot`](crate::physics::dense::dot) makes them.
+/// `element` gives the vector's element for a column and its number.
+#[inline(always)]
+fn dot_rows(
+    columns: &[Lanes],
+    stride: usize,
+    group: usize,
+    element: impl Fn(&[Lanes], usize) -> f64,
+) -> Lanes {
+    let mut fours = columns.chunks_exact(4 * stride);
+    let mut sums = [[0.0; 4]; 4];
+    let mut number = 0;
+    for four in &mut fours {
+        for (sum, column) in sums.iter_mut().zip(four.chunks_exact(stride)) {
+            let (rows, x) = (&column[group], element(column, number));
+            for k in 0..4 {
+                sum[k] += rows[k] * x;
+            }
+            number += 1;
+        }
+    }
+    let mut rest = [0.0; 4];
+    for column in fours.remainder().chunks_exact(stride) {
+        let (rows, x) = (&column[group], element(column, number));
+        for k in 0..4 {
+            rest[k] += rows[k] * x;
+        }
+        number += 1;
+    }
+    std::array::from_fn(|k| total(&[sums[0][k], sums[1][k], sums[2][k], sums[3][k]]) + rest[k])
+}
+
+/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`.
+#[inline(always)]
+pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) {
+    for g in 0..stride {
+        // what the columns before these four rows take away
+        let known = x[..g].as_flattened();
+        let sums = dot_rows(&factor[..4 * g * stride], stride, g, |_, number| known[number]);
+        let mut rows = x[g];
+        for r in 0..4.min(n - 4 * g) {
+            let mut rest = 0.0;
+            for k in 0..r {
+                rest += factor[(4 * g + k) * stride + g][r] * rows[k];
+            }
+            rows[r] = (rows[r] - (sums[r] + rest)) / factor[(4 * g + r) * stride + g][r];
+        }
+        x[g] = rows;
+    }
+    let x = x.as_flattened_mut();
+    for i in (0..n).rev() {
+        let column = factor[i * stride..(i + 1) * stride].as_flattened();
+        let mut sum = x[i];
+        for (l, x) in column[i + 1..n].iter().zip(&x[i + 1..n]) {
+            sum -= l * x;
+        }
+        x[i] = sum / column[i];
+    }
+}
+
+/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False where the difference is not positive
+/// definite.
+#[inline(always)]
+pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lanes], plus: bool) -> bool {
+    let mut definite = true;
+    for k in 0..n {
+        let (first, lane) = (k / 4, k % 4);
+        let xk = x[first][lane];
+        if xk == 0.0 {
+            continue;
+        }
+        let column = &mut factor[k * stride..(k + 1) * stride];
+        let lkk = column[first][lane];
+        let mut square = lkk * lkk + if plus { xk * xk } else { -xk * xk };
+        if square < MINVAL {
+            square = MINVAL;
+            definite = false;
+        }
+        let r = square.sqrt();
+        let c = r / lkk;
+        let (inverse, s) = (1.0 / c, xk / lkk);
+        let signed = if plus { s } else { -s };
+        for (l, x) in column[first..].iter_mut().zip(&mut x[first..]) {
+            for i in 0..4 {
+                l[i] = (l[i] + signed * x[i]) * inverse;
+                x[i] = c * x[i] - s * l[i];
+            }
+        }
+        column[first][lane] = r;
+    }
+    definite
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::dense::{dot_slices, groups};
+
+    const N: usize = 7;
+
+    /// A positive definite matrix, by rows.
+    fn matrix() -> [[f64; N]; N] {
+        let entry = |i: usize, j: usize| 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 2.0 } else { 0.0 };
+        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+    }
+
+    fn by_columns(matrix: &[[f64; N]; N]) -> Vec<Lanes> {
+        let mut columns = vec![[0.0; 4]; N * groups(N)];
+        for j in 0..N {
+            for i in j..N {
+                columns[j * groups(N) + i / 4][i % 4] = matrix[i][j];
+            }
+        }
+        columns
+    }
+
+    /// The same by rows, element by element, as libmujoco does it.
+    fn plain(matrix: &mut [[f64; N]; N], x: &mut [f64; N]) {
+        for j in 0..N {
+            let diagonal = (matrix[j][j] - dot_slices(&matrix[j][..j], &matrix[j][..j])).sqrt();
+            matrix[j][j] = diagonal;
+            for i in j + 1..N {
+                matrix[i][j] =
+                    (matrix[i][j] - dot_slices(&matrix[i][..j], &matrix[j][..j])) * (1.0 / diagonal);
+            }
+        }
+        for i in 0..N {
+            x[i] = (x[i] - dot_slices(&matrix[i][..i], &x[..i])) / matrix[i][i];
+        }
+        for i in (0..N).rev() {
+            for j in i + 1..N {
+                x[i] -= matrix[j][i] * x[j];
+            }
+            x[i] /= matrix[i][i];
+        }
+    }
+
+    #[test]
+    fn rows_four_at_once_have_the_bits_of_one_at_a_time() {
+        let mut columns = by_columns(&matrix());
+        factor(&mut columns, N, groups(N));
+        let mut rows = matrix();
+        let mut x: [f64; N] = std::array::from_fn(|i| 1.0 / (3.0 + i as f64));
+        let mut padded = vec![[0.0; 4]; groups(N)];
+        crate::physics::dense::put(&mut padded, &x);
+        solve(&columns, N, groups(N), &mut padded);
+        plain(&mut rows, &mut x);
+        let factors = by_columns(&rows);
+        for j in 0..N {
+            for i in j..N {
+                let at = j * groups(N) + i / 4;
+                assert_eq!(columns[at][i % 4], factors[at][i % 4], "{i} {j}");
+            }
+        }
+        assert_eq!(&padded.as_flattened()[..N], &x);
+    }
+
+    #[test]
+    fn an_update_and_its_reverse_lead_back() {
+        let mut factors = by_columns(&matrix());
+        factor(&mut factors, N, groups(N));
+        let before = factors.clone();
+        let row = || vec![[0.0, 0.5, 0.0, -0.25], [0.125, 0.0, 0.3, 0.0]];
+        assert!(update(&mut factors, N, groups(N), &mut row(), true));
+        let mut sum = matrix();
+        let x = row().as_flattened().to_vec();
+        (0..N).for_each(|i| (0..N).for_each(|j| sum[i][j] += x[i] * x[j]));
+        let mut expected = by_columns(&sum);
+        factor(&mut expected, N, groups(N));
+        for (factors, expected) in [(factors.clone(), expected), {
+            assert!(update(&mut factors, N, groups(N), &mut row(), false));
+            (factors.clone(), before)
+        }] {
+            for j in 0..N {
+                for i in j..N {
+                    let at = j * groups(N) + i / 4;
+                    assert!((factors[at][i % 4] - expected[at][i % 4]).abs() < 1e-14, "{i} {j}");
+                }
+            }
+        }
+        let mut far = vec![[9.0; 4]; groups(N)];
+        assert!(!update(&mut factors, N, groups(N), &mut far, false), "not positive definite any more");
+    }
+}

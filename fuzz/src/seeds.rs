@@ -28,10 +28,8 @@ pub fn roms() -> Vec<Vec<u8>> {
 /// Every id with its default arguments spelt out.
 pub fn arguments() -> Vec<Vec<u8>> {
     let requests = registry::self_contained().into_iter().map(|registration| {
-        let mut kwargs = registration.default_kwargs();
-        if let Ok(spec) = registration.spec() {
-            kwargs.extend(spec.kwargs);
-        }
+        let table = registration.arguments().unwrap_or_default().into_iter();
+        let kwargs: gym::Kwargs = table.map(|argument| (argument.name.to_owned(), argument.default)).collect();
         json!({"id": registration.id(), "kwargs": kwargs, "options": {"low": -0.1, "high": 0.1, "x_init": 0.5}})
     });
     requests.map(|request| request.to_string().into_bytes()).collect()

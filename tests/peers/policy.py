@@ -1,6 +1,6 @@
 """Plays a policy that gym-ppo trained in Gymnasium's environment: its returns must be those of `gym-ppo evaluate`.
 
-    python tests/peers/policy.py docs/policies/half-cheetah.json --episodes 100
+    python tests/peers/policy.py crates/gym-mujoco/policies/half-cheetah.json --episodes 100
 """
 
 import argparse

@@ -94,7 +94,7 @@ fn steps_of_sync_vectors_do_not_allocate() {
 fn frames_of_pygame_do_not_allocate() {
     // the others have art of their own, which `tiny-skia` draws
     let is_pygame =
-        |registration: &&Registration| !["gym-mujoco", "gym-toytext"].contains(&registration.crate_name());
+        |registration: &&Registration| !["gym-mujoco", "gym-toytext"].contains(&registration.source.package);
     for registration in registry::self_contained().iter().filter(is_pygame) {
         let id = registration.id();
         let mut env = gym::make(id).unwrap();

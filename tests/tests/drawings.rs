@@ -17,7 +17,7 @@ fn drawings_are_as_kept() {
     // versions of a MuJoCo task look alike
     let all = registry::self_contained();
     let is_older = |registration: &Registration| {
-        registration.crate_name() == "gym-mujoco" && !registration.id().ends_with("-v5")
+        registration.source.package == "gym-mujoco" && !registration.id().ends_with("-v5")
     };
     for registration in all.iter().filter(|entry| !is_other_engine(entry.id()) && !is_older(entry)) {
         let id = registration.id();

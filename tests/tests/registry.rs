@@ -5,8 +5,8 @@ use gym::toytext::FrozenLake;
 use gym::{Env, EnvExt, EnvSpec, Error, Registration, Reset, VectorEnvExt, make, registry};
 
 // A second crate that claims a taken id, and one with broken arguments.
-gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").from_crate("first-crate") }
-gym::inventory::submit! { Registration::new::<Pendulum>("twice/CartPole-v0").from_crate("second-crate") }
+gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").source("first-crate", "", "") }
+gym::inventory::submit! { Registration::new::<Pendulum>("twice/CartPole-v0").source("second-crate", "", "") }
 gym::register!(Registration::new::<CartPole>("broken/Arguments-v0").kwargs("[1"));
 
 #[test]

@@ -104,7 +104,7 @@ fn continues(spec: &VectorSpec, steps: usize) {
 }
 
 fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
-    let has_native = gym::registry::find(id).unwrap().native_vector().is_some();
+    let has_native = gym::registry::find(id).unwrap().vector_entry_point.is_some();
     KINDS.into_iter().filter(move |kind| *kind != VectorKind::Native || has_native)
 }
 

@@ -103,15 +103,10 @@ fn take_plugin(arguments: Vec<OsString>) -> Result<(Option<PathBuf>, Vec<OsStrin
             others.push(argument);
         }
     }
-    match others
-        .iter()
-        .find_map(|argument| ["new", "docs"].into_iter().find(|name| argument == OsStr::new(name)))
-    {
-        Some(command) if plugin.is_some() => {
-            Err(format!("`{command}` takes no `--plugin`: it is about this workspace"))
-        }
-        _ => Ok((plugin, others)),
+    if plugin.is_some() && others.iter().any(|argument| argument == OsStr::new("new")) {
+        return Err("`new` takes no `--plugin`: it is about this workspace".into());
     }
+    Ok((plugin, others))
 }
 
 /// The folder of this workspace.

@@ -70,8 +70,8 @@ impl Plugin {
         fs::create_dir_all(&source).map_err(error_at(&source))?;
         let main = format!(
             "use std::process::ExitCode;\n\nuse {} as _;\n\n\
-             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?})\n}}\n",
-            self.krate, self.name
+             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?}, {:?})\n}}\n",
+            self.krate, self.name, self.folder
         );
         let manifest = self.manifest(&our_crates()?, &our_profiles()?);
         for (path, text) in [(folder.join("Cargo.toml"), manifest), (source.join("main.rs"), main)] {

@@ -1,7 +1,8 @@
 //! Commands that are built for what they do: with the checks, or around a plugin.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value as Json;
 
@@ -107,7 +108,42 @@ fn commands_serve_a_plugin() {
     of_plugin(&["gif", id, "--max-frames", "5", "--out", gif.to_str().unwrap()]);
     assert!(std::fs::read(&gif).expect("a GIF").starts_with(b"GIF89a"));
     assert!(of_plugin(&["run", id, "--seeds", "0..2"]).contains("return"));
+    let good_policy = of_plugin(&["run", id, "--policy", "good", "--seeds", "0..1"]);
+    assert!(good_policy.contains("-15.0"), "the least number of steps: {good_policy}");
     assert!(of_plugin(&["soak", "--steps", "20000"]).contains("20000 steps of"));
     let bench = of_plugin(&["bench", "--seconds", "0.01", "--kind", "make"]);
     assert!(bench.contains(id) && !bench.contains("CartPole"), "{bench}");
+
+    // the keys of its registration, played from the terminal
+    let mut play = Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(["play", id, "--terminal", "--episodes", "1", "--plugin", good])
+        .env("XTASK_PROFILE", "dev")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the command starts");
+    play.stdin.take().expect("a pipe").write_all(b"Right\nq\n").expect("it reads");
+    let played = play.wait_with_output().expect("it ends");
+    let text = String::from_utf8_lossy(&played.stdout);
+    assert!(text.contains("Up = 0, Down = 1") || text.contains("Right = 2"), "{text}");
+    // a page of its own, in a copy of the crate
+    let copy = out.join("sutton");
+    copy_crate(Path::new(good), &copy);
+    prints(&["docs", "--measure", "--plugin", copy.to_str().unwrap()]);
+    let page = std::fs::read_to_string(copy.join("docs/environments/windy-gridworld.md")).expect("a page");
+    for part in ["# Windy gridworld", "| `king` | boolean | `false` |", "-15.00", "goes around the wind"] {
+        assert!(page.contains(part), "{part}: {page}");
+    }
+}
+
+/// Copies a crate, whose dependencies on folders stay where they are.
+fn copy_crate(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to.join("src")).expect("a folder");
+    for file in ["src/lib.rs", "src/windy_gridworld.rs"] {
+        std::fs::copy(from.join(file), to.join(file)).expect("a copy");
+    }
+    let crates = from.join("../../../crates").canonicalize().expect("the crates");
+    let manifest = std::fs::read_to_string(from.join("Cargo.toml")).expect("a manifest");
+    let manifest = manifest.replace("../../../crates", crates.to_str().expect("a path in UTF-8"));
+    std::fs::write(to.join("Cargo.toml"), manifest).expect("a manifest");
 }

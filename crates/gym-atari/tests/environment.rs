@@ -214,7 +214,7 @@ impl gym_core::Wrapper for Homebrew {
 impl Configure for Homebrew {
     type Config = NoArguments;
 
-    fn configure(_: NoArguments) -> Result<Self> {
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
         Ok(Self(env(Config { frameskip: Frameskip::Fixed(1), ..Config::default() })))
     }
 }

@@ -34,11 +34,15 @@ use std::f32::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
 use gym_core::math::{cos, sin};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Configure, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, pygame,
+    Configure, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot, Space,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
 use crate::physics::{
@@ -75,14 +79,15 @@ const GROUND: u16 = 0x0001;
 /// The category of the walker, which does not touch itself.
 const WALKER: Filter = Filter { category: 0x0020, mask: GROUND };
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether stumps, stairs and pits are in the way.
-    pub hardcore: bool,
-    /// Which engine moves the walker: `box2d` or `rapier`.
-    pub physics: Physics,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether stumps, stairs and pits are in the way.
+        pub hardcore: bool,
+        /// Which engine moves the walker: `box2d` or `rapier`.
+        pub physics: Physics,
+    }
 }
 
 /// The environment.
@@ -471,7 +476,7 @@ impl Env for BipedalWalker {
 impl Configure for BipedalWalker {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
+    fn configure(config: Config, _version: u32) -> Result<Self> {
         Ok(Self::new(config))
     }
 }
@@ -481,21 +486,41 @@ const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",
 );
-gym_core::register!(
-    Registration::new::<BipedalWalker>("BipedalWalker-v3")
+/// What all ids have in common.
+const fn walker(id: &'static str) -> Registration {
+    Registration::new::<BipedalWalker>(id)
         .description("Walk on two legs over slightly uneven ground.")
         .exceptions(&[WORLD])
         .max_episode_steps(1600)
         .reward_threshold(300.0)
-);
-gym_core::register!(
-    Registration::new::<BipedalWalker>("BipedalWalkerHardcore-v3")
-        .description("Walk on two legs over ladders, stumps and pits.")
-        .kwargs(r#"{"hardcore": true}"#)
-        .exceptions(&[WORLD])
-        .max_episode_steps(2000)
-        .reward_threshold(300.0)
-);
+        // hip and knee of one leg, then of the other
+        .keys(|_| {
+            let keys = json!({
+                "Q": [1, 0, 0, 0], "A": [-1, 0, 0, 0], "W": [0, 1, 0, 0], "S": [0, -1, 0, 0],
+                "O": [0, 0, 1, 0], "L": [0, 0, -1, 0], "I": [0, 0, 0, 1], "K": [0, 0, 0, -1],
+            });
+            Keys::new(keys).idle(json!([0, 0, 0, 0]))
+        })
+        .policy(Policy::rules(
+            "is Gymnasium's own controller, `bipedal_walker::Heuristic`; it falls in most episodes",
+            |_| {
+                let mut gait = Heuristic::default();
+                reflex(move |seen| gait.act(seen))
+            },
+        ))
+}
+
+const fn hardcore(id: &'static str) -> Registration {
+    walker(id).description("Walk on two legs over ladders, stumps and pits.").max_episode_steps(2000)
+}
+
+gym_core::register!(walker("BipedalWalker-v3").clip(Clip {
+    seeds: 0..1,
+    every: 4,
+    frames: 100,
+    size: (300, 200)
+}));
+gym_core::register!(hardcore("BipedalWalkerHardcore-v3").kwargs(r#"{"hardcore": true}"#));
 
 #[cfg(feature = "rapier")]
 const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
@@ -506,19 +531,11 @@ const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
 
 #[cfg(feature = "rapier")]
 gym_core::register!(
-    Registration::new::<BipedalWalker>("rapier/BipedalWalker-v3")
-        .description("Walk on two legs over slightly uneven ground.")
-        .kwargs(r#"{"physics": "rapier"}"#)
-        .exceptions(RAPIER_EXCEPTIONS)
-        .max_episode_steps(1600)
-        .reward_threshold(300.0)
+    walker("rapier/BipedalWalker-v3").kwargs(r#"{"physics": "rapier"}"#).exceptions(RAPIER_EXCEPTIONS)
 );
 #[cfg(feature = "rapier")]
 gym_core::register!(
-    Registration::new::<BipedalWalker>("rapier/BipedalWalkerHardcore-v3")
-        .description("Walk on two legs over ladders, stumps and pits.")
+    hardcore("rapier/BipedalWalkerHardcore-v3")
         .kwargs(r#"{"hardcore": true, "physics": "rapier"}"#)
         .exceptions(RAPIER_EXCEPTIONS)
-        .max_episode_steps(2000)
-        .reward_threshold(300.0)
 );

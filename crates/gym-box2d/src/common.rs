@@ -1,6 +1,7 @@
 //! What the three environments share.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::{Error, Result};
 
 use crate::physics::{FixtureId, Vec2, World};
 
@@ -12,6 +13,21 @@ pub(crate) const POSITION_ITERATIONS: u32 = 60;
 /// An exception to the checks of gym-conform.
 #[cfg(feature = "rapier")]
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
+
+/// The rules of a version of `env`: those of 3 hold for later ones too.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for a version that never was.
+pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
+    match version {
+        0 | 1 => {
+            let reason =
+                format!("there is no version {version} of it: set 2 or 3 with `Registration::version`");
+            Err(Error::argument(env, reason))
+        }
+        _ => Ok(version.min(3)),
+    }
+}
 
 /// A vector of the world from numbers of the environment, rounded as they pass.
 pub(crate) fn vec2(x: f64, y: f64) -> Vec2 {

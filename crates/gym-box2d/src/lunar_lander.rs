@@ -30,12 +30,15 @@ use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::math::{cos, sin, tanh};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
-    pygame,
+    Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot,
+    Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
 use crate::physics::{
@@ -66,37 +69,25 @@ const CHUNKS: usize = 11; // points of the ground
 /// Height of the landing pad, in m.
 pub const HELIPAD_Y: f64 = H / 4.0;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Two throttles instead of one engine at a time.
-    pub continuous: bool,
-    /// m/s², between -12 and 0, both excluded.
-    pub gravity: f64,
-    /// Whether wind blows until a leg touches the ground.
-    pub enable_wind: bool,
-    /// Greatest force of the wind, in N; 0 to 20 is sensible.
-    pub wind_power: f64,
-    /// Greatest torque of the wind, in N m; 0 to 2 is sensible.
-    pub turbulence_power: f64,
-    /// The version whose rules hold: 2 or 3.
-    pub version: u8,
-    /// Which engine moves the craft: `box2d` or `rapier`.
-    pub physics: Physics,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            continuous: false,
-            gravity: -10.0,
-            enable_wind: false,
-            wind_power: 15.0,
-            turbulence_power: 1.5,
-            version: 3,
-            physics: Physics::Box2d,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Two throttles instead of one engine at a time.
+        pub continuous: bool,
+        /// Acceleration of gravity, between -12 and 0, both excluded.
+        #[unit = "m/s²"]
+        pub gravity: f64 = -10.0,
+        /// Whether wind blows until a leg touches the ground.
+        pub enable_wind: bool,
+        /// Greatest force of the wind; 0 to 20 is sensible.
+        #[unit = "N"]
+        pub wind_power: f64 = 15.0,
+        /// Greatest torque of the wind; 0 to 2 is sensible.
+        #[unit = "N m"]
+        pub turbulence_power: f64 = 1.5,
+        /// Which engine moves the craft: `box2d` or `rapier`.
+        pub physics: Physics,
     }
 }
 
@@ -160,6 +151,7 @@ impl Element for Action {
 #[derive(Clone, Debug)]
 pub struct LunarLander {
     config: Config,
+    version: u32,
     episode: Option<Episode>,
     /// Whether pictures are taken.
     renders: bool,
@@ -192,9 +184,17 @@ impl LunarLander {
     /// The environment with these arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a gravity or version out of range, or a power that is not
-    /// finite.
+    /// [`Error::InvalidArgument`] for a gravity out of range, or a power that is not finite.
     pub fn new(config: Config) -> Result<Self> {
+        Self::with_version(config, 3)
+    }
+
+    /// As [`new`](Self::new), by the rules of version 2 or 3.
+    ///
+    /// # Errors
+    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    pub fn with_version(config: Config, version: u32) -> Result<Self> {
+        let version = common::version("LunarLander", version)?;
         if !(-12.0 < config.gravity && config.gravity < 0.0) {
             let reason = format!("gravity is {}: it must lie between -12 and 0", config.gravity);
             return Err(Error::argument("LunarLander", reason));
@@ -207,11 +207,7 @@ impl LunarLander {
                 return Err(Error::argument("LunarLander", reason));
             }
         }
-        if !(2..=3).contains(&config.version) {
-            let reason = format!("version is {}: the versions are 2 and 3", config.version);
-            return Err(Error::argument("LunarLander", reason));
-        }
-        Ok(Self { config, episode: None, renders: false })
+        Ok(Self { config, version, episode: None, renders: false })
     }
 
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
@@ -222,7 +218,7 @@ impl LunarLander {
 
 impl Episode {
     /// Ground, lander and legs, in Gymnasium's order of draws and creation.
-    fn new(config: &Config, mut rng: Generator) -> Self {
+    fn new(config: &Config, version: u32, mut rng: Generator) -> Self {
         let mut world = World::with(config.physics, vec2(0.0, config.gravity));
 
         let mut height = [0.0; CHUNKS + 1];
@@ -251,7 +247,7 @@ impl Episode {
         let (mut wind_idx, mut torque_idx) = (0, 0);
         if config.enable_wind {
             let mut aside = rng.clone();
-            let source = if config.version == 2 { &mut aside } else { &mut rng };
+            let source = if version == 2 { &mut aside } else { &mut rng };
             wind_idx = source.integers(-9999, 9999);
             torque_idx = source.integers(-9999, 9999);
         }
@@ -458,7 +454,7 @@ impl Env for LunarLander {
 
     fn observation_space(&self) -> Space {
         let [position, velocity, angle] =
-            if self.config.version == 2 { [1.5, 5.0, PI] } else { [2.5, 10.0, 2.0 * PI] };
+            if self.version == 2 { [1.5, 5.0, PI] } else { [2.5, 10.0, 2.0 * PI] };
         let high = [position, position, velocity, velocity, angle, velocity, 1.0, 1.0].map(|x| x as f32);
         let mut low = high.map(|x| -x);
         low[6..].fill(-0.0);
@@ -471,7 +467,7 @@ impl Env for LunarLander {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
-        let mut episode = Episode::new(&self.config, rng);
+        let mut episode = Episode::new(&self.config, self.version, rng);
         episode.render(&self.config, self.renders);
         let idle =
             if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
@@ -495,11 +491,11 @@ impl Env for LunarLander {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config("LunarLander", &self.config, &self.episode)
+        Snapshot::with_config("LunarLander", &(self.version, self.config), &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = snapshot.for_config("LunarLander", &self.config, Episode::is_valid)?;
+        self.episode = snapshot.for_config("LunarLander", &(self.version, self.config), Episode::is_valid)?;
         if let Some(episode) = &mut self.episode {
             episode.render(&self.config, self.renders);
         }
@@ -562,8 +558,8 @@ impl Env for LunarLander {
 impl Configure for LunarLander {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
-        Self::new(config)
+    fn configure(config: Config, version: u32) -> Result<Self> {
+        Self::with_version(config, version)
     }
 }
 
@@ -598,53 +594,49 @@ const V2_EXCEPTIONS: &[(&str, &str)] =
 const SPINS: (&str, &str) =
     ("observation-in-space", "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too");
 
-gym_core::register!(
-    Registration::new::<LunarLander>("LunarLander-v2")
-        .description("Land a craft softly between two flags.")
-        .kwargs(r#"{"version": 2}"#)
-        .exceptions(V2_EXCEPTIONS)
-        .max_episode_steps(1000)
-        .reward_threshold(200.0)
-);
-gym_core::register!(
-    Registration::new::<LunarLander>("LunarLanderContinuous-v2")
-        .description("Land a craft softly between two flags, with engines that throttle.")
-        .kwargs(r#"{"continuous": true, "version": 2}"#)
-        .exceptions(V2_EXCEPTIONS)
-        .max_episode_steps(1000)
-        .reward_threshold(200.0)
-);
-gym_core::register!(
-    Registration::new::<LunarLander>("LunarLander-v3")
+/// What all ids have in common.
+const fn lander(id: &'static str) -> Registration {
+    Registration::new::<LunarLander>(id)
         .description("Land a craft softly between two flags.")
         .exceptions(&[SPINS])
         .max_episode_steps(1000)
         .reward_threshold(200.0)
-);
+        .actions(Engine::VARIANTS)
+        .keys(|env| match env.action_space() {
+            Space::Discrete(_) => Keys::new(json!({"Left": 1, "Up": 2, "Right": 3})).idle(json!(0)),
+            _ => Keys::new(json!({"Up": [1, 0], "Left": [0, -1], "Right": [0, 1]})).idle(json!([0, 0])),
+        })
+        .policy(Policy::rules("is Gymnasium's own controller, `lunar_lander::heuristic`", |env| {
+            let continuous = !matches!(env.action_space(), Space::Discrete(_));
+            reflex(move |seen| heuristic(seen, continuous))
+        }))
+}
+
+const fn throttled(id: &'static str) -> Registration {
+    lander(id).description("Land a craft softly between two flags, with engines that throttle.")
+}
+
+gym_core::register!(lander("LunarLander-v2").exceptions(V2_EXCEPTIONS));
 gym_core::register!(
-    Registration::new::<LunarLander>("LunarLanderContinuous-v3")
-        .description("Land a craft softly between two flags, with engines that throttle.")
-        .kwargs(r#"{"continuous": true}"#)
-        .exceptions(&[SPINS])
-        .max_episode_steps(1000)
-        .reward_threshold(200.0)
+    throttled("LunarLanderContinuous-v2").kwargs(r#"{"continuous": true}"#).exceptions(V2_EXCEPTIONS)
 );
+gym_core::register!(lander("LunarLander-v3").clip(Clip {
+    seeds: 0..1,
+    every: 4,
+    frames: 100,
+    size: (300, 200)
+}));
+gym_core::register!(throttled("LunarLanderContinuous-v3").kwargs(r#"{"continuous": true}"#));
 
 #[cfg(feature = "rapier")]
 gym_core::register!(
-    Registration::new::<LunarLander>("rapier/LunarLander-v3")
-        .description("Land a craft softly between two flags.")
+    lander("rapier/LunarLander-v3")
         .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"physics": "rapier"}"#)
-        .max_episode_steps(1000)
-        .reward_threshold(200.0)
 );
 #[cfg(feature = "rapier")]
 gym_core::register!(
-    Registration::new::<LunarLander>("rapier/LunarLanderContinuous-v3")
-        .description("Land a craft softly between two flags, with engines that throttle.")
+    throttled("rapier/LunarLanderContinuous-v3")
         .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
-        .max_episode_steps(1000)
-        .reward_threshold(200.0)
 );

@@ -3,39 +3,25 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gym_core::{Error, Kwargs, Result};
-use serde::{Deserialize, Serialize};
 
-/// How a Python environment is made.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The id in Python; `module:id` imports the module first.
-    pub env_id: Option<String>,
-    /// Keyword arguments of Python's `make`.
-    pub make_kwargs: Kwargs,
-    /// The library whose `make` is called: `gym` or `gymnasium`.
-    pub backend: Option<String>,
-    /// A module to import first, which registers the environment.
-    pub module: Option<String>,
-    /// The interpreter.
-    pub python: Option<PathBuf>,
-    /// Seconds to wait for an answer.
-    pub timeout: f64,
-    /// Whether snapshots are taken and restored, which runs code that the snapshot names.
-    pub allow_pickle: bool,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            env_id: None,
-            make_kwargs: Kwargs::new(),
-            backend: None,
-            module: None,
-            python: None,
-            timeout: 60.0,
-            allow_pickle: false,
-        }
+gym_core::arguments! {
+    /// How a Python environment is made.
+    pub struct Config {
+        /// The id in Python; `module:id` imports the module first.
+        pub env_id: Option<String>,
+        /// Keyword arguments of Python's `make`.
+        pub make_kwargs: Kwargs,
+        /// The library whose `make` is called: `gym` or `gymnasium`.
+        pub backend: Option<String>,
+        /// A module to import first, which registers the environment.
+        pub module: Option<String>,
+        /// The interpreter.
+        pub python: Option<PathBuf>,
+        /// How long to wait for an answer.
+        #[unit = "s"]
+        pub timeout: f64 = 60.0,
+        /// Whether snapshots are taken and restored, which runs code that the snapshot names.
+        pub allow_pickle: bool,
     }
 }
 

@@ -156,7 +156,7 @@ fn among(modes: impl Iterator<Item = RenderMode>) -> &'static [RenderMode] {
 impl Configure for PythonEnv {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
+    fn configure(config: Config, _version: u32) -> Result<Self> {
         Self::start(config, None)
     }
 

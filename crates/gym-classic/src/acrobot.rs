@@ -17,13 +17,18 @@
 use std::f64::consts::{PI, TAU};
 
 use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::keys::json;
 use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos, square};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_core::{
+    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
+};
 use serde::{Deserialize, Serialize};
 
-use crate::{constants, reset};
+use crate::{constants, policy, reset};
 
 /// The environment.
 pub type Acrobot = Stateful<AcrobotDynamics>;
@@ -482,4 +487,9 @@ gym_core::register!(
         .reward_threshold(-100.0)
         .reset_options(&[("low", "-0.05"), ("high", "0.05")])
         .vector_entry_point(native::entry_point::<AcrobotDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
+        .policy(Policy::rules("pushes the lower link along with its own motion", |_| reflex(policy::acrobot)))
+        .clip(Clip { seeds: 5..6, every: 1, frames: 100, size: (200, 200) })
 );

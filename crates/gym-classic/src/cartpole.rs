@@ -18,15 +18,19 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Primitive};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
-    ArgumentType, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame,
+    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+    pygame,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{constants, reset};
+use crate::{constants, policy, reset};
 
 /// The environment.
 pub type CartPole = Stateful<CartPoleDynamics>;
@@ -369,21 +373,28 @@ impl Task for CartPoleDynamics {
     }
 }
 
-gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v0")
+/// What both versions have in common.
+const fn cartpole(id: &'static str) -> Registration {
+    Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")
-        .max_episode_steps(200)
-        .reward_threshold(195.0)
         .reset_options(&[("low", "-0.025"), ("high", "0.025")])
         .vector_entry_point(native::entry_point::<CartPoleDynamics>)
-);
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())
+        .policy(Policy::rules("pushes to the side that a weighted sum of the four numbers calls for", |_| {
+            reflex(policy::cartpole)
+        }))
+}
+
 gym_core::register!(
-    Registration::new::<CartPole>("CartPole-v1")
-        .description("Balance a pole on a cart.")
-        .max_episode_steps(500)
-        .reward_threshold(475.0)
-        .reset_options(&[("low", "-0.025"), ("high", "0.025")])
-        .vector_entry_point(native::entry_point::<CartPoleDynamics>)
+    cartpole("CartPole-v0").max_episode_steps(200).reward_threshold(195.0),
+    cartpole("CartPole-v1").max_episode_steps(500).reward_threshold(475.0).clip(Clip {
+        seeds: 3..4,
+        every: 3,
+        frames: 60,
+        size: (300, 200)
+    }),
 );
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ mod constants;
 pub mod mountain_car;
 pub mod mountain_car_continuous;
 pub mod pendulum;
+mod policy;
 mod reset;
 
 pub use acrobot::Acrobot;

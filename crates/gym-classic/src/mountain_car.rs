@@ -13,13 +13,16 @@
 //! is that of Gymnasium 1.4.0, `envs/classic_control/mountain_car.py`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::keys::json;
 use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_core::{Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame};
 use serde::{Deserialize, Serialize};
 
-use crate::{constants, reset};
+use crate::{constants, policy, reset};
 
 /// The environment.
 pub type MountainCar = Stateful<MountainCarDynamics>;
@@ -280,4 +283,12 @@ gym_core::register!(
         .reward_threshold(-110.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
+        .policy(Policy::rules(
+            "drives right while the velocity lies between two curves over the position, else left",
+            |_| reflex(policy::mountain_car),
+        ))
+        .clip(Clip { seeds: 0..1, every: 2, frames: 80, size: (300, 200) })
 );

@@ -14,14 +14,17 @@
 //! the state is `float64` after a reset and `float32` from the first step on.
 
 use gym_core::canvas::Canvas;
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task};
+use gym_core::{Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, clip, equal};
-use crate::{constants, reset};
+use crate::{constants, policy, reset};
 
 /// The environment.
 pub type MountainCarContinuous = Stateful<MountainCarContinuousDynamics>;
@@ -230,6 +233,12 @@ gym_core::register!(
         .reward_threshold(90.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
         .vector_entry_point(native::entry_point::<MountainCarContinuousDynamics>)
+        .light_step()
+        .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
+        .policy(Policy::rules("drives along with the velocity, with force 0.4", |_| reflex(
+            policy::mountain_car_continuous
+        )))
+        .clip(Clip { seeds: 0..1, every: 3, frames: 100, size: (300, 200) })
 );
 
 #[cfg(test)]

@@ -15,14 +15,19 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
+use gym_core::keys::json;
 use gym_core::math::{Real, square};
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame};
+use gym_core::{
+    Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::clip;
-use crate::{constants, reset};
+use crate::{constants, policy, reset};
 
 /// The environment.
 pub type Pendulum = Stateful<PendulumDynamics>;
@@ -267,4 +272,14 @@ gym_core::register!(
         .max_episode_steps(200)
         .reset_options(&[("x_init", "0.5"), ("y_init", "0.5")])
         .vector_entry_point(native::entry_point::<PendulumDynamics>)
+        .light_step()
+        .keys(|_| {
+            // a positive torque turns to the left
+            Keys::new(json!({"Left": [2], "Right": [-2]})).idle(json!([0]))
+        })
+        .policy(Policy::rules(
+            "adds energy until the pole is near the top, then holds it there with a PD controller",
+            |_| reflex(policy::pendulum),
+        ))
+        .clip(Clip { seeds: 5..6, every: 2, frames: 80, size: (200, 200) })
 );

@@ -6,7 +6,7 @@ use gym_core::{EnvExt, builder, make, registry};
 
 #[test]
 fn only_this_family_is_linked() {
-    assert!(registry::all().iter().all(|registration| registration.crate_name() == "gym-classic"));
+    assert!(registry::all().iter().all(|registration| registration.source.package == "gym-classic"));
     assert_eq!(registry::all().len(), 6);
     make("Acrobot-v1").unwrap().reset(0).unwrap();
 }

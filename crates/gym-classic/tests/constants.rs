@@ -192,7 +192,7 @@ fn constants_that_cannot_be_are_refused() {
         ),
         ("Pendulum-v1", "max_torque", -1.0, "max_torque is -1.0"),
         ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
-        ("Acrobot-v1", "gravity", 9.8, "unknown field `gravity`"),
+        ("Acrobot-v1", "gravity", 9.8, "unknown argument `gravity`"),
     ] {
         let error = builder(id).arg(name, value).build().unwrap_err().to_string();
         assert!(error.contains(reason), "{id}: {error}");
@@ -224,7 +224,7 @@ fn constants_set_later_take_effect() {
         let error = own.set_argument("gravity", "much".into()).unwrap_err().to_string();
         assert!(error.contains("expected f64"), "{error}");
         let error = own.set_argument("mass", 1.into()).unwrap_err().to_string();
-        assert!(error.contains("unknown field `mass`"), "{error}");
+        assert!(error.contains("unknown argument `mass`"), "{error}");
     }
 }
 

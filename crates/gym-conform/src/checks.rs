@@ -346,23 +346,16 @@ pub const CHECKS: &[Check] = &[
         "draw what the observation tells",
     ),
     error!(
-        "arguments-round-trip",
-        arguments::round_trip,
-        REPEATABLE,
-        "a spec stored with its arguments must rebuild the same environment",
-        "let the `Config` read what it writes: the same names and values in Serialize and Deserialize",
-    ),
-    error!(
         "arguments-refused",
         arguments::refused,
-        ["constructs", "arguments-round-trip"],
-        "a misspelt argument that is ignored costs a day of training",
-        "put #[serde(default, deny_unknown_fields)] on the `Config`",
+        ["constructs"],
+        "an argument of the wrong type that is accepted costs a day of training",
+        "give the argument the type that it has",
     ),
     error!(
         "arguments-matter",
         arguments::matter,
-        ["arguments-round-trip", "arguments-refused", "same-seed-same-episode", "reset-forgets"],
+        ["arguments-refused", "same-seed-same-episode", "reset-forgets"],
         "an experiment over an argument that is ignored compares nothing",
         "use the argument, or remove it",
     ),
@@ -393,7 +386,7 @@ pub const CHECKS: &[Check] = &[
 fn exceptions_known(subject: &Subject<'_>) -> Verdict {
     let Some(registration) = &subject.registration else { return skipped("it is not registered") };
     let is_known = |name: &str| CHECKS.iter().any(|check| check.name == name);
-    match registration.all_exceptions().iter().find(|(name, _)| !is_known(name)) {
+    match registration.exceptions.iter().find(|(name, _)| !is_known(name)) {
         Some((name, _)) => broken(format!("`{}` has an exception for `{name}`", registration.id())),
         None => Ok(()),
     }

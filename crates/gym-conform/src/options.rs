@@ -10,7 +10,7 @@ use gym_core::{EnvExt, Reset};
 
 /// The options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
-    let named = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
+    let named = subject.registration.as_ref().map(|registration| registration.reset_options);
     let named = named.unwrap_or_default();
     if named.is_empty() {
         return skipped("its registration names no reset options");
@@ -27,7 +27,7 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
 /// An option that is not named is refused where some are, and ignored elsewhere.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
-    let names = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
+    let names = subject.registration.as_ref().map(|registration| registration.reset_options);
     let names = names.unwrap_or_default();
     match subject.make()?.reset(Reset::seed(3).option("no_such_option", "x")) {
         Ok(_) if !names.is_empty() => {

@@ -99,7 +99,7 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values =
         [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
-    let named = subject.registration.as_ref().map(gym_core::Registration::known_reset_options);
+    let named = subject.registration.as_ref().map(|registration| registration.reset_options);
     let names = named.unwrap_or_default().iter().map(|(name, _)| *name);
     names
         .chain(["low", "high", "seed", "options", ""])

@@ -12,11 +12,11 @@ pub(crate) fn constructs(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn described(subject: &Subject<'_>) -> Verdict {
     match &subject.registration {
-        Some(registration) if registration.about().trim().is_empty() => {
+        Some(registration) if registration.description.trim().is_empty() => {
             broken(format!("`{}` is registered without a description", registration.id()))
         }
-        Some(registration) if says_nothing(registration.id(), registration.about().trim()) => {
-            broken(format!("`{}` is described as {:?}", registration.id(), registration.about()))
+        Some(registration) if says_nothing(registration.id(), registration.description.trim()) => {
+            broken(format!("`{}` is described as {:?}", registration.id(), registration.description))
         }
         Some(_) => Ok(()),
         None => skipped("it is not registered"),

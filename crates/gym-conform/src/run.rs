@@ -144,7 +144,12 @@ fn report(spec: &EnvSpec) -> Report {
     let mut excused = Vec::new();
     findings.retain(|finding| {
         let registration = subject.registration.as_ref();
-        let reason = registration.and_then(|registration| registration.exception(finding.check));
+        let reason = registration.and_then(|registration| {
+            registration
+                .exceptions
+                .iter()
+                .find_map(|(check, reason)| (*check == finding.check).then_some(*reason))
+        });
         excused.extend(reason.map(|reason| Excused { check: finding.check, reason }));
         reason.is_none()
     });

@@ -135,7 +135,8 @@ impl<'a> Subject<'a> {
     /// The arguments that are set when none is given, if it is registered.
     pub(crate) fn arguments(&self) -> Option<(EnvSpec, Kwargs)> {
         let (spec, registration) = (self.spec.as_ref()?, self.registration.as_ref()?);
-        let mut kwargs = registration.default_kwargs();
+        let table = registration.arguments().ok()?.into_iter();
+        let mut kwargs: Kwargs = table.map(|argument| (argument.name.to_owned(), argument.default)).collect();
         kwargs.extend(spec.kwargs.clone());
         Some((spec.clone(), kwargs))
     }

@@ -9,7 +9,7 @@ use crate::run::reports;
 pub fn ids_of(crate_name: &str) -> Vec<String> {
     let underscored = crate_name.replace('-', "_");
     let all = registry::all();
-    let own = all.iter().filter(|registration| registration.crate_name().replace('-', "_") == underscored);
+    let own = all.iter().filter(|registration| registration.source.package.replace('-', "_") == underscored);
     own.map(|registration| registration.id().to_owned()).collect()
 }
 

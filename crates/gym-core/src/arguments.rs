@@ -98,7 +98,7 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
         let near = crate::registry::nearest(unknown, taken());
         let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
         let reason = match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
-            none if none.is_empty() => format!("unknown argument `{unknown}`: there are no arguments"),
+            none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
             all => format!("unknown argument `{unknown}`{near} (there are {all})"),
         };
         return Err(invalid(reason));
@@ -417,7 +417,7 @@ mod tests {
         assert!(null.contains("NaN"), "{null}");
         assert!(serde_json::from_value::<Config>(json!({"gravty": 1.0})).is_err());
         let old = read(&Picture::default(), 1, &given_one("width"), "`A-v1`").unwrap_err().to_string();
-        assert!(old.contains("unknown argument `width`: there are no arguments"), "{old}");
+        assert!(old.contains("unknown argument `width`: it takes no arguments"), "{old}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 
 use crate::canvas::Canvas;
 use crate::render::Metadata;
-use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// What is to be done, written once: the arguments of a task, its spaces, its starts and its pictures.
 ///
@@ -16,7 +16,7 @@ use crate::{Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Sp
 /// serves one environment and many.
 pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
-    type Config: Default + PartialEq + Serialize + DeserializeOwned;
+    type Config: Arguments + PartialEq;
     /// All that changes from step to step.
     type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
     /// What the agent sees.

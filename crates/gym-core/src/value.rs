@@ -503,14 +503,18 @@ tuple_element!(A 0, B 1, C 2, D 3);
 /// ```
 #[macro_export]
 macro_rules! discrete {
-    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$doc:meta])* $variant:ident),+ $(,)? }) => {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[doc = $doc:literal])* $variant:ident),+ $(,)? }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        $vis enum $name { $($(#[$doc])* $variant),+ }
+        $vis enum $name { $($(#[doc = $doc])* $variant),+ }
 
         impl $name {
             /// Every value, in the order of its number.
             pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// Names and meanings, in the order of the numbers.
+            pub const VARIANTS: &'static [(&'static str, &'static str)] =
+                &[$((stringify!($variant), concat!($($doc, "\n"),*))),+];
 
             /// The space of these values: `Discrete(n)`.
             pub fn space() -> $crate::Space {

@@ -6,21 +6,16 @@ use gym_core::{
     Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
     Snapshot, Space, Stateful, Task, Transition, Value, registry,
 };
-use serde::{Deserialize, Serialize};
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
 #[derive(Clone, Debug)]
 struct Budget(Config);
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Config {
-    budget: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { budget: 3.0 }
+gym_core::arguments! {
+    #[derive(Copy)]
+    struct Config {
+        /// How many steps an episode has.
+        pub budget: f64 = 3.0,
     }
 }
 
@@ -205,7 +200,7 @@ impl Env for Forgetful {
 impl registry::Configure for Forgetful {
     type Config = NoArguments;
 
-    fn configure(_: NoArguments) -> Result<Self> {
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
         Ok(Self)
     }
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use gym::wrappers::{NormalizeObservation, RunningMeanStd};
 use gym::rendering::file;
+use gym::wrappers::{NormalizeObservation, RunningMeanStd};
 use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};
 

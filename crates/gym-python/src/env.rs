@@ -101,8 +101,7 @@ impl Env {
         is_running: bool,
         observation: Value,
     ) -> Self {
-        let light = ["gym-classic", "gym-toytext"];
-        let is_slow = find(id).is_ok_and(|registration| !light.contains(&registration.crate_name()));
+        let is_slow = find(id).is_ok_and(|registration| !registration.light_step);
         Self {
             id: id.to_owned(),
             kwargs: kwargs.to_owned(),

@@ -14,16 +14,23 @@ pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
         let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } =
             registration.spec()?;
+        let table = registration.arguments()?;
+        let defaults: Kwargs =
+            table.iter().map(|argument| (argument.name.to_owned(), argument.default.clone())).collect();
+        let documented = table.iter().map(|argument| {
+            json!({"name": argument.name, "type": argument.kind, "unit": argument.unit, "meaning": argument.meaning})
+        });
         Ok(json!({
             "id": id,
-            "crate": registration.crate_name(),
-            "about": registration.about(),
+            "crate": registration.source.package,
+            "description": registration.description,
             "kwargs": kwargs,
-            "defaults": registration.default_kwargs(),
+            "defaults": defaults,
+            "arguments": documented.collect::<Vec<_>>(),
             "reward_threshold": reward_threshold,
             "max_episode_steps": max_episode_steps,
             "nondeterministic": nondeterministic,
-            "native_vector": registration.native_vector().is_some(),
+            "native_vector": registration.vector_entry_point.is_some(),
         }))
     };
     guard(|| Ok(Json::Array(all().into_iter().map(row).collect::<Result<_>>().or_raise()?).to_string()))

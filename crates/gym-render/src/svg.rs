@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::Result;
+use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 
 use crate::file;
 

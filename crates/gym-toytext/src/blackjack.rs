@@ -16,25 +16,31 @@
 //! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
 
 use gym_core::canvas::{Align, Canvas, Color, Label, Point, Segment, Shape, Transform};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::vector::native::{self, Many, Native, Whole};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition};
+use gym_core::{
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
 pub type Blackjack = Stateful<BlackjackDynamics>;
 
-/// Arguments. A natural is an ace and a ten as the first two cards.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
-    pub natural: bool,
-    /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
-    /// `Blackjack-v1` is registered with this set.
-    pub sab: bool,
+gym_core::arguments! {
+    /// Arguments. A natural is an ace and a ten as the first two cards.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
+        pub natural: bool,
+        /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
+        /// `Blackjack-v1` is registered with this set.
+        pub sab: bool,
+    }
 }
 
 const DECK: [u8; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
@@ -440,11 +446,33 @@ impl Native for BlackjackDynamics {
     }
 }
 
+/// Basic strategy: Sutton and Barto, figure 5.2.
+fn basic_strategy((sum, dealer, usable_ace): &(i64, i64, i64)) -> i64 {
+    let stick = if *usable_ace == 1 {
+        *sum >= if *dealer >= 9 { 19 } else { 18 }
+    } else {
+        let least = match *dealer {
+            2..=3 => 13,
+            4..=6 => 12,
+            _ => 17,
+        };
+        *sum >= least
+    };
+    i64::from(!stick)
+}
+
 gym_core::register!(
     Registration::new::<Blackjack>("Blackjack-v1")
         .description("Beat the dealer's hand without going above 21.")
         .kwargs(r#"{"sab": true, "natural": false}"#)
         .vector_entry_point(native::entry_point::<BlackjackDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"S": 0, "Down": 0, "H": 1, "Up": 1})))
+        .policy(Policy::rules("is the basic strategy of Sutton and Barto's figure 5.2", |_| reflex(
+            basic_strategy
+        )))
+        .clip(Clip { seeds: 0..12, every: 1, frames: 24, size: (192, 188) })
 );
 
 #[cfg(test)]

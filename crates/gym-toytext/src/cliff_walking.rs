@@ -17,14 +17,19 @@
 //! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.
 
 use gym_core::canvas::{Canvas, Color};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
-use gym_core::{Dynamics, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
+use gym_core::{
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
+use crate::planning;
 use crate::tabular::{Cell, Distribution, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
@@ -298,25 +303,31 @@ impl Native for CliffWalkingDynamics {
     }
 }
 
-gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalking-v0")
-        .description("Walk along a cliff without falling off.")
-        .without_arguments()
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
-);
-gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalking-v1")
+/// What all ids have in common.
+const fn cliff(id: &'static str) -> Registration {
+    Registration::new::<CliffWalking>(id)
         .description("Walk along a cliff without falling off.")
         .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
-);
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Up": 0, "Right": 1, "Down": 2, "Left": 3})))
+        .policy(Policy::rules(planning::DESCRIPTION, |env| {
+            planning::controller(env, CliffWalkingDynamics::p)
+        }))
+}
+
+gym_core::register!(cliff("CliffWalking-v0"));
+gym_core::register!(cliff("CliffWalking-v1").clip(Clip {
+    seeds: 0..1,
+    every: 1,
+    frames: 40,
+    size: (384, 128)
+}));
 gym_core::register!(
-    Registration::new::<CliffWalking>("CliffWalkingSlippery-v1")
+    cliff("CliffWalkingSlippery-v1")
         .description("Walk along a slippery cliff without falling off.")
         .kwargs(r#"{"is_slippery": true}"#)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
 );
 
 #[cfg(test)]

@@ -18,50 +18,42 @@
 use std::sync::Arc;
 
 use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
-    Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+    Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+    Value,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
+use crate::planning;
 use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type FrozenLake = Stateful<FrozenLakeDynamics>;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
-    /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
-    pub desc: Option<Vec<String>>,
-    /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
-    /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
-    /// itself and its clones alone.
-    pub map_name: Option<String>,
-    /// Whether a move can go astray.
-    pub is_slippery: bool,
-    /// The probability that a move on slippery ice goes where it should; the rest is shared by both
-    /// sides.
-    pub success_rate: f64,
-    /// The rewards of reaching the goal, a hole, and any other cell.
-    pub reward_schedule: [f64; 3],
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            desc: None,
-            map_name: Some("4x4".to_owned()),
-            is_slippery: true,
-            success_rate: 1.0 / 3.0,
-            reward_schedule: [1.0, 0.0, 0.0],
-        }
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
+        /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
+        pub desc: Option<Vec<String>>,
+        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
+        /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
+        /// itself and its clones alone.
+        pub map_name: Option<String> = Some("4x4".to_owned()),
+        /// Whether a move can go astray.
+        pub is_slippery: bool = true,
+        /// The probability that a move on slippery ice goes where it should; the rest is shared by both
+        /// sides.
+        pub success_rate: f64 = 1.0 / 3.0,
+        /// The rewards of reaching the goal, a hole, and any other cell.
+        pub reward_schedule: [f64; 3] = [1.0, 0.0, 0.0],
     }
 }
 
@@ -482,23 +474,31 @@ impl Native for FrozenLakeDynamics {
     }
 }
 
+/// What all ids have in common.
+const fn lake(id: &'static str) -> Registration {
+    Registration::new::<FrozenLake>(id)
+        .exceptions(&[WHOLE_AT_RESET])
+        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| Keys::new(json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3})))
+        .policy(Policy::rules(planning::DESCRIPTION, |env| planning::controller(env, FrozenLakeDynamics::p)))
+}
+
 gym_core::register!(
-    Registration::new::<FrozenLake>("FrozenLake-v1")
+    lake("FrozenLake-v1")
         .description("Cross a frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
+        .clip(Clip { seeds: 12..13, every: 1, frames: 40, size: (192, 192) })
 );
 gym_core::register!(
-    Registration::new::<FrozenLake>("FrozenLake8x8-v1")
+    lake("FrozenLake8x8-v1")
         .description("Cross a larger frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "8x8"}"#)
         .max_episode_steps(200)
         .reward_threshold(0.85)
-        .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
 );
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod art;
 pub mod blackjack;
 pub mod cliff_walking;
 pub mod frozen_lake;
+mod planning;
 pub mod tabular;
 pub mod taxi;
 

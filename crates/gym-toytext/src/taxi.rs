@@ -18,38 +18,41 @@
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.
 
 use gym_core::canvas::{Align, Canvas, Color, Point, Transform};
+use gym_core::keys::json;
 use gym_core::math::Real;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
-    Array, Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+    Array, Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, Value,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing, INK};
+use crate::planning;
 use crate::tabular::{Cell, Distribution, Outcome, Table};
 
 /// The environment.
 pub type Taxi = Stateful<TaxiDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether a move that is not blocked can drift to the left or right of the heading.
-    pub is_rainy: bool,
-    /// Whether a passenger may change the destination once, at the first move with them aboard.
-    pub fickle_passenger: bool,
-    /// In rain, the probability of going straight on; the rest is shared by left and right.
-    pub rainy_probability: f64,
-    /// The probability that a fickle passenger does change the destination.
-    pub fickle_probability: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { is_rainy: false, fickle_passenger: false, rainy_probability: 0.8, fickle_probability: 0.3 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether a move that is not blocked can drift to the left or right of the heading.
+        #[versions = 4..]
+        pub is_rainy: bool,
+        /// Whether a passenger may change the destination once, at the first move with them aboard.
+        #[versions = 4..]
+        pub fickle_passenger: bool,
+        /// In rain, the probability of going straight on; the rest is shared by left and right.
+        #[versions = 4..]
+        pub rainy_probability: f64 = 0.8,
+        /// The probability that a fickle passenger does change the destination.
+        #[versions = 4..]
+        pub fickle_probability: f64 = 0.3,
     }
 }
 
@@ -464,21 +467,25 @@ impl Native for TaxiDynamics {
     }
 }
 
-gym_core::register!(
-    Registration::new::<Taxi>("Taxi-v3")
-        .description("Pick up a passenger and drop them where they want to go.")
-        .without_arguments()
-        .max_episode_steps(200)
-        .reward_threshold(8.0)
-        .vector_entry_point(native::entry_point::<TaxiDynamics>)
-);
-gym_core::register!(
-    Registration::new::<Taxi>("Taxi-v4")
+/// What all ids have in common.
+const fn taxi(id: &'static str) -> Registration {
+    Registration::new::<Taxi>(id)
         .description("Pick up a passenger and drop them where they want to go.")
         .max_episode_steps(200)
         .reward_threshold(8.0)
         .vector_entry_point(native::entry_point::<TaxiDynamics>)
-);
+        .light_step()
+        .actions(Action::VARIANTS)
+        .keys(|_| {
+            Keys::new(
+                json!({"Down": 0, "Up": 1, "Right": 2, "Left": 3, "P": 4, "Space": 4, "D": 5, "Enter": 5}),
+            )
+        })
+        .policy(Policy::rules(planning::DESCRIPTION, |env| planning::controller(env, TaxiDynamics::p)))
+}
+
+gym_core::register!(taxi("Taxi-v3"));
+gym_core::register!(taxi("Taxi-v4").clip(Clip { seeds: 0..3, every: 1, frames: 40, size: (268, 228) }));
 
 #[cfg(test)]
 mod tests {

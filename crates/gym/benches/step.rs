@@ -46,7 +46,7 @@ fn vectors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("vector");
     for registration in registry::self_contained() {
         for kind in VectorKind::ALL {
-            if kind == VectorKind::Native && registration.native_vector().is_none() {
+            if kind == VectorKind::Native && registration.vector_entry_point.is_none() {
                 continue;
             }
             for num_envs in [64, 1024] {

@@ -169,7 +169,7 @@ fn work(id: &str, kind: Kind, num_envs: usize) -> Result<Option<Work>> {
 fn has_native(id: &str) -> bool {
     registry::all()
         .iter()
-        .any(|registration| registration.id() == id && registration.native_vector().is_some())
+        .any(|registration| registration.id() == id && registration.vector_entry_point.is_some())
 }
 
 /// The newest version of each environment under its own type.
@@ -179,7 +179,7 @@ fn typed(id: &str) -> Result<Option<Work>> {
     use gym::wrappers::TimeLimit;
 
     fn limited<E: Configure>(steps: u32) -> Result<Work> {
-        scalar(TimeLimit::new(E::configure(E::Config::default())?, steps)?)
+        scalar(TimeLimit::new(E::configure(E::Config::default(), u32::MAX)?, steps)?)
     }
     Ok(Some(match id {
         "Acrobot-v1" => limited::<gym::classic::Acrobot>(500)?,
@@ -187,8 +187,8 @@ fn typed(id: &str) -> Result<Option<Work>> {
         "MountainCar-v0" => limited::<gym::classic::MountainCar>(200)?,
         "MountainCarContinuous-v0" => limited::<gym::classic::MountainCarContinuous>(999)?,
         "Pendulum-v1" => limited::<gym::classic::Pendulum>(200)?,
-        "Blackjack-v1" => scalar(gym::toytext::Blackjack::configure(Default::default())?)?,
-        "CliffWalking-v1" => scalar(gym::toytext::CliffWalking::configure(Default::default())?)?,
+        "Blackjack-v1" => scalar(gym::toytext::Blackjack::configure(Default::default(), 1)?)?,
+        "CliffWalking-v1" => scalar(gym::toytext::CliffWalking::configure(Default::default(), 1)?)?,
         "FrozenLake-v1" => limited::<gym::toytext::FrozenLake>(100)?,
         "Taxi-v4" => limited::<gym::toytext::Taxi>(200)?,
         "LunarLander-v3" => limited::<gym::box2d::LunarLander>(1000)?,

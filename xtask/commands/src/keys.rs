@@ -1,143 +1,53 @@
-//! Which key is which action.
+//! Which key is which action, while somebody plays.
 
-use gym::{Error, Result, Space};
+use gym::keys::{Idle, Keys};
+use gym::{BoxEnv, Env, Error, Result, Space, registry};
 use serde_json::{Value as Json, json};
 
-/// The keys of an environment.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Keys {
-    pub(crate) actions: Vec<(String, Json)>,
-    pub(crate) idle: Idle,
+/// The keys of an environment: those of its registration, else the digits, for actions that are numbers.
+pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
+    let registered = registry::find(id)?.keys;
+    Ok(registered.map_or_else(|| Keys::new(digits(&env.action_space())), |keys| keys(env)))
 }
 
-/// What happens while no key is down.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Idle {
-    /// Nothing: the environment waits for a key.
-    Wait,
-    /// The last action again.
-    Repeat,
-    /// This action.
-    Action(Json),
+/// Gives a key another action.
+pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
+    keys.actions.retain(|(name, _)| !name.eq_ignore_ascii_case(key));
+    keys.actions.push((key.to_owned(), action));
 }
 
-impl Keys {
-    /// The keys of an environment that is known by name; otherwise the digits, for actions that are
-    /// numbers.
-    pub(crate) fn of(id: &str, space: &Space) -> Self {
-        // the same task has the same keys on another engine, `rapier/`
-        let name = id.rsplit('/').next().unwrap_or(id);
-        let (name, _) = name.rsplit_once("-v").unwrap_or((name, ""));
-        let discrete = matches!(space, Space::Discrete(_));
-        let (actions, idle) = match name {
-            // ale-py's actions: what a key does depends on which of them the game has
-            _ if id.starts_with("ALE/") && discrete => (atari(id), Idle::Action(json!(0))),
-            "CartPole" => (json!({"Left": 0, "Right": 1}), Idle::Repeat),
-            "MountainCar" | "Acrobot" => (json!({"Left": 0, "Right": 2}), Idle::Action(json!(1))),
-            "MountainCarContinuous" => (json!({"Left": [-1], "Right": [1]}), Idle::Action(json!([0]))),
-            // a positive torque turns to the left
-            "Pendulum" => (json!({"Left": [2], "Right": [-2]}), Idle::Action(json!([0]))),
-            "LunarLander" if discrete => (json!({"Left": 1, "Up": 2, "Right": 3}), Idle::Action(json!(0))),
-            "LunarLander" | "LunarLanderContinuous" => {
-                (json!({"Up": [1, 0], "Left": [0, -1], "Right": [0, 1]}), Idle::Action(json!([0, 0])))
-            }
-            // hip and knee of one leg, then of the other
-            "BipedalWalker" | "BipedalWalkerHardcore" => (
-                json!({
-                    "Q": [1, 0, 0, 0], "A": [-1, 0, 0, 0], "W": [0, 1, 0, 0], "S": [0, -1, 0, 0],
-                    "O": [0, 0, 1, 0], "L": [0, 0, -1, 0], "I": [0, 0, 0, 1], "K": [0, 0, 0, -1],
-                }),
-                Idle::Action(json!([0, 0, 0, 0])),
-            ),
-            "CarRacing" if discrete => {
-                (json!({"Right": 1, "Left": 2, "Up": 3, "Down": 4}), Idle::Action(json!(0)))
-            }
-            "CarRacing" => (
-                json!({"Left": [-1, 0, 0], "Right": [1, 0, 0], "Up": [0, 1, 0], "Down": [0, 0, 0.8]}),
-                Idle::Action(json!([0, 0, 0])),
-            ),
-            "FrozenLake" | "FrozenLake8x8" => {
-                (json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3}), Idle::Wait)
-            }
-            "CliffWalking" | "CliffWalkingSlippery" => {
-                (json!({"Up": 0, "Right": 1, "Down": 2, "Left": 3}), Idle::Wait)
-            }
-            "Taxi" => (
-                json!({"Down": 0, "Up": 1, "Right": 2, "Left": 3, "P": 4, "Space": 4, "D": 5, "Enter": 5}),
-                Idle::Wait,
-            ),
-            "Blackjack" => (json!({"S": 0, "Down": 0, "H": 1, "Up": 1}), Idle::Wait),
-            _ => (digits(space), Idle::Wait),
-        };
-        let Json::Object(actions) = actions else { return Self { actions: Vec::new(), idle } };
-        Self { actions: actions.into_iter().collect(), idle }
+/// Whether every action is one of the space.
+pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
+    if keys.actions.is_empty() {
+        let reason = format!("no keys are known for {space}: add `--key NAME=ACTION`");
+        return Err(Error::argument("play", reason));
     }
-
-    /// Gives a key another action.
-    pub(crate) fn set(&mut self, key: &str, action: Json) {
-        self.actions.retain(|(name, _)| !name.eq_ignore_ascii_case(key));
-        self.actions.push((key.to_owned(), action));
-    }
-
-    /// Whether every action is one of the space.
-    pub(crate) fn check(&self, space: &Space) -> Result<()> {
-        if self.actions.is_empty() {
-            return Err(Error::argument(
-                "play",
-                format!("no keys are known for {space}: add `--key NAME=ACTION`"),
-            ));
+    let idle = match &keys.idle {
+        Idle::Action(action) => Some(action),
+        Idle::Wait | Idle::Repeat => None,
+    };
+    keys.actions.iter().map(|(_, action)| action).chain(idle).try_for_each(|action| {
+        let action = space.from_json(action)?;
+        if space.contains(&action) {
+            return Ok(());
         }
-        let idle = match &self.idle {
-            Idle::Action(action) => Some(action),
-            Idle::Wait | Idle::Repeat => None,
-        };
-        self.actions.iter().map(|(_, action)| action).chain(idle).try_for_each(|action| {
-            let action = space.from_json(action)?;
-            if space.contains(&action) {
-                return Ok(());
-            }
-            Err(Error::argument("play", format!("a key has the action {action}, which is not in {space}")))
-        })
-    }
-
-    /// The action of the keys that are down, if one of them has an action. Those of several keys are
-    /// added if they are vectors; otherwise the first counts.
-    #[cfg_attr(not(any(feature = "human", test)), expect(dead_code, reason = "for windows"))]
-    pub(crate) fn action(&self, down: &[String]) -> Option<Json> {
-        let is_down = |name: &str| down.iter().any(|key| key.eq_ignore_ascii_case(name));
-        let mut actions = self.actions.iter().filter(|(name, _)| is_down(name)).map(|(_, action)| action);
-        let first = actions.next()?.clone();
-        Some(actions.fold(first, |sum, action| add(&sum, action).unwrap_or(sum)))
-    }
-
-    /// The keys and their actions, for people.
-    pub(crate) fn describe(&self) -> String {
-        let keys: Vec<_> = self.actions.iter().map(|(name, action)| format!("{name} = {action}")).collect();
-        keys.join(", ")
-    }
+        Err(Error::argument("play", format!("a key has the action {action}, which is not in {space}")))
+    })
 }
 
-/// Arrow keys and the space bar, for those actions that a game of the Atari 2600 has.
-#[cfg(feature = "families")]
-fn atari(id: &str) -> Json {
-    use gym::atari::{Action, games};
-
-    let title = id.trim_start_matches("ALE/").rsplit_once("-v").map_or(id, |(title, _)| title);
-    let Some(game) = games::GAMES.iter().find(|game| game.title == title) else { return json!({}) };
-    let keys = [
-        ("Space", Action::Fire),
-        ("Up", Action::Up),
-        ("Right", Action::Right),
-        ("Left", Action::Left),
-        ("Down", Action::Down),
-    ];
-    let has = |action| game.minimal.iter().position(|other| *other == action);
-    keys.iter().filter_map(|(key, action)| Some(((*key).to_owned(), json!(has(*action)?)))).collect()
+/// The action of the keys that are down, if one of them has an action.
+#[cfg_attr(not(any(feature = "human", test)), expect(dead_code, reason = "for windows"))]
+pub(crate) fn action(keys: &Keys, down: &[String]) -> Option<Json> {
+    let is_down = |name: &str| down.iter().any(|key| key.eq_ignore_ascii_case(name));
+    let mut actions = keys.actions.iter().filter(|(name, _)| is_down(name)).map(|(_, action)| action);
+    let first = actions.next()?.clone();
+    Some(actions.fold(first, |sum, action| add(&sum, action).unwrap_or(sum)))
 }
 
-#[cfg(not(feature = "families"))]
-fn atari(_: &str) -> Json {
-    json!({})
+/// The keys and their actions, for people.
+pub(crate) fn describe(keys: &Keys) -> String {
+    let keys: Vec<_> = keys.actions.iter().map(|(name, action)| format!("{name} = {action}")).collect();
+    keys.join(", ")
 }
 
 /// `Key0` to `Key9` for the first actions of a discrete space.
@@ -161,26 +71,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_linked_environment_has_keys_that_fit() {
-        // MuJoCo's bodies have more joints than there are keys to know
-        let is_played = |entry: &&gym::Registration| entry.crate_name() != "gym-mujoco";
-        for registration in gym::registry::self_contained().iter().filter(is_played) {
-            let space = gym::Env::action_space(&gym::make(registration.id()).unwrap());
-            Keys::of(registration.id(), &space).check(&space).unwrap();
+    fn every_registered_key_has_an_action_of_the_space() {
+        let mut played = 0;
+        for registration in gym::registry::self_contained() {
+            let env = gym::make(registration.id()).unwrap();
+            if registration.keys.is_some() {
+                check(&of(registration.id(), &env).unwrap(), &env.action_space()).unwrap();
+                played += 1;
+            }
         }
+        assert!(played > 20, "only {played} have keys");
     }
 
     #[test]
     fn keys_choose_actions() {
+        let of = |id: &str| of(id, &gym::make(id).unwrap()).unwrap();
         let down = |keys: &[&str]| keys.iter().map(|&key| key.to_owned()).collect::<Vec<_>>();
-        let racing = Keys::of("CarRacing-v3", &Space::boxed([-1.0; 3], [1.0; 3]));
-        assert_eq!(racing.action(&down(&["Left", "Up", "Q"])), Some(json!([-1.0, 1.0, 0.0])));
-        assert_eq!(racing.action(&down(&["Q"])), None);
-        let mut lake = Keys::of("FrozenLake-v1", &Space::discrete(4));
-        assert_eq!(lake.action(&down(&["Right"])), Some(json!(2)));
-        lake.set("right", json!(9));
-        assert_eq!(lake.action(&down(&["Right"])), Some(json!(9)));
-        assert!(lake.check(&Space::discrete(4)).is_err());
-        assert_eq!(Keys::of("Other-v0", &Space::discrete(3)).action(&down(&["Key2"])), Some(json!(2)));
+        let racing = of("CarRacing-v3");
+        assert_eq!(action(&racing, &down(&["Left", "Up", "Q"])), Some(json!([-1.0, 1.0, 0.0])));
+        assert_eq!(action(&racing, &down(&["Q"])), None);
+        let mut lake = of("FrozenLake-v1");
+        assert_eq!(action(&lake, &down(&["Right"])), Some(json!(2)));
+        set(&mut lake, "right", json!(9));
+        assert_eq!(action(&lake, &down(&["Right"])), Some(json!(9)));
+        assert!(check(&lake, &Space::discrete(4)).is_err());
+        let digits = Keys::new(digits(&Space::discrete(3)));
+        assert_eq!(action(&digits, &down(&["Key2"])), Some(json!(2)));
     }
 }

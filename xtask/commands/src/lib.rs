@@ -7,11 +7,8 @@ mod bench;
 #[cfg(feature = "conform")]
 mod conform;
 mod demo;
-#[cfg(feature = "families")]
 mod docs;
 mod gif;
-#[cfg(feature = "families")]
-mod heuristic;
 mod keys;
 mod list;
 #[cfg(feature = "families")]
@@ -24,7 +21,6 @@ mod replay;
 mod run;
 mod selection;
 mod soak;
-mod trained;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -38,7 +34,7 @@ use crate::selection::Selection;
 #[command(name = "cargo xtask", about = "Commands over every environment that is linked")]
 struct Arguments {
     /// The folder of a crate with environments of its own, instead of those of this workspace, for every command but
-    /// `new` and `docs`.
+    /// `new`.
     #[arg(long, global = true, value_name = "PATH")]
     plugin: Option<PathBuf>,
     #[command(subcommand)]
@@ -63,7 +59,6 @@ enum Command {
     #[cfg(feature = "families")]
     Mjcf(mjcf::Arguments),
     /// Writes the pages about the environments, and checks the book.
-    #[cfg(feature = "families")]
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
     Bench(bench::Arguments),
@@ -81,9 +76,9 @@ pub fn main() -> ExitCode {
     start(Selection::All)
 }
 
-/// As [`main`], over the environments that a crate registers.
-pub fn main_of(crate_name: &'static str) -> ExitCode {
-    start(Selection::Crate(crate_name))
+/// As [`main`], over the environments that the crate in a folder registers.
+pub fn main_of(crate_name: &'static str, folder: &'static str) -> ExitCode {
+    start(Selection::Crate(crate_name, folder))
 }
 
 fn start(selection: Selection) -> ExitCode {
@@ -110,8 +105,7 @@ fn command(arguments: Arguments, selection: Selection) -> Result<()> {
         Command::Replay(arguments) => replay::replay(&arguments),
         #[cfg(feature = "families")]
         Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
-        #[cfg(feature = "families")]
-        Command::Docs(arguments) => docs::docs(&arguments),
+        Command::Docs(arguments) => docs::docs(&arguments, selection),
         Command::Bench(arguments) => bench::bench(&arguments, selection),
         #[cfg(feature = "conform")]
         Command::Conform(arguments) => conform::conform(&arguments, selection),

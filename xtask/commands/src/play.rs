@@ -5,12 +5,14 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode};
 use gym::rendering::VideoWriter;
-use gym::traces::{Event, Trace};
 use gym::rendering::file;
+use gym::traces::{Event, Trace};
 use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
 use serde_json::{Value as Json, json};
 
-use crate::keys::{Idle, Keys};
+use gym::keys::{Idle, Keys};
+
+use crate::keys;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -64,15 +66,15 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         ));
     }
     let mut session = Session::start(arguments)?;
-    let mut keys = Keys::of(&session.trace.id, &session.env.action_space());
-    arguments.keys.iter().for_each(|(key, action)| keys.set(key, action.clone()));
+    let mut keys = keys::of(&session.trace.id, &session.env)?;
+    arguments.keys.iter().for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
     match &arguments.idle {
         None => {}
         Some(Json::Null) => keys.idle = Idle::Wait,
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
-    keys.check(&session.env.action_space())?;
-    println!("{}", keys.describe());
+    keys::check(&keys, &session.env.action_space())?;
+    println!("{}", keys::describe(&keys));
     if arguments.terminal {
         println!("write a key's name or the start of it and press Enter; or `restart`, or `q` to quit");
         in_terminal(&mut session, &keys)?;
@@ -206,7 +208,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => println!("keys: {}, restart, q", keys.describe()),
+                None => println!("keys: {}, restart, q", keys::describe(&keys)),
             },
         }
     }
@@ -240,21 +242,20 @@ mod window {
             if down.iter().any(|key| key == "Escape") {
                 return Ok(());
             }
-            if down
-                .iter()
-                .any(|key| key == "R" && is_new(key) && keys.action(std::slice::from_ref(key)).is_none())
-            {
+            if down.iter().any(|key| {
+                key == "R" && is_new(key) && keys::action(keys, std::slice::from_ref(key)).is_none()
+            }) {
                 session.reset(Reset::default())?;
                 continue;
             }
             let action = if keys.idle == Idle::Wait {
                 let new: Vec<_> = down.iter().filter(|key| is_new(key)).cloned().collect();
-                keys.action(&new)
+                keys::action(keys, &new)
             } else if Instant::now() < due {
                 None
             } else {
                 due = (due + period).max(Instant::now());
-                keys.action(&down).or_else(|| match &keys.idle {
+                keys::action(keys, &down).or_else(|| match &keys.idle {
                     Idle::Action(action) => Some(action.clone()),
                     _ => last.clone(),
                 })

@@ -1,29 +1,15 @@
 //! The policies that commands can play.
 
 use clap::ValueEnum;
-use gym::{BoxEnv, EnvExt, Error, Result, Value};
-
-#[cfg(feature = "families")]
-use crate::heuristic::controller;
-use crate::trained;
-
-/// Chooses the action for an observation; `None` for what is no observation of the environment.
-pub(crate) type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
-
-/// There are heuristics for the families of this workspace alone.
-#[cfg(not(feature = "families"))]
-fn controller(_: &BoxEnv) -> Option<Controller> {
-    None
-}
+use gym::policy::Controller;
+use gym::{BoxEnv, Env, EnvExt, Error, Result, Value, registry};
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
-    /// A simple good policy: rules by hand, or the best policy of a transition table.
-    Heuristic,
-    /// A network that `gym-ppo` trained, from `docs/policies`.
-    Trained,
+    /// The policy of the environment's registration: rules, or a trained network.
+    Good,
 }
 
 /// One episode, summed up.
@@ -40,13 +26,10 @@ pub(crate) struct Episode {
 }
 
 impl Policy {
-    /// The heuristic, for an environment that has one, or else a trained policy.
-    #[cfg(feature = "families")]
-    pub(crate) fn good(env: &BoxEnv) -> Result<Option<Self>> {
-        if crate::heuristic::controller(env).is_some() {
-            return Ok(Some(Self::Heuristic));
-        }
-        Ok(trained::controller(env)?.map(|_| Self::Trained))
+    /// The good policy of an environment, if its registration has one for these arguments.
+    pub(crate) fn good(env: &BoxEnv) -> Result<Option<Controller>> {
+        let Some(spec) = env.spec() else { return Ok(None) };
+        registry::find(&spec.id)?.policy.map_or(Ok(None), |policy| policy.controller(env))
     }
 
     /// What acts in an episode from `seed`.
@@ -56,11 +39,8 @@ impl Policy {
                 let mut actions = env.action_sampler(seed)?;
                 Ok(Box::new(move |_, _| Some(actions.sample())))
             }
-            Self::Heuristic => controller(env).ok_or_else(|| {
-                Error::argument("--policy", format!("{env} has no heuristic: play it at random"))
-            }),
-            Self::Trained => trained::controller(env)?.ok_or_else(|| {
-                Error::argument("--policy", format!("no policy for {env} is stored: play it at random"))
+            Self::Good => Self::good(env)?.ok_or_else(|| {
+                Error::argument("--policy", format!("{env} has no good policy: play it at random"))
             }),
         }
     }

@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use gym::{Registration, Result, registry};
 
 /// The environments of a command that names none.
@@ -5,11 +7,19 @@ use gym::{Registration, Result, registry};
 pub(crate) enum Selection {
     /// All that are linked.
     All,
-    /// Those that a crate registers, whether it is named `my-envs` or `my_envs`.
-    Crate(&'static str),
+    /// Those that a crate registers, whether it is named `my-envs` or `my_envs`, and its folder.
+    Crate(&'static str, &'static str),
 }
 
 impl Selection {
+    /// The folder of the workspace, or of the crate.
+    pub(crate) fn folder(self) -> PathBuf {
+        match self {
+            Self::All => crate::root().to_owned(),
+            Self::Crate(_, folder) => folder.into(),
+        }
+    }
+
     /// The environments of these ids; without any, all of the selection but those that need what no crate brings, of which
     /// it says so.
     ///
@@ -20,9 +30,9 @@ impl Selection {
             return ids.iter().map(|id| registry::find(id)).collect();
         }
         let mut all = registry::all();
-        if let Self::Crate(name) = self {
+        if let Self::Crate(name, _) = self {
             let underscored = |name: &str| name.replace('-', "_");
-            all.retain(|registration| underscored(registration.crate_name()) == underscored(name));
+            all.retain(|registration| underscored(registration.source.package) == underscored(name));
             if all.is_empty() {
                 return Err(gym::Error::custom(format!(
                     "`{name}` registers no environment: put `gym_core::register!(...)` at the top level of a module, and \
@@ -31,9 +41,9 @@ impl Selection {
             }
         }
         let (mut needy, all): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|registration| registration.requirement().is_some());
-        needy.sort_by(|a, b| a.crate_name().cmp(b.crate_name()));
-        for group in needy.chunk_by(|a, b| a.crate_name() == b.crate_name()) {
+            all.into_iter().partition(|registration| registration.needs.is_some());
+        needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
+        for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
             eprintln!("{}", left_out(group));
         }
         Ok(all)
@@ -42,12 +52,12 @@ impl Selection {
 
 /// Says that environments of one crate are left out, because they need what no crate brings.
 fn left_out(group: &[Registration]) -> String {
-    let needed = group[0].requirement().unwrap_or_default();
-    let there = if group[0].missing().is_some() { " (not found here)" } else { "" };
+    let needed = group[0].needs.map_or("", |need| need.what);
+    let there = if group[0].needs.is_some_and(|need| !need.is_met()) { " (not found here)" } else { "" };
     match group {
         [one] => format!("left out {}: it needs {needed}{there}; name the id to use it", one.id()),
         _ => {
-            let (n, name) = (group.len(), group[0].crate_name());
+            let (n, name) = (group.len(), group[0].source.package);
             format!("left out {n} ids of {name}: they need {needed}{there}; name an id to use it")
         }
     }

@@ -197,7 +197,7 @@ fn errors_are_told_on_one_line() {
     assert!(out.contains("/nonexistent/folder"), "{out}");
     assert!(fails(&["run", "CartPole-v1", "--seeds", "5..5"]).contains("A < B"));
     assert!(fails(&["run", "CartPole-v1", "--kwargs", "[]"]).contains("not a JSON object"));
-    assert!(fails(&["run", "CartPole-v1", "--kwargs", r#"{"foo": 1}"#]).contains("unknown field `foo`"));
+    assert!(fails(&["run", "CartPole-v1", "--kwargs", r#"{"foo": 1}"#]).contains("unknown argument `foo`"));
 }
 
 #[test]

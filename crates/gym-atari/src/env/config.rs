@@ -2,58 +2,52 @@
 
 use std::path::PathBuf;
 
-use gym_core::{Error, Result};
+use gym_core::{ArgumentType, Error, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::games::{self, Game};
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The game, under ale-py's name: `space_invaders`.
-    pub game: String,
-    /// The game's mode; `None` for its default.
-    pub mode: Option<u16>,
-    /// The difficulty; `None` for the game's default.
-    pub difficulty: Option<u8>,
-    /// What the agent observes.
-    pub obs_type: ObsType,
-    /// For how many frames an action is executed: a number, or the ends of a range, the second excluded, of which each
-    /// step draws one.
-    pub frameskip: Frameskip,
-    /// The probability with which a frame repeats the action of the frame before.
-    pub repeat_action_probability: f64,
-    /// All 18 actions, instead of those that make a difference in the game.
-    pub full_action_space: bool,
-    /// Actions are a stick's radius and angle and a button's pressure.
-    pub continuous: bool,
-    /// Beyond which radius, and beyond which pressure, a continuous action counts.
-    pub continuous_action_threshold: f64,
-    /// After how many frames an episode is truncated; `None` for never.
-    pub max_num_frames_per_episode: Option<u32>,
-    /// Observing sound is not supported.
-    pub sound_obs: bool,
-    /// A folder with ROMs; `None` for `ALE_ROMS_DIR` or an installed ale-py.
-    pub rom_dir: Option<PathBuf>,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// The game, under ale-py's name: `space_invaders`.
+        pub game: String = "pong".to_owned(),
+        /// The game's mode; `None` for its default.
+        pub mode: Option<u16>,
+        /// The difficulty; `None` for the game's default.
+        pub difficulty: Option<u8>,
+        /// What the agent observes: `rgb`, `grayscale` or `ram`.
+        pub obs_type: ObsType = ObsType::Rgb,
+        /// For how many frames an action is executed: a number, or the ends of a range, the second excluded, of which each
+        /// step draws one.
+        pub frameskip: Frameskip = Frameskip::Fixed(4),
+        /// The probability with which a frame repeats the action of the frame before.
+        pub repeat_action_probability: f64 = 0.25,
+        /// All 18 actions, instead of those that make a difference in the game.
+        pub full_action_space: bool,
+        /// Actions are a stick's radius and angle and a button's pressure.
+        pub continuous: bool,
+        /// Beyond which radius, and beyond which pressure, a continuous action counts.
+        pub continuous_action_threshold: f64 = 0.5,
+        /// After how many frames an episode is truncated; `None` for never.
+        #[unit = "frames"]
+        pub max_num_frames_per_episode: Option<u32>,
+        /// Observing sound is not supported.
+        pub sound_obs: bool,
+        /// A folder with ROMs; `None` for `ALE_ROMS_DIR` or an installed ale-py.
+        pub rom_dir: Option<PathBuf>,
+    }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            game: "pong".to_owned(),
-            mode: None,
-            difficulty: None,
-            obs_type: ObsType::Rgb,
-            frameskip: Frameskip::Fixed(4),
-            repeat_action_probability: 0.25,
-            full_action_space: false,
-            continuous: false,
-            continuous_action_threshold: 0.5,
-            max_num_frames_per_episode: None,
-            sound_obs: false,
-            rom_dir: None,
-        }
+impl ArgumentType for ObsType {
+    fn kind() -> String {
+        String::kind()
+    }
+}
+
+impl ArgumentType for Frameskip {
+    fn kind() -> String {
+        "integer or list of 2 integers".to_owned()
     }
 }
 

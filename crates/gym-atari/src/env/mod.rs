@@ -3,6 +3,7 @@
 mod action;
 mod config;
 pub(crate) mod ids;
+pub(crate) mod keys;
 
 use std::cell::Cell;
 
@@ -319,7 +320,7 @@ impl Env for AtariEnv {
 impl Configure for AtariEnv {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
+    fn configure(config: Config, _version: u32) -> Result<Self> {
         Self::new(config)
     }
 }

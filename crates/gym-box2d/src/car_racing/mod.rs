@@ -19,6 +19,7 @@
 //! `envs/box2d/car_racing.py` and `car_dynamics.py`.
 
 mod car;
+mod heuristic;
 mod picture;
 mod score;
 mod track;
@@ -26,14 +27,16 @@ mod track;
 use std::sync::Arc;
 
 use gym_core::canvas::Canvas;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
-    Value,
+    Array, Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result,
+    Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
-use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
+use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
 use car::Car;
 use picture::{Camera, Scene};
@@ -49,34 +52,20 @@ const PLAYFIELD: f64 = 2000.0 / SCALE;
 const VIDEO_W: u32 = 600;
 const VIDEO_H: u32 = 400;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Accepted as Gymnasium does; nothing is printed.
-    pub verbose: bool,
-    /// The share of tiles that must have been visited when the first is entered again.
-    pub lap_complete_percent: f64,
-    /// Whether road and grass have random colours.
-    pub domain_randomize: bool,
-    /// Steering, gas and brake by degrees instead of five actions.
-    pub continuous: bool,
-    /// The version whose rules hold: 2 or 3.
-    pub version: u8,
-    /// Which engine moves the car: `box2d` or `rapier`.
-    pub physics: Physics,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            verbose: false,
-            lap_complete_percent: 0.95,
-            domain_randomize: false,
-            continuous: true,
-            version: 3,
-            physics: Physics::Box2d,
-        }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Accepted as Gymnasium does; nothing is printed.
+        pub verbose: bool,
+        /// The share of tiles that must have been visited when the first is entered again.
+        pub lap_complete_percent: f64 = 0.95,
+        /// Whether road and grass have random colours.
+        pub domain_randomize: bool,
+        /// Steering, gas and brake by degrees instead of five actions.
+        pub continuous: bool = true,
+        /// Which engine moves the car: `box2d` or `rapier`.
+        pub physics: Physics,
     }
 }
 
@@ -141,6 +130,7 @@ impl Element for Action {
 #[derive(Clone, Debug)]
 pub struct CarRacing {
     config: Config,
+    version: u32,
     episode: Option<Episode>,
     camera: Camera,
     /// Pictures of the digits of the score.
@@ -222,16 +212,21 @@ impl CarRacing {
     /// The environment with these arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a version out of range, or a share that is not a number.
+    /// [`Error::InvalidArgument`] for a share that is not a number.
     pub fn new(config: Config) -> Result<Self> {
-        if !(2..=3).contains(&config.version) {
-            let reason = format!("version is {}: the versions are 2 and 3", config.version);
-            return Err(Error::argument("CarRacing", reason));
-        }
+        Self::with_version(config, 3)
+    }
+
+    /// As [`new`](Self::new), by the rules of version 2 or 3.
+    ///
+    /// # Errors
+    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    pub fn with_version(config: Config, version: u32) -> Result<Self> {
+        let version = common::version("CarRacing", version)?;
         if config.lap_complete_percent.is_nan() {
             return Err(Error::argument("CarRacing", "lap_complete_percent is not a number"));
         }
-        Ok(Self { config, episode: None, camera: Camera::default(), glyphs: None })
+        Ok(Self { config, version, episode: None, camera: Camera::default(), glyphs: None })
     }
 
     /// Where the car is; `None` before the first reset.
@@ -267,7 +262,7 @@ impl CarRacing {
             };
         }
         let mut episode = Episode::new(self.config.physics, rng, colors);
-        episode.advance(&self.config, None);
+        episode.advance(&self.config, self.version, None);
         self.episode = Some(episode);
         Ok(())
     }
@@ -285,7 +280,7 @@ impl CarRacing {
         if !possible {
             return Err(Error::action(action, &self.action_space()));
         }
-        Ok(episode.advance(&self.config, Some(action)))
+        Ok(episode.advance(&self.config, self.version, Some(action)))
     }
 }
 
@@ -326,7 +321,7 @@ impl Episode {
     }
 
     /// One step; the first, of the reset, is without an action.
-    fn advance(&mut self, config: &Config, action: Option<&Action>) -> Outcome {
+    fn advance(&mut self, config: &Config, version: u32, action: Option<&Action>) -> Outcome {
         if let Some(action) = action {
             let (steer, gas, brake) = match *action {
                 Action::Pedals(pedals) => {
@@ -356,8 +351,8 @@ impl Episode {
             outcome.reward = self.reward - self.prev_reward;
             self.prev_reward = self.reward;
             if self.tile_visited_count == self.track.len() || self.new_lap {
-                outcome.terminated = config.version != 2;
-                outcome.truncated = config.version == 2;
+                outcome.terminated = version != 2;
+                outcome.truncated = version == 2;
                 self.lap_finished = Some(true);
             }
             let position = self.world.position(self.car.hull);
@@ -455,17 +450,17 @@ impl Env for CarRacing {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config("CarRacing", &self.config, &self.episode)
+        Snapshot::with_config("CarRacing", &(self.version, self.config), &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = snapshot.for_config("CarRacing", &self.config, Episode::is_valid)?;
+        self.episode = snapshot.for_config("CarRacing", &(self.version, self.config), Episode::is_valid)?;
         Ok(())
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let finished = self.episode.as_ref().and_then(|episode| episode.lap_finished);
-        if let Some(finished) = finished.filter(|_| self.config.version != 2) {
+        if let Some(finished) = finished.filter(|_| self.version != 2) {
             visit("lap_finished", Value::Bool(finished));
         }
     }
@@ -492,39 +487,51 @@ impl Env for CarRacing {
 impl Configure for CarRacing {
     type Config = Config;
 
-    fn configure(config: Config) -> Result<Self> {
-        Self::new(config)
+    fn configure(config: Config, version: u32) -> Result<Self> {
+        Self::with_version(config, version)
     }
 }
 
 /// An argument that is there for Gymnasium's sake.
 const VERBOSE: (&str, &str) =
     ("arguments-matter", "`verbose` is accepted as Gymnasium does, and nothing is printed");
-gym_core::register!(
-    Registration::new::<CarRacing>("CarRacing-v2")
-        .description("Drive around a track, from pictures.")
-        .reset_options(&[("randomize", "false")])
-        .exceptions(&[VERBOSE])
-        .kwargs(r#"{"version": 2}"#)
-        .max_episode_steps(1000)
-        .reward_threshold(900.0)
-);
-gym_core::register!(
-    Registration::new::<CarRacing>("CarRacing-v3")
-        .description("Drive around a track, from pictures.")
-        .reset_options(&[("randomize", "false")])
-        .exceptions(&[VERBOSE])
-        .max_episode_steps(1000)
-        .reward_threshold(900.0)
-);
 
+/// What all ids have in common.
+const fn racing(id: &'static str) -> Registration {
+    Registration::new::<CarRacing>(id)
+        .description("Drive around a track, from pictures.")
+        .reset_options(&[("randomize", "false")])
+        .exceptions(&[VERBOSE])
+        .max_episode_steps(1000)
+        .reward_threshold(900.0)
+        .actions(Drive::VARIANTS)
+        .keys(|env| match env.action_space() {
+            Space::Discrete(_) => {
+                Keys::new(json!({"Right": 1, "Left": 2, "Up": 3, "Down": 4})).idle(json!(0))
+            }
+            _ => {
+                let keys =
+                    json!({"Left": [-1, 0, 0], "Right": [1, 0, 0], "Up": [0, 1, 0], "Down": [0, 0, 0.8]});
+                Keys::new(keys).idle(json!([0, 0, 0]))
+            }
+        })
+        .policy(Policy::rules(
+            "steers towards a point of the track ahead at a moderate speed; it reads the track from the environment, not \
+             from the picture, and finishes no lap within the limit",
+            heuristic::follow_the_track,
+        ))
+}
+
+gym_core::register!(racing("CarRacing-v2"));
+gym_core::register!(racing("CarRacing-v3").clip(Clip {
+    seeds: 1..2,
+    every: 6,
+    frames: 60,
+    size: (300, 200)
+}));
 #[cfg(feature = "rapier")]
 gym_core::register!(
-    Registration::new::<CarRacing>("rapier/CarRacing-v3")
-        .description("Drive around a track, from pictures.")
-        .reset_options(&[("randomize", "false")])
-        .exceptions(&[VERBOSE, crate::common::RAPIER_ALLOCATES])
+    racing("rapier/CarRacing-v3")
+        .exceptions(&[VERBOSE, common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
-        .max_episode_steps(1000)
-        .reward_threshold(900.0)
 );

@@ -21,6 +21,12 @@ pub enum Physics {
     Rapier,
 }
 
+impl gym_core::ArgumentType for Physics {
+    fn kind() -> String {
+        String::kind()
+    }
+}
+
 /// A world of rigid bodies. Its whole state is plain data: a copy, or one that was stored and read
 /// again, continues identically.
 ///

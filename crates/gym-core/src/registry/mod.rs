@@ -18,7 +18,7 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
-pub use registration::{Configure, NoArguments, Registration, VectorEntryPoint};
+pub use registration::{Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
@@ -43,7 +43,7 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
         table.entry(id).or_default().push(registration.clone());
     }
     for duplicates in table.values_mut() {
-        duplicates.sort_by_key(|registration| registration.crate_name);
+        duplicates.sort_by_key(|registration| registration.source.package);
     }
     RwLock::new(table)
 });
@@ -82,7 +82,7 @@ pub fn all() -> Vec<Registration> {
 
 /// As [`all`], without the environments that need what no crate brings; see [`Registration::needs`].
 pub fn self_contained() -> Vec<Registration> {
-    all().into_iter().filter(|registration| registration.requirement().is_none()).collect()
+    all().into_iter().filter(|registration| registration.needs.is_none()).collect()
 }
 
 /// The registration of an id.
@@ -95,7 +95,7 @@ pub fn find(id: &str) -> Result<Registration> {
     with_table(|table| match table.get(&id).map(Vec::as_slice) {
         Some([registration]) => Ok(registration.clone()),
         Some(duplicates) => {
-            let crates: Vec<_> = duplicates.iter().map(Registration::crate_name).collect();
+            let crates: Vec<_> = duplicates.iter().map(|registration| registration.source.package).collect();
             Err(Error::Duplicate { id: id.to_string(), crates: crates.join(", ") })
         }
         None => Err(not_found(table, &id)),
@@ -124,8 +124,12 @@ pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
 /// Says which part of an unknown id is at fault.
 fn not_found(table: &Table, id: &EnvId) -> Error {
     let crates = || {
-        let names: std::collections::BTreeSet<_> =
-            table.values().flatten().map(Registration::crate_name).filter(|name| !name.is_empty()).collect();
+        let names: std::collections::BTreeSet<_> = table
+            .values()
+            .flatten()
+            .map(|registration| registration.source.package)
+            .filter(|name| !name.is_empty())
+            .collect();
         match names.len() {
             0 => "no crate with environments is linked: add `use gym_classic as _;`".to_owned(),
             _ => {
@@ -179,8 +183,8 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
 pub fn pretty(columns: usize) -> String {
     let mut groups: BTreeMap<&'static str, (Option<&'static str>, Vec<String>)> = BTreeMap::new();
     for registration in all() {
-        let (requirement, ids) = groups.entry(registration.crate_name).or_default();
-        *requirement = registration.requirement();
+        let (requirement, ids) = groups.entry(registration.source.package).or_default();
+        *requirement = registration.needs.map(|need| need.what);
         ids.push(registration.id.into_owned());
     }
     let mut text = String::new();

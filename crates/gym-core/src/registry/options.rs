@@ -5,7 +5,7 @@ use crate::{Error, Kwargs, Result};
 
 /// The reset options that an environment knows, each with an example as JSON; empty where it does not say.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ResetOptions(pub(super) &'static [(&'static str, &'static str)]);
+pub(crate) struct ResetOptions(pub(crate) &'static [(&'static str, &'static str)]);
 
 impl ResetOptions {
     /// Refuses options of other names, where names are known.

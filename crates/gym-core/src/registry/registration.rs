@@ -2,12 +2,16 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::Range;
 
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
+use super::EnvId;
 use super::options::ResetOptions;
 use super::stack::{Renders, stack};
+use crate::arguments::{self, Argument, Arguments};
+use crate::keys::Keys;
+use crate::policy::Policy;
 use crate::registry::VectorSpec;
 use crate::render::RenderMode;
 use crate::vector::VectorEnv;
@@ -16,16 +20,21 @@ use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
 /// [`Stateful`] implements it for every [`Dynamics`].
 pub trait Configure: Env {
-    /// The constructor's arguments. Derive `Deserialize` with
-    /// `#[serde(default, deny_unknown_fields)]`, so that a misspelt one is an error that lists the
-    /// valid ones.
-    type Config: Default + Serialize + DeserializeOwned;
+    /// The constructor's arguments, a struct of [`arguments!`](crate::arguments!).
+    type Config: Arguments;
 
-    /// The environment with these arguments.
+    /// The environment with these arguments, under an id of this version. Most environments have one version and ignore the
+    /// number; an id without a version has the highest.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    fn configure(config: Self::Config) -> Result<Self>;
+    fn configure(config: Self::Config, version: u32) -> Result<Self>;
+
+    /// The arguments' default values under an id of this version, where versions differ in them.
+    fn defaults(version: u32) -> Self::Config {
+        let _ = version;
+        Self::Config::default()
+    }
 
     /// The environment that renders by itself in a mode, where [`render_into`](Env::render_into) is its own: `make`
     /// then puts no [`Render`](crate::wrappers::Render) around it. `None`, by default, for those that are drawn.
@@ -37,22 +46,23 @@ pub trait Configure: Env {
         Ok(None)
     }
 
-    /// The arguments with what was left to chance decided, such as a map that the constructor drew: the
-    /// spec then rebuilds this environment and no other. `None` where nothing is left to chance.
+    /// The arguments with every random choice filled in, such as a map that the constructor drew: the spec then rebuilds
+    /// this environment and no other. `None` where nothing is random.
     fn config(&self) -> Option<&Self::Config> {
         None
     }
 }
 
-/// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NoArguments {}
+crate::arguments! {
+    /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
+    #[derive(Copy, Eq)]
+    pub struct NoArguments {}
+}
 
 impl<D: Dynamics> Configure for Stateful<D> {
     type Config = D::Config;
 
-    fn configure(config: D::Config) -> Result<Self> {
+    fn configure(config: D::Config, _version: u32) -> Result<Self> {
         Self::new(config)
     }
 
@@ -67,31 +77,82 @@ impl<D: Dynamics> Configure for Stateful<D> {
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
-/// What an environment needs that no crate brings.
-#[derive(Clone, Copy)]
-struct Need {
-    what: &'static str,
-    is_there: fn() -> bool,
+/// An external requirement of an environment, such as ROMs.
+#[derive(Clone, Copy, Debug)]
+pub struct Need {
+    /// What is required.
+    pub what: &'static str,
+    is_met: fn() -> bool,
 }
 
-/// An entry of the registry. Submit it at link time with [`register!`](crate::register!), or at
-/// run time with [`registry::register`](crate::registry::register).
+impl Need {
+    /// Whether it is there.
+    pub fn is_met(&self) -> bool {
+        (self.is_met)()
+    }
+}
+
+/// The GIF on an environment's page of a book.
+#[derive(Clone, Debug)]
+pub struct Clip {
+    /// Seeds of its episodes.
+    pub seeds: Range<u64>,
+    /// Every n-th state is a frame.
+    pub every: u32,
+    /// Frames at most.
+    pub frames: u32,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+}
+
+/// An entry of the registry: what is known of the environment of one id. Submit it at link time with
+/// [`register!`](crate::register!), or at run time with [`registry::register`](crate::registry::register).
+///
+/// A method sets the fact that the field of its name holds.
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct Registration {
     pub(super) id: Cow<'static, str>,
-    pub(super) crate_name: &'static str,
-    description: &'static str,
+    /// The crate it comes from, the module and the source file; empty if it was registered at run time.
+    pub source: Source,
+    /// What the agent has to do, in a sentence.
+    pub description: &'static str,
+    /// The [reset options](field@crate::Reset::options) that the environment knows, each with an example as JSON.
+    pub reset_options: &'static [(&'static str, &'static str)],
+    /// Checks of the crate gym-conform that this id may fail, each with the reason.
+    pub exceptions: &'static [(&'static str, &'static str)],
+    /// What it requires that no crate brings.
+    pub needs: Option<Need>,
+    /// What makes its native vector.
+    pub vector_entry_point: Option<VectorEntryPoint>,
+    /// The keys with which a person plays it.
+    pub keys: Option<fn(&BoxEnv) -> Keys>,
+    /// A policy that plays it well.
+    pub policy: Option<Policy>,
+    /// Whether a step takes about as long as a call between threads.
+    pub light_step: bool,
+    /// Names and meanings of discrete actions.
+    pub actions: &'static [(&'static str, &'static str)],
+    /// What the GIF on its page shows.
+    pub clip: Option<Clip>,
+    version: Option<u32>,
     kwargs: &'static str,
     reward_threshold: Option<f64>,
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
-    without_arguments: bool,
-    pub(crate) reset_options: ResetOptions,
-    exceptions: &'static [(&'static str, &'static str)],
-    needs: Option<Need>,
-    defaults: fn() -> Json,
-    construct: fn(&EnvSpec, ResetOptions) -> Result<BoxEnv>,
-    vector_entry_point: Option<VectorEntryPoint>,
+    table: fn(u32) -> Vec<Argument>,
+    construct: fn(&Registration, &EnvSpec) -> Result<BoxEnv>,
+}
+
+/// Where a registration stands; [`register!`](crate::register!) fills it in.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Source {
+    /// The name of the package.
+    pub package: &'static str,
+    /// The path of the module.
+    pub module: &'static str,
+    /// The path of the file, from the root of its workspace.
+    pub file: &'static str,
 }
 
 impl Registration {
@@ -108,26 +169,31 @@ impl Registration {
     const fn with_id<E: Configure>(id: Cow<'static, str>) -> Self {
         Self {
             id,
-            crate_name: "",
+            source: Source { package: "", module: "", file: "" },
             description: "",
+            reset_options: &[],
+            exceptions: &[],
+            needs: None,
+            vector_entry_point: None,
+            keys: None,
+            policy: None,
+            light_step: false,
+            actions: &[],
+            clip: None,
+            version: None,
             kwargs: "{}",
             reward_threshold: None,
             max_episode_steps: None,
             nondeterministic: false,
-            without_arguments: false,
-            reset_options: ResetOptions(&[]),
-            exceptions: &[],
-            needs: None,
-            defaults: defaults::<E>,
+            table: |version| arguments::table(&E::defaults(version), version),
             construct: construct::<E>,
-            vector_entry_point: None,
         }
     }
 
-    /// The crate it comes from; [`register!`](crate::register!) fills it in.
+    /// The package, the module and the file it stands in; [`register!`](crate::register!) fills them in.
     #[must_use]
-    pub const fn from_crate(mut self, name: &'static str) -> Self {
-        self.crate_name = name;
+    pub const fn source(mut self, package: &'static str, module: &'static str, file: &'static str) -> Self {
+        self.source = Source { package, module, file };
         self
     }
 
@@ -138,18 +204,17 @@ impl Registration {
         self
     }
 
-    /// Arguments of this id, as a JSON object: they go before those of
-    /// [`make`](crate::make).
+    /// The version of the environment whose rules and arguments hold, where it is not that of the id.
     #[must_use]
-    pub const fn kwargs(mut self, json: &'static str) -> Self {
-        self.kwargs = json;
+    pub const fn version(mut self, version: u32) -> Self {
+        self.version = Some(version);
         self
     }
 
-    /// Takes no arguments under this id: an older version, from before there were any.
+    /// Arguments that this id sets, as a JSON object; arguments given to [`make`](crate::make) override them.
     #[must_use]
-    pub const fn without_arguments(mut self) -> Self {
-        self.without_arguments = true;
+    pub const fn kwargs(mut self, json: &'static str) -> Self {
+        self.kwargs = json;
         self
     }
 
@@ -172,7 +237,7 @@ impl Registration {
     /// that names none is handed every option.
     #[must_use]
     pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
-        self.reset_options = ResetOptions(options);
+        self.reset_options = options;
         self
     }
 
@@ -183,11 +248,10 @@ impl Registration {
         self
     }
 
-    /// Says what the environment needs that no crate brings, as in `ROMs`, and how to see whether it is there. Whatever goes
-    /// through the whole registry passes over such environments, or says what they need.
+    /// Declares an external requirement, as in `ROMs`, and how to test for it. Commands over the whole registry skip these.
     #[must_use]
-    pub const fn needs(mut self, what: &'static str, is_there: fn() -> bool) -> Self {
-        self.needs = Some(Need { what, is_there });
+    pub const fn needs(mut self, what: &'static str, is_met: fn() -> bool) -> Self {
+        self.needs = Some(Need { what, is_met });
         self
     }
 
@@ -205,50 +269,66 @@ impl Registration {
         self
     }
 
+    /// The keys with which a person plays it; they may depend on the environment's arguments. Without, the digits are
+    /// the actions of a `Discrete` space.
+    #[must_use]
+    pub const fn keys(mut self, keys: fn(&BoxEnv) -> Keys) -> Self {
+        self.keys = Some(keys);
+        self
+    }
+
+    /// A policy that plays it well.
+    #[must_use]
+    pub const fn policy(mut self, policy: Policy) -> Self {
+        self.policy = Some(policy);
+        self
+    }
+
+    /// Says that a step takes less than a microsecond or so: other threads need not run meanwhile.
+    #[must_use]
+    pub const fn light_step(mut self) -> Self {
+        self.light_step = true;
+        self
+    }
+
+    /// Names and meanings of discrete actions, for the page: `VARIANTS` of an enum of [`discrete!`](crate::discrete!).
+    #[must_use]
+    pub const fn actions(mut self, variants: &'static [(&'static str, &'static str)]) -> Self {
+        self.actions = variants;
+        self
+    }
+
+    /// What the GIF on its page shows. Ids registered in one module share the page.
+    #[must_use]
+    pub const fn clip(mut self, clip: Clip) -> Self {
+        self.clip = Some(clip);
+        self
+    }
+
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
     }
 
-    /// What the agent has to do, in a sentence; empty where [`description`](Self::description) did not say.
-    pub fn about(&self) -> &'static str {
-        self.description
+    /// The version whose rules hold; the highest number where neither the id nor [`version`](Self::version) says one.
+    pub(crate) fn rules(&self) -> u32 {
+        let of_id = || self.id.parse::<EnvId>().ok().and_then(|id| id.version);
+        self.version.or_else(of_id).unwrap_or(u32::MAX)
     }
 
-    /// The reset options that the environment knows, each with an example as JSON; empty where
-    /// [`reset_options`](Self::reset_options) did not say.
-    pub fn known_reset_options(&self) -> &'static [(&'static str, &'static str)] {
-        self.reset_options.0
-    }
-
-    /// The checks of the crate gym-conform that this id may fail, each with the reason.
-    pub fn all_exceptions(&self) -> &'static [(&'static str, &'static str)] {
-        self.exceptions
-    }
-
-    /// What it needs that no crate brings, if it needs something.
-    pub fn requirement(&self) -> Option<&'static str> {
-        self.needs.map(|need| need.what)
-    }
-
-    /// What it needs and is not there.
-    pub fn missing(&self) -> Option<&'static str> {
-        self.needs.filter(|need| !(need.is_there)()).map(|need| need.what)
-    }
-
-    /// Why this id may fail a check of the crate gym-conform, if it may.
-    pub fn exception(&self, check: &str) -> Option<&'static str> {
-        self.exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
-    }
-
-    /// The crate it comes from.
-    pub fn crate_name(&self) -> &str {
-        self.crate_name
-    }
-
-    /// What makes its native vector, if it has one.
-    pub fn native_vector(&self) -> Option<VectorEntryPoint> {
-        self.vector_entry_point
+    /// The constructor's arguments that this id takes, with their default values: those that the id [sets](Self::kwargs), and
+    /// those of its version.
+    ///
+    /// # Errors
+    /// As [`spec`](Self::spec).
+    pub fn arguments(&self) -> Result<Vec<Argument>> {
+        let mut table = (self.table)(self.rules());
+        for (name, value) in self.spec()?.kwargs {
+            if let Some(argument) = table.iter_mut().find(|argument| argument.name == name) {
+                argument.default = value;
+            }
+        }
+        Ok(table)
     }
 
     /// How [`make`](crate::make) builds it.
@@ -274,65 +354,44 @@ impl Registration {
         })
     }
 
-    /// The constructor's arguments with their default values.
-    pub fn default_kwargs(&self) -> Kwargs {
-        match (self.defaults)() {
-            Json::Object(map) if !self.without_arguments => map,
-            _ => Kwargs::new(),
-        }
-    }
-
     /// The environment of a spec in the stack of `make`, without its additional wrappers.
     pub(super) fn construct(&self, spec: &EnvSpec) -> Result<BoxEnv> {
-        if self.without_arguments && !spec.kwargs.is_empty() {
-            return Err(Error::argument(format!("`{}`", spec.id), "this version takes no arguments"));
-        }
-        (self.construct)(spec, self.reset_options)
+        (self.construct)(self, spec)
     }
 }
 
 impl fmt::Debug for Registration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Registration({} of {})", self.id, self.crate_name)
+        write!(f, "Registration({} of {})", self.id, self.source.package)
     }
 }
 
 inventory::collect!(Registration);
 
-fn defaults<E: Configure>() -> Json {
-    serde_json::to_value(E::Config::default()).unwrap_or_default()
-}
-
-fn construct<E: Configure>(spec: &EnvSpec, options: ResetOptions) -> Result<BoxEnv> {
-    let invalid = |error: serde_json::Error| {
-        let mut reason = error.to_string();
-        if reason.contains("invalid type: null") {
-            reason += " (null is also what becomes of a number that is NaN or infinite: give a finite one)";
-        }
-        Error::argument(format!("`{}`", spec.id), reason)
-    };
-    let config = || -> Result<E::Config> {
-        serde_json::from_value(Json::Object(spec.kwargs.clone())).map_err(invalid)
-    };
+fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Result<BoxEnv> {
+    let (version, whose) = (registration.rules(), format!("`{}`", spec.id));
+    let config = || arguments::read(&E::defaults(version), version, &spec.kwargs, &whose);
+    let options = ResetOptions(registration.reset_options);
     if let Some(mode) = spec.render_mode
         && let Some(env) = E::configure_to_render(config()?, mode.single())?
     {
         return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
-    let asked = serde_json::to_value(&config).map_err(invalid)?;
-    let env = E::configure(config)?;
+    let json = |config: &E::Config| {
+        serde_json::to_value(config).map_err(|error| Error::argument(whose.clone(), error.to_string()))
+    };
+    let asked = json(&config)?;
+    let env = E::configure(config, version)?;
     let mut spec = spec.clone();
-    if let Some(Json::Object(decided)) =
-        env.config().map(serde_json::to_value).transpose().map_err(invalid)?
-    {
+    if let Some(Json::Object(decided)) = env.config().map(json).transpose()? {
         let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
         spec.kwargs.extend(by_chance);
     }
     stack(env, Renders::Drawings, &spec, options)
 }
 
-/// Registers an environment when its crate is linked.
+/// Registers an environment, or several, when its crate is linked.
 ///
 /// ```
 /// use gym_core::{Registration, register};
@@ -349,7 +408,7 @@ fn construct<E: Configure>(spec: &EnvSpec, options: ResetOptions) -> Result<BoxE
 /// # }
 /// # impl Configure for Corridor {
 /// #     type Config = NoArguments;
-/// #     fn configure(_: NoArguments) -> Result<Self> { Ok(Self) }
+/// #     fn configure(_: NoArguments, _version: u32) -> Result<Self> { Ok(Self) }
 /// # }
 ///
 /// register!(Registration::new::<Corridor>("my_envs/Corridor-v0").max_episode_steps(500).reward_threshold(0.9));
@@ -362,7 +421,7 @@ fn construct<E: Configure>(spec: &EnvSpec, options: ResetOptions) -> Result<BoxE
 /// missing: name it with `use my_envs as _;`.
 #[macro_export]
 macro_rules! register {
-    ($registration:expr) => {
-        $crate::inventory::submit! { $registration.from_crate(env!("CARGO_PKG_NAME")) }
+    ($($registration:expr),+ $(,)?) => {
+        $($crate::inventory::submit! { $registration.source(env!("CARGO_PKG_NAME"), module_path!(), file!()) })+
     };
 }

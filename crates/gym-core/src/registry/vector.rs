@@ -220,7 +220,7 @@ impl VectorSpec {
             VectorKind::Native => {
                 let refuse =
                     |reason: &str| Err(Error::argument(format!("a native vector of `{}`", env.id), reason));
-                let Some(entry_point) = find(&env.id)?.native_vector() else {
+                let Some(entry_point) = find(&env.id)?.vector_entry_point else {
                     return refuse("this id has none: its kinds are sync and async");
                 };
                 match native_obstacle(&env) {

@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::{Error, Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Error, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Ant;
@@ -39,82 +40,59 @@ pub enum Body {
     Name(String),
 }
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a velocity of 1 m/s.
-    pub forward_reward_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Cost of the squared contact forces.
-    pub contact_cost_weight: f64,
-    /// Reward for a step after which it is healthy.
-    pub healthy_reward: f64,
-    /// The body whose velocity counts.
-    pub main_body: Body,
-    /// Whether the episode ends when it is no longer healthy.
-    pub terminate_when_unhealthy: bool,
-    /// Where the height lies while it is healthy, in m.
-    pub healthy_z_range: Range,
-    /// Where contact forces are clipped to.
-    pub contact_force_range: Range,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// Whether the positions along x and y are not observed.
-    pub exclude_current_positions_from_observation: bool,
-    /// Whether contact forces are observed.
-    pub include_cfrc_ext_in_observation: bool,
-    /// Version 4: whether contact forces are observed and cost.
-    pub use_contact_forces: bool,
+impl gym_core::ArgumentType for Body {
+    fn kind() -> String {
+        "integer or string".to_owned()
+    }
+}
+
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten(xml_file = 3..)]
+        pub common: Common = Common::new("ant.xml", 5, CameraConfig::following(1, 3.6, 60.0, -24.0, 0.4)),
+        /// Reward for a velocity of 1 m/s.
+        #[versions = 5..]
+        pub forward_reward_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 3..]
+        pub ctrl_cost_weight: f64 = 0.5,
+        /// Cost of the squared contact forces.
+        #[versions = 3..]
+        pub contact_cost_weight: f64 = 5e-4,
+        /// Reward for a step after which it is healthy.
+        #[versions = 3..]
+        pub healthy_reward: f64 = 1.0,
+        /// The body whose velocity counts.
+        #[versions = 5..]
+        pub main_body: Body = Body::Id(1),
+        /// Whether the episode ends when it is no longer healthy.
+        #[versions = 3..]
+        pub terminate_when_unhealthy: bool = true,
+        /// Where the height lies while it is healthy.
+        #[unit = "m"]
+        #[versions = 3..]
+        pub healthy_z_range: Range = Range::new(0.2, 1.0),
+        /// Where contact forces are clipped to.
+        #[versions = 3..]
+        pub contact_force_range: Range = Range::new(-1.0, 1.0),
+        /// Size of the disturbance at the start.
+        #[versions = 3..]
+        pub reset_noise_scale: f64 = 0.1,
+        /// Whether the positions along x and y are not observed.
+        #[versions = 3..]
+        pub exclude_current_positions_from_observation: bool = true,
+        /// Whether contact forces are observed.
+        #[versions = 5..]
+        pub include_cfrc_ext_in_observation: bool = true,
+        /// Version 4: whether contact forces are observed and cost.
+        #[versions = 4]
+        pub use_contact_forces: bool,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        Self {
-            common: Common::new("ant.xml", 5, CameraConfig::following(1, 3.6, 60.0, -24.0, 0.4)),
-            forward_reward_weight: 1.0,
-            ctrl_cost_weight: 0.5,
-            contact_cost_weight: 5e-4,
-            healthy_reward: 1.0,
-            main_body: Body::Id(1),
-            terminate_when_unhealthy: true,
-            healthy_z_range: Range::new(0.2, 1.0),
-            contact_force_range: Range::new(-1.0, 1.0),
-            reset_noise_scale: 0.1,
-            exclude_current_positions_from_observation: true,
-            include_cfrc_ext_in_observation: true,
-            use_contact_forces: false,
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 13] = [
-            "forward_reward_weight",
-            "main_body",
-            "include_cfrc_ext_in_observation",
-            // all versions but the second
-            "ctrl_cost_weight",
-            "contact_cost_weight",
-            "healthy_reward",
-            "terminate_when_unhealthy",
-            "healthy_z_range",
-            "contact_force_range",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "xml_file",
-            "use_contact_forces",
-        ];
-        match version {
-            2 => &[],
-            3 => &NAMES[3..12],
-            4 => &NAMES[3..],
-            _ => &NAMES[..11],
-        }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -125,7 +103,7 @@ impl TaskArguments for Config {
 pub struct Task {
     config: Config,
     cost: ControlCost,
-    version: u8,
+    version: u32,
     main_body: usize,
     /// The first body whose contact forces are observed, if any are.
     observed_forces: Option<usize>,
@@ -160,7 +138,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         let bodies = simulation.model.nbody();
         let main_body = match &config.main_body {
@@ -253,7 +231,20 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    Ant, "Walk along x on four legs.", steps 1000, threshold 6000.0, versions [2 3 4 5],
-    idle 3 "contact forces are always 0 in this version, as in Gymnasium's"
+/// What all versions have in common.
+const fn ant(id: &'static str) -> Registration {
+    Registration::new::<Ant>(id)
+        .description("Walk along x on four legs.")
+        .max_episode_steps(1000)
+        .reward_threshold(6000.0)
+}
+
+gym_core::register!(
+    ant("Ant-v2"),
+    ant("Ant-v3").exceptions(&[(
+        "arguments-matter",
+        "contact forces are always 0 in this version, as in Gymnasium's"
+    )]),
+    ant("Ant-v4"),
+    ant("Ant-v5").clip(Clip { seeds: 0..2, every: 2, frames: 40, size: (200, 200) }),
 );

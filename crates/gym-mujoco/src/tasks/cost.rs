@@ -13,7 +13,7 @@ pub(super) struct ControlCost {
 }
 
 impl ControlCost {
-    pub(super) fn new(weight: f64, version: u8) -> Self {
+    pub(super) fn new(weight: f64, version: u32) -> Self {
         Self { weight, single: version >= 4 }
     }
 

@@ -11,7 +11,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::Simulated;
-use super::arguments::{Arguments, TaskArguments};
+use super::arguments::TaskArguments;
 use super::simulation::Simulation;
 use crate::Data;
 use crate::physics::MAXVAL;
@@ -27,7 +27,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     ///
     /// # Errors
     /// If the model lacks what the task needs.
-    fn new(config: &Self::Config, version: u8, simulation: &Simulation) -> Result<Self>;
+    fn new(config: &Self::Config, version: u32, simulation: &Simulation) -> Result<Self>;
 
     /// Draws positions and velocities for the start of an episode.
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
@@ -55,14 +55,9 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
 
 /// The environment of a task, in one of its versions.
 #[derive(Clone, Debug)]
-pub struct MujocoEnv<T: Task, const VERSION: u8 = 5> {
-    arguments: Arguments<T::Config, VERSION>,
-    inner: Inner<T>,
-}
-
-/// What does not depend on the version: the code of a task is compiled once.
-#[derive(Clone, Debug)]
-struct Inner<T: Task> {
+pub struct MujocoEnv<T: Task> {
+    /// The version and the arguments, which say what snapshots fit.
+    arguments: (u32, T::Config),
     task: T,
     simulation: Simulation,
     observation_space: Space,
@@ -78,29 +73,74 @@ struct Episode<S> {
     step: Option<S>,
 }
 
-impl<T: Task, const VERSION: u8> MujocoEnv<T, VERSION> {
-    /// The environment with these arguments.
+/// The newest version.
+const NEWEST: u32 = 5;
+
+impl<T: Task> MujocoEnv<T> {
+    /// The environment with these arguments, in version 5.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks what the
     /// task needs.
     pub fn new(config: T::Config) -> Result<Self> {
-        let inner = Inner::new(&config, VERSION)?;
-        Ok(Self { arguments: Arguments(config), inner })
+        Self::with_version(config, NEWEST)
+    }
+
+    /// As [`new`](Self::new), by the rules of version 2, 3, 4 or 5.
+    ///
+    /// # Errors
+    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
+        if version < 2 {
+            let reason =
+                format!("there is no version {version}: set 2 to {NEWEST} with `Registration::version`");
+            return Err(Error::argument("version", reason));
+        }
+        let version = version.min(NEWEST);
+        let simulation = Simulation::new(config.common(), version)?;
+        let task = T::new(&config, version, &simulation)?;
+        let mut data = Data::new(&simulation.model);
+        simulation.start(&mut data);
+        let observations = task.observe(&simulation, &data).count();
+        let observation_space =
+            BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [observations], DType::F64)?.into();
+        let action_space = simulation.action_space()?;
+        Ok(Self {
+            arguments: (version, config),
+            task,
+            simulation,
+            observation_space,
+            action_space,
+            observations,
+            episode: None,
+        })
+    }
+
+    fn observe(&self, observation: &mut Array) -> Result<()> {
+        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
+        let fits = observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
+        if !fits {
+            *observation = Array::from(vec![0.0; self.observations]);
+        }
+        let seen = self.task.observe(&self.simulation, &episode.data);
+        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
+            *to = from;
+        }
+        Ok(())
     }
 }
 
-impl<T: Task, const VERSION: u8> Simulated for MujocoEnv<T, VERSION> {
+impl<T: Task> Simulated for MujocoEnv<T> {
     fn simulation(&self) -> &Simulation {
-        &self.inner.simulation
+        &self.simulation
     }
 
     fn data(&self) -> Option<&Data> {
-        self.inner.episode.as_ref().map(|episode| &episode.data)
+        self.episode.as_ref().map(|episode| &episode.data)
     }
 
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()> {
-        let Inner { simulation, episode, .. } = &mut self.inner;
+        let Self { simulation, episode, .. } = self;
         let Some(episode) = episode else { return Err(Error::ResetNeeded("set_state")) };
         for (name, numbers, needed) in
             [("qpos", qpos, simulation.model.nq()), ("qvel", qvel, simulation.model.nv())]
@@ -120,20 +160,19 @@ impl<T: Task, const VERSION: u8> Simulated for MujocoEnv<T, VERSION> {
     }
 }
 
-impl<T: Task> Inner<T> {
-    fn new(config: &T::Config, version: u8) -> Result<Self> {
-        let simulation = Simulation::new(config.common(), version)?;
-        let task = T::new(config, version, &simulation)?;
-        let mut data = Data::new(&simulation.model);
-        simulation.start(&mut data);
-        let observations = task.observe(&simulation, &data).count();
-        let observation_space =
-            BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [observations], DType::F64)?.into();
-        let action_space = simulation.action_space()?;
-        Ok(Self { task, simulation, observation_space, action_space, observations, episode: None })
+impl<T: Task> Env for MujocoEnv<T> {
+    type Observation = Array;
+    type Action = Array;
+
+    fn observation_space(&self) -> Space {
+        self.observation_space.clone()
     }
 
-    fn reset(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+    fn action_space(&self) -> Space {
+        self.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let mut episode = match self.episode.take() {
             Some(mut episode) => {
@@ -149,7 +188,7 @@ impl<T: Task> Inner<T> {
         self.observe(observation)
     }
 
-    fn step(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
+    fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         let numbers = action.as_slice::<f32>().filter(|numbers| {
             numbers.len() == self.simulation.model.nu() && numbers.iter().all(|a| a.is_finite())
@@ -163,16 +202,18 @@ impl<T: Task> Inner<T> {
         Ok(Outcome { reward, terminated, truncated: false })
     }
 
-    fn observe(&self, observation: &mut Array) -> Result<()> {
-        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
-        let fits = observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
-        if !fits {
-            *observation = Array::from(vec![0.0; self.observations]);
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::with_config(&self.describe(), &self.arguments, &self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let model = &self.simulation.model;
+        let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
+        let mut episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        if let Some(episode) = &mut episode {
+            episode.data.resume(model);
         }
-        let seen = self.task.observe(&self.simulation, &episode.data);
-        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
-            *to = from;
-        }
+        self.episode = episode.map(Box::new);
         Ok(())
     }
 
@@ -185,71 +226,35 @@ impl<T: Task> Inner<T> {
             visit("tendon_velocity", Value::Array(data.ten_velocity.clone().into()));
         }
     }
-}
-
-impl<T: Task, const VERSION: u8> Env for MujocoEnv<T, VERSION> {
-    type Observation = Array;
-    type Action = Array;
-
-    fn observation_space(&self) -> Space {
-        self.inner.observation_space.clone()
-    }
-
-    fn action_space(&self) -> Space {
-        self.inner.action_space.clone()
-    }
-
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
-        self.inner.reset(reset, observation)
-    }
-
-    fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
-        self.inner.step(action, observation)
-    }
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(&self.describe(), &self.arguments, &self.inner.episode)
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let model = &self.inner.simulation.model;
-        let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
-        let mut episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
-        if let Some(episode) = &mut episode {
-            episode.data.resume(model);
-        }
-        self.inner.episode = episode.map(Box::new);
-        Ok(())
-    }
-
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.inner.info(visit);
-    }
 
     fn metadata(&self) -> Metadata {
-        let common = self.arguments.0.common();
-        Metadata::drawn(self.inner.simulation.fps(), (common.width, common.height))
+        let common = self.arguments.1.common();
+        Metadata::drawn(self.simulation.fps(), (common.width, common.height))
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        let Inner { simulation, episode: Some(episode), .. } = &self.inner else { return };
-        let common = self.arguments.0.common();
+        let Self { simulation, episode: Some(episode), .. } = self else { return };
+        let common = self.arguments.1.common();
         simulation.view.draw(&simulation.model, &episode.data, (common.width, common.height), canvas);
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
-        self.inner.episode.as_mut().map(|episode| &mut episode.rng)
+        self.episode.as_mut().map(|episode| &mut episode.rng)
     }
 
     fn close(&mut self) {
-        self.inner.episode = None;
+        self.episode = None;
     }
 }
 
-impl<T: Task, const VERSION: u8> Configure for MujocoEnv<T, VERSION> {
-    type Config = Arguments<T::Config, VERSION>;
+impl<T: Task> Configure for MujocoEnv<T> {
+    type Config = T::Config;
 
-    fn configure(Arguments(config): Self::Config) -> Result<Self> {
-        Self::new(config)
+    fn configure(config: T::Config, version: u32) -> Result<Self> {
+        Self::with_version(config, version)
+    }
+
+    fn defaults(version: u32) -> T::Config {
+        T::Config::defaults(version)
     }
 }

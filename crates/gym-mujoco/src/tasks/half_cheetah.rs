@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/half_cheetah_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::HalfCheetah;
@@ -27,48 +28,28 @@ use super::simulation::{Simulation, normal_noise, uniform_noise};
 use crate::Data;
 use crate::view::CameraConfig;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a velocity of 1 m/s.
-    pub forward_reward_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// Whether the position along x is not observed.
-    pub exclude_current_positions_from_observation: bool,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten(xml_file = 3 | 5..)]
+        pub common: Common = Common::new("half_cheetah.xml", 5, CameraConfig::following(1, 3.2, 90.0, -12.0, 0.5)),
+        /// Reward for a velocity of 1 m/s.
+        #[versions = 3..]
+        pub forward_reward_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 3..]
+        pub ctrl_cost_weight: f64 = 0.1,
+        /// Size of the disturbance at the start.
+        #[versions = 3..]
+        pub reset_noise_scale: f64 = 0.1,
+        /// Whether the position along x is not observed.
+        #[versions = 3..]
+        pub exclude_current_positions_from_observation: bool = true,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        Self {
-            common: Common::new("half_cheetah.xml", 5, CameraConfig::following(1, 3.2, 90.0, -12.0, 0.5)),
-            forward_reward_weight: 1.0,
-            ctrl_cost_weight: 0.1,
-            reset_noise_scale: 0.1,
-            exclude_current_positions_from_observation: true,
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 5] = [
-            "forward_reward_weight",
-            "ctrl_cost_weight",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "xml_file",
-        ];
-        match version {
-            2 => &[],
-            3 => &NAMES,
-            _ => &NAMES[..4],
-        }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -79,7 +60,7 @@ impl TaskArguments for Config {
 pub struct Task {
     config: Config,
     cost: ControlCost,
-    version: u8,
+    version: u32,
 }
 
 /// What was measured in a step.
@@ -94,7 +75,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 1)?;
         Ok(Self { config: config.clone(), cost: ControlCost::new(config.ctrl_cost_weight, version), version })
     }
@@ -132,6 +113,19 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    HalfCheetah, "Run on two legs, in a plane, as fast as possible.", steps 1000, threshold 4800.0, versions [2 3 4 5]
+/// What all versions have in common.
+const fn half_cheetah(id: &'static str) -> Registration {
+    Registration::new::<HalfCheetah>(id)
+        .description("Run on two legs, in a plane, as fast as possible.")
+        .max_episode_steps(1000)
+        .reward_threshold(4800.0)
+}
+
+gym_core::register!(
+    half_cheetah("HalfCheetah-v2"),
+    half_cheetah("HalfCheetah-v3"),
+    half_cheetah("HalfCheetah-v4"),
+    half_cheetah("HalfCheetah-v5")
+        .policy(Policy::network(include_str!("../../policies/half-cheetah.json")))
+        .clip(Clip { seeds: 0..2, every: 2, frames: 60, size: (240, 240) }),
 );

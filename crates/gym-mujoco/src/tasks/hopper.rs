@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/hopper_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use serde::{Deserialize, Serialize};
+use gym_core::registry::Clip;
+use gym_core::{Policy, Registration};
 
 use super::Hopper;
 use super::arguments::{Common, TaskArguments};
@@ -27,69 +28,45 @@ use crate::view::CameraConfig;
 /// The task.
 pub type Task = Runner<Config>;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a velocity of 1 m/s.
-    pub forward_reward_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Reward for a step after which it stands.
-    pub healthy_reward: f64,
-    /// Whether a fall ends the episode.
-    pub terminate_when_unhealthy: bool,
-    /// Where every position but x and height, and every velocity, lies while it stands.
-    pub healthy_state_range: Range,
-    /// Where the height lies while it stands, in m.
-    pub healthy_z_range: Range,
-    /// Where the angle of the torso lies while it stands, in rad.
-    pub healthy_angle_range: Range,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// Whether the position along x is not observed.
-    pub exclude_current_positions_from_observation: bool,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten(xml_file = 3 | 5..)]
+        pub common: Common = Common::new("hopper.xml", 4, CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8)),
+        /// Reward for a velocity of 1 m/s.
+        #[versions = 3..]
+        pub forward_reward_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 3..]
+        pub ctrl_cost_weight: f64 = 1e-3,
+        /// Reward for a step after which it stands.
+        #[versions = 3..]
+        pub healthy_reward: f64 = 1.0,
+        /// Whether a fall ends the episode.
+        #[versions = 3..]
+        pub terminate_when_unhealthy: bool = true,
+        /// Where every position but x and height, and every velocity, lies while it stands.
+        #[versions = 3..]
+        pub healthy_state_range: Range = Range::new(-100.0, 100.0),
+        /// Where the height lies while it stands.
+        #[unit = "m"]
+        #[versions = 3..]
+        pub healthy_z_range: Range = Range::new(0.7, f64::INFINITY),
+        /// Where the angle of the torso lies while it stands.
+        #[unit = "rad"]
+        #[versions = 3..]
+        pub healthy_angle_range: Range = Range::new(-0.2, 0.2),
+        /// Size of the disturbance at the start.
+        #[versions = 3..]
+        pub reset_noise_scale: f64 = 5e-3,
+        /// Whether the position along x is not observed.
+        #[versions = 3..]
+        pub exclude_current_positions_from_observation: bool = true,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8);
-        Self {
-            common: Common::new("hopper.xml", 4, camera),
-            forward_reward_weight: 1.0,
-            ctrl_cost_weight: 1e-3,
-            healthy_reward: 1.0,
-            terminate_when_unhealthy: true,
-            healthy_state_range: Range::new(-100.0, 100.0),
-            healthy_z_range: Range::new(0.7, f64::INFINITY),
-            healthy_angle_range: Range::new(-0.2, 0.2),
-            reset_noise_scale: 5e-3,
-            exclude_current_positions_from_observation: true,
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 10] = [
-            "forward_reward_weight",
-            "ctrl_cost_weight",
-            "healthy_reward",
-            "terminate_when_unhealthy",
-            "healthy_state_range",
-            "healthy_z_range",
-            "healthy_angle_range",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "xml_file",
-        ];
-        match version {
-            2 => &[],
-            3 => &NAMES,
-            _ => &NAMES[..9],
-        }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -111,6 +88,22 @@ impl RunnerArguments for Config {
     }
 }
 
-super::register!(
-    Hopper, "Hop forward on one leg, in a plane.", steps 1000, threshold 3800.0, versions [2 3 4 5]
+/// What all versions have in common.
+const fn hopper(id: &'static str) -> Registration {
+    Registration::new::<Hopper>(id)
+        .description("Hop forward on one leg, in a plane.")
+        .max_episode_steps(1000)
+        .reward_threshold(3800.0)
+}
+
+gym_core::register!(
+    hopper("Hopper-v2"),
+    hopper("Hopper-v3"),
+    hopper("Hopper-v4"),
+    hopper("Hopper-v5").policy(Policy::network(include_str!("../../policies/hopper.json"))).clip(Clip {
+        seeds: 0..2,
+        every: 3,
+        frames: 40,
+        size: (240, 240)
+    }),
 );

@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Humanoid;
@@ -28,63 +29,68 @@ use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
 use crate::view::CameraConfig;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a velocity of 1 m/s.
-    pub forward_reward_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Cost of the squared contact forces.
-    pub contact_cost_weight: f64,
-    /// Where that cost is clipped to.
-    pub contact_cost_range: Range,
-    /// Reward for a step after which it stands.
-    pub healthy_reward: f64,
-    /// Whether a fall ends the episode.
-    pub terminate_when_unhealthy: bool,
-    /// Where the height lies while it stands, in m.
-    pub healthy_z_range: Range,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// What is observed.
-    #[serde(flatten)]
-    pub observed: Observed,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten(xml_file = 3 | 5..)]
+        pub common: Common = Common::new("humanoid.xml", 5, CameraConfig::following(1, 3.6, 120.0, -14.0, 0.9)),
+        /// Reward for a velocity of 1 m/s.
+        #[versions = 3..]
+        pub forward_reward_weight: f64 = 1.25,
+        /// Cost of the squared actions.
+        #[versions = 3..]
+        pub ctrl_cost_weight: f64 = 0.1,
+        /// Cost of the squared contact forces.
+        #[versions = 3 | 5..]
+        pub contact_cost_weight: f64 = 5e-7,
+        /// Where that cost is clipped to.
+        #[versions = 3 | 5..]
+        pub contact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
+        /// Reward for a step after which it stands.
+        #[versions = 3..]
+        pub healthy_reward: f64 = 5.0,
+        /// Whether a fall ends the episode.
+        #[versions = 3..]
+        pub terminate_when_unhealthy: bool = true,
+        /// Where the height lies while it stands.
+        #[unit = "m"]
+        #[versions = 3..]
+        pub healthy_z_range: Range = Range::new(1.0, 2.0),
+        /// Size of the disturbance at the start.
+        #[versions = 3..]
+        pub reset_noise_scale: f64 = 1e-2,
+        /// What is observed.
+        #[flatten(exclude_current_positions_from_observation = 3..)]
+        pub observed: Observed,
+    }
 }
 
-/// What is observed of a humanoid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Observed {
-    /// Whether the positions along x and y are left out.
-    pub exclude_current_positions_from_observation: bool,
-    /// Whether inertias are observed.
-    pub include_cinert_in_observation: bool,
-    /// Whether velocities of the bodies are observed.
-    pub include_cvel_in_observation: bool,
-    /// Whether torques of the actuators are observed.
-    pub include_qfrc_actuator_in_observation: bool,
-    /// Whether contact forces are observed.
-    pub include_cfrc_ext_in_observation: bool,
-}
-
-impl Default for Observed {
-    fn default() -> Self {
-        Self {
-            exclude_current_positions_from_observation: true,
-            include_cinert_in_observation: true,
-            include_cvel_in_observation: true,
-            include_qfrc_actuator_in_observation: true,
-            include_cfrc_ext_in_observation: true,
-        }
+gym_core::arguments! {
+    /// What is observed of a humanoid.
+    #[derive(Copy, Eq)]
+    pub struct Observed {
+        /// Whether the positions along x and y are left out.
+        #[versions = 5..]
+        pub exclude_current_positions_from_observation: bool = true,
+        /// Whether inertias are observed.
+        #[versions = 5..]
+        pub include_cinert_in_observation: bool = true,
+        /// Whether velocities of the bodies are observed.
+        #[versions = 5..]
+        pub include_cvel_in_observation: bool = true,
+        /// Whether torques of the actuators are observed.
+        #[versions = 5..]
+        pub include_qfrc_actuator_in_observation: bool = true,
+        /// Whether contact forces are observed.
+        #[versions = 5..]
+        pub include_cfrc_ext_in_observation: bool = true,
     }
 }
 
 impl Observed {
     /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are among them.
-    pub(super) fn numbers(self, version: u8, data: &Data) -> impl Iterator<Item = f64> {
+    pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
         let skip = if self.exclude_current_positions_from_observation { 2 } else { 0 };
         let part = |included: bool, numbers: &'_ [f64], first: usize| {
@@ -106,49 +112,6 @@ impl Observed {
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::following(1, 3.6, 120.0, -14.0, 0.9);
-        Self {
-            common: Common::new("humanoid.xml", 5, camera),
-            forward_reward_weight: 1.25,
-            ctrl_cost_weight: 0.1,
-            contact_cost_weight: 5e-7,
-            contact_cost_range: Range::new(f64::NEG_INFINITY, 10.0),
-            healthy_reward: 5.0,
-            terminate_when_unhealthy: true,
-            healthy_z_range: Range::new(1.0, 2.0),
-            reset_noise_scale: 1e-2,
-            observed: Observed::default(),
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 14] = [
-            "include_cinert_in_observation",
-            "include_cvel_in_observation",
-            "include_qfrc_actuator_in_observation",
-            "include_cfrc_ext_in_observation",
-            // versions 3 and 5
-            "contact_cost_weight",
-            "contact_cost_range",
-            // all versions but the second
-            "forward_reward_weight",
-            "ctrl_cost_weight",
-            "healthy_reward",
-            "terminate_when_unhealthy",
-            "healthy_z_range",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "xml_file",
-        ];
-        match version {
-            2 => &[],
-            3 => &NAMES[4..],
-            4 => &NAMES[6..13],
-            _ => &NAMES[..13],
-        }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -158,7 +121,7 @@ impl TaskArguments for Config {
 #[derive(Clone, Debug)]
 pub struct Task {
     config: Config,
-    version: u8,
+    version: u32,
     total_mass: f64,
 }
 
@@ -186,7 +149,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         Ok(Self { config: config.clone(), version, total_mass: sum(&simulation.model.body_mass) })
     }
@@ -264,7 +227,17 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    Humanoid, "Walk along x, upright.", steps 1000, versions [2 3 4 5],
-    idle 3 "contact forces are always 0 in this version, as in Gymnasium's"
+/// What all versions have in common.
+const fn humanoid(id: &'static str) -> Registration {
+    Registration::new::<Humanoid>(id).description("Walk along x, upright.").max_episode_steps(1000)
+}
+
+gym_core::register!(
+    humanoid("Humanoid-v2"),
+    humanoid("Humanoid-v3").exceptions(&[(
+        "arguments-matter",
+        "contact forces are always 0 in this version, as in Gymnasium's"
+    )]),
+    humanoid("Humanoid-v4"),
+    humanoid("Humanoid-v5").clip(Clip { seeds: 0..2, every: 2, frames: 30, size: (240, 240) }),
 );

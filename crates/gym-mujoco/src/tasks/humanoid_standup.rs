@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::HumanoidStandup;
@@ -29,57 +30,34 @@ use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
 use crate::view::CameraConfig;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Without effect, as in Gymnasium.
-    pub uph_cost_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Cost of the squared contact forces.
-    pub impact_cost_weight: f64,
-    /// Where that cost is clipped to.
-    pub impact_cost_range: Range,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// What is observed.
-    #[serde(flatten)]
-    pub observed: Observed,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten]
+        pub common: Common = Common::new("humanoidstandup.xml", 5, CameraConfig::following(1, 3.6, 120.0, -20.0, 0.5)),
+        /// Without effect, as in Gymnasium.
+        #[versions = 5..]
+        pub uph_cost_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 5..]
+        pub ctrl_cost_weight: f64 = 0.1,
+        /// Cost of the squared contact forces.
+        #[versions = 5..]
+        pub impact_cost_weight: f64 = 5e-7,
+        /// Where that cost is clipped to.
+        #[versions = 5..]
+        pub impact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
+        /// Size of the disturbance at the start.
+        #[versions = 5..]
+        pub reset_noise_scale: f64 = 1e-2,
+        /// What is observed.
+        #[flatten]
+        pub observed: Observed,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::following(1, 3.6, 120.0, -20.0, 0.5);
-        Self {
-            common: Common::new("humanoidstandup.xml", 5, camera),
-            uph_cost_weight: 1.0,
-            ctrl_cost_weight: 0.1,
-            impact_cost_weight: 5e-7,
-            impact_cost_range: Range::new(f64::NEG_INFINITY, 10.0),
-            reset_noise_scale: 1e-2,
-            observed: Observed::default(),
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 10] = [
-            "uph_cost_weight",
-            "ctrl_cost_weight",
-            "impact_cost_weight",
-            "impact_cost_range",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "include_cinert_in_observation",
-            "include_cvel_in_observation",
-            "include_qfrc_actuator_in_observation",
-            "include_cfrc_ext_in_observation",
-        ];
-        if version >= 5 { &NAMES } else { &[] }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -89,7 +67,7 @@ impl TaskArguments for Config {
 #[derive(Clone, Debug)]
 pub struct Task {
     config: Config,
-    version: u8,
+    version: u32,
 }
 
 /// What was measured in a step.
@@ -104,7 +82,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         Ok(Self { config: config.clone(), version })
     }
@@ -153,7 +131,17 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    HumanoidStandup, "Stand up, from lying on the back.", steps 1000, versions [2 4 5],
-    idle 5 "uph_cost_weight has no effect, as in Gymnasium"
+/// What all versions have in common.
+const fn humanoid_standup(id: &'static str) -> Registration {
+    Registration::new::<HumanoidStandup>(id)
+        .description("Stand up, from lying on the back.")
+        .max_episode_steps(1000)
+}
+
+gym_core::register!(
+    humanoid_standup("HumanoidStandup-v2"),
+    humanoid_standup("HumanoidStandup-v4"),
+    humanoid_standup("HumanoidStandup-v5")
+        .exceptions(&[("arguments-matter", "uph_cost_weight has no effect, as in Gymnasium")])
+        .clip(Clip { seeds: 0..2, every: 3, frames: 40, size: (200, 200) }),
 );

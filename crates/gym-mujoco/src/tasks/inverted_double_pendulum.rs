@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedDoublePendulum;
@@ -28,32 +29,22 @@ use crate::{Data, libm};
 
 const LIMIT: f64 = 10.0; // of observed velocities and forces
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a step that does not end the task.
-    pub healthy_reward: f64,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten]
+        pub common: Common = Common::new("inverted_double_pendulum.xml", 5, CameraConfig::at([0.0, 0.0, 0.45], 2.9, 90.0, -8.0)),
+        /// Reward for a step that does not end the task.
+        #[versions = 5..]
+        pub healthy_reward: f64 = 10.0,
+        /// Size of the disturbance at the start.
+        #[versions = 5..]
+        pub reset_noise_scale: f64 = 0.1,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::at([0.0, 0.0, 0.45], 2.9, 90.0, -8.0);
-        Self {
-            common: Common::new("inverted_double_pendulum.xml", 5, camera),
-            healthy_reward: 10.0,
-            reset_noise_scale: 0.1,
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        if version >= 5 { &["healthy_reward", "reset_noise_scale"] } else { &[] }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -63,7 +54,7 @@ impl TaskArguments for Config {
 #[derive(Clone, Debug)]
 pub struct Task {
     config: Config,
-    version: u8,
+    version: u32,
 }
 
 /// What was measured in a step.
@@ -78,7 +69,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("degrees of freedom", simulation.model.nv(), 3)?;
         simulation.needs("sites", simulation.model.nsite(), 1)?;
         Ok(Self { config: config.clone(), version })
@@ -126,7 +117,18 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    InvertedDoublePendulum, "Keep two poles, one on the other, upright on a cart.", steps 1000, threshold 9100.0,
-    versions [2 4 5]
+/// What all versions have in common.
+const fn inverted_double_pendulum(id: &'static str) -> Registration {
+    Registration::new::<InvertedDoublePendulum>(id)
+        .description("Keep two poles, one on the other, upright on a cart.")
+        .max_episode_steps(1000)
+        .reward_threshold(9100.0)
+}
+
+gym_core::register!(
+    inverted_double_pendulum("InvertedDoublePendulum-v2"),
+    inverted_double_pendulum("InvertedDoublePendulum-v4"),
+    inverted_double_pendulum("InvertedDoublePendulum-v5")
+        .policy(Policy::network(include_str!("../../policies/inverted-double-pendulum.json")))
+        .clip(Clip { seeds: 0..2, every: 1, frames: 40, size: (240, 240) }),
 );

@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedPendulum;
@@ -28,26 +29,19 @@ use crate::view::CameraConfig;
 
 const MAX_ANGLE: f64 = 0.2; // rad
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten]
+        pub common: Common = Common::new("inverted_pendulum.xml", 2, CameraConfig::at([0.0, 0.0, 0.15], 2.0, 90.0, -12.0)),
+        /// Size of the disturbance at the start.
+        #[versions = 5..]
+        pub reset_noise_scale: f64 = 0.01,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::at([0.0, 0.0, 0.15], 2.0, 90.0, -12.0);
-        Self { common: Common::new("inverted_pendulum.xml", 2, camera), reset_noise_scale: 0.01 }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        if version >= 5 { &["reset_noise_scale"] } else { &[] }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -57,7 +51,7 @@ impl TaskArguments for Config {
 #[derive(Clone, Debug)]
 pub struct Task {
     config: Config,
-    version: u8,
+    version: u32,
 }
 
 /// What was measured in a step.
@@ -70,7 +64,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 2)?;
         Ok(Self { config: config.clone(), version })
     }
@@ -102,6 +96,18 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    InvertedPendulum, "Keep a pole upright on a cart.", steps 1000, threshold 950.0, versions [2 4 5]
+/// What all versions have in common.
+const fn inverted_pendulum(id: &'static str) -> Registration {
+    Registration::new::<InvertedPendulum>(id)
+        .description("Keep a pole upright on a cart.")
+        .max_episode_steps(1000)
+        .reward_threshold(950.0)
+}
+
+gym_core::register!(
+    inverted_pendulum("InvertedPendulum-v2"),
+    inverted_pendulum("InvertedPendulum-v4"),
+    inverted_pendulum("InvertedPendulum-v5")
+        .policy(Policy::network(include_str!("../../policies/inverted-pendulum.json")))
+        .clip(Clip { seeds: 0..2, every: 1, frames: 40, size: (240, 240) }),
 );

@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Pusher;
@@ -32,37 +33,31 @@ const ARM: usize = 7; // joints
 const LEAST_DISTANCE: f64 = 0.17; // m, from the object to the goal at the start
 const VELOCITY_NOISE: f64 = 0.005;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Cost of a distance of 1 m between fork and object.
-    pub reward_near_weight: f64,
-    /// Cost of a distance of 1 m between object and goal.
-    pub reward_dist_weight: f64,
-    /// Cost of the squared actions.
-    pub reward_control_weight: f64,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten]
+        pub common: Common = Common::new("pusher_v5.xml", 5, CameraConfig::at([0.4, -0.32, -0.15], 1.95, -112.0, -40.0)),
+        /// Cost of a distance of 1 m between fork and object.
+        #[versions = 5..]
+        pub reward_near_weight: f64 = 0.5,
+        /// Cost of a distance of 1 m between object and goal.
+        #[versions = 5..]
+        pub reward_dist_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 5..]
+        pub reward_control_weight: f64 = 0.1,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(version: u8) -> Self {
-        let camera = CameraConfig::at([0.4, -0.32, -0.15], 1.95, -112.0, -40.0);
-        Self {
-            common: Common::new(if version >= 5 { "pusher_v5.xml" } else { "pusher.xml" }, 5, camera),
-            reward_near_weight: 0.5,
-            reward_dist_weight: 1.0,
-            reward_control_weight: 0.1,
+    fn defaults(version: u32) -> Self {
+        let mut config = Self::default();
+        if version < 5 {
+            config.common.xml_file = "pusher.xml".to_owned();
         }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        if version >= 5 {
-            &["reward_near_weight", "reward_dist_weight", "reward_control_weight"]
-        } else {
-            &[]
-        }
+        config
     }
 
     fn common(&self) -> &Common {
@@ -75,7 +70,7 @@ impl TaskArguments for Config {
 pub struct Task {
     config: Config,
     cost: ControlCost,
-    version: u8,
+    version: u32,
     tips: usize,
     object: usize,
     goal: usize,
@@ -102,7 +97,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), ARM + 4)?;
         simulation.needs("degrees of freedom", simulation.model.nv(), ARM + 4)?;
         let [tips, object, goal] = ["tips_arm", "object", "goal"].map(|name| simulation.body(name));
@@ -153,6 +148,16 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    Pusher, "Push an object to a goal with an arm.", steps 100, threshold 0.0, versions [2 4 5]
+/// What all versions have in common.
+const fn pusher(id: &'static str) -> Registration {
+    Registration::new::<Pusher>(id)
+        .description("Push an object to a goal with an arm.")
+        .max_episode_steps(100)
+        .reward_threshold(0.0)
+}
+
+gym_core::register!(
+    pusher("Pusher-v2"),
+    pusher("Pusher-v4"),
+    pusher("Pusher-v5").clip(Clip { seeds: 0..2, every: 2, frames: 60, size: (240, 240) }),
 );

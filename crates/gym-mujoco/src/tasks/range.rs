@@ -30,6 +30,12 @@ impl Range {
     }
 }
 
+impl gym_core::ArgumentType for Range {
+    fn kind() -> String {
+        "list of 2 numbers, each or null".to_owned()
+    }
+}
+
 impl Serialize for Range {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let finite = |x: f64| x.is_finite().then_some(x);

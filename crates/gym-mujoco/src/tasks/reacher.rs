@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::{Generator, Result};
+use gym_core::registry::Clip;
+use gym_core::{Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Reacher;
@@ -31,34 +32,23 @@ use crate::{Data, libm};
 const REACH: f64 = 0.2; // m, how far away the target can be
 const ANGLE_NOISE: f64 = 0.1;
 const VELOCITY_NOISE: f64 = 0.005;
-const NAMES: [&str; 2] = ["reward_dist_weight", "reward_control_weight"];
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Cost of a distance of 1 m.
-    pub reward_dist_weight: f64,
-    /// Cost of the squared actions.
-    pub reward_control_weight: f64,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten]
+        pub common: Common = Common::new("reacher.xml", 2, CameraConfig::at([0.0, 0.0, 0.0], 0.92, 90.0, -90.0)),
+        /// Cost of a distance of 1 m.
+        #[versions = 5..]
+        pub reward_dist_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 5..]
+        pub reward_control_weight: f64 = 1.0,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(_version: u8) -> Self {
-        let camera = CameraConfig::at([0.0, 0.0, 0.0], 0.92, 90.0, -90.0);
-        Self {
-            common: Common::new("reacher.xml", 2, camera),
-            reward_dist_weight: 1.0,
-            reward_control_weight: 1.0,
-        }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        if version >= 5 { &NAMES } else { &[] }
-    }
-
     fn common(&self) -> &Common {
         &self.common
     }
@@ -69,7 +59,7 @@ impl TaskArguments for Config {
 pub struct Task {
     config: Config,
     cost: ControlCost,
-    version: u8,
+    version: u32,
     fingertip: usize,
     target: usize,
 }
@@ -93,7 +83,7 @@ impl env::Task for Task {
     type Config = Config;
     type Step = Step;
 
-    fn new(config: &Config, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 4)?;
         simulation.needs("degrees of freedom", simulation.model.nv(), 2)?;
         let (fingertip, target) = (simulation.body("fingertip")?, simulation.body("target")?);
@@ -143,6 +133,21 @@ impl env::Task for Task {
     }
 }
 
-super::register!(
-    Reacher, "Bring the tip of an arm to a target.", steps 50, threshold -3.75, versions [2 4 5]
+/// What all versions have in common.
+const fn reacher(id: &'static str) -> Registration {
+    Registration::new::<Reacher>(id)
+        .description("Bring the tip of an arm to a target.")
+        .max_episode_steps(50)
+        .reward_threshold(-3.75)
+}
+
+gym_core::register!(
+    reacher("Reacher-v2"),
+    reacher("Reacher-v4"),
+    reacher("Reacher-v5").policy(Policy::network(include_str!("../../policies/reacher.json"))).clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 60,
+        size: (240, 240)
+    }),
 );

@@ -40,7 +40,7 @@ pub struct Settings {
 pub struct Runner<C> {
     settings: Settings,
     cost: ControlCost,
-    version: u8,
+    version: u32,
     arguments: PhantomData<C>,
 }
 
@@ -67,7 +67,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
     type Config = C;
     type Step = Step;
 
-    fn new(config: &C, version: u8, simulation: &Simulation) -> Result<Self> {
+    fn new(config: &C, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         let settings = config.settings();
         let cost = ControlCost::new(settings.ctrl_cost_weight, version);

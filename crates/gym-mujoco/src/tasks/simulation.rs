@@ -27,7 +27,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    pub(super) fn new(arguments: &Common, version: u8) -> Result<Self> {
+    pub(super) fn new(arguments: &Common, version: u32) -> Result<Self> {
         arguments.check()?;
         let model = load(&arguments.xml_file)?;
         let dt = model.opt.timestep * arguments.frame_skip as f64;

@@ -16,7 +16,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/walker2d_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use serde::{Deserialize, Serialize};
+use gym_core::Registration;
+use gym_core::registry::Clip;
 
 use super::Walker2d;
 use super::arguments::{Common, TaskArguments};
@@ -27,63 +28,48 @@ use crate::view::CameraConfig;
 /// The task.
 pub type Task = Runner<Config>;
 
-/// Arguments.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Config {
-    /// Arguments that every task has.
-    #[serde(flatten)]
-    pub common: Common,
-    /// Reward for a velocity of 1 m/s.
-    pub forward_reward_weight: f64,
-    /// Cost of the squared actions.
-    pub ctrl_cost_weight: f64,
-    /// Reward for a step after which it stands.
-    pub healthy_reward: f64,
-    /// Whether a fall ends the episode.
-    pub terminate_when_unhealthy: bool,
-    /// Where the height lies while it stands, in m.
-    pub healthy_z_range: Range,
-    /// Where the angle of the torso lies while it stands, in rad.
-    pub healthy_angle_range: Range,
-    /// Size of the disturbance at the start.
-    pub reset_noise_scale: f64,
-    /// Whether the position along x is not observed.
-    pub exclude_current_positions_from_observation: bool,
+gym_core::arguments! {
+    /// Arguments.
+    pub struct Config {
+        /// Arguments that every task has.
+        #[flatten(xml_file = 3 | 5..)]
+        pub common: Common = Common::new("walker2d_v5.xml", 4, CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8)),
+        /// Reward for a velocity of 1 m/s.
+        #[versions = 3..]
+        pub forward_reward_weight: f64 = 1.0,
+        /// Cost of the squared actions.
+        #[versions = 3..]
+        pub ctrl_cost_weight: f64 = 1e-3,
+        /// Reward for a step after which it stands.
+        #[versions = 3..]
+        pub healthy_reward: f64 = 1.0,
+        /// Whether a fall ends the episode.
+        #[versions = 3..]
+        pub terminate_when_unhealthy: bool = true,
+        /// Where the height lies while it stands.
+        #[unit = "m"]
+        #[versions = 3..]
+        pub healthy_z_range: Range = Range::new(0.8, 2.0),
+        /// Where the angle of the torso lies while it stands.
+        #[unit = "rad"]
+        #[versions = 3..]
+        pub healthy_angle_range: Range = Range::new(-1.0, 1.0),
+        /// Size of the disturbance at the start.
+        #[versions = 3..]
+        pub reset_noise_scale: f64 = 5e-3,
+        /// Whether the position along x is not observed.
+        #[versions = 3..]
+        pub exclude_current_positions_from_observation: bool = true,
+    }
 }
 
 impl TaskArguments for Config {
-    fn defaults(version: u8) -> Self {
-        let camera = CameraConfig::following(1, 3.4, 90.0, -10.0, 0.8);
-        Self {
-            common: Common::new(if version >= 5 { "walker2d_v5.xml" } else { "walker2d.xml" }, 4, camera),
-            forward_reward_weight: 1.0,
-            ctrl_cost_weight: 1e-3,
-            healthy_reward: 1.0,
-            terminate_when_unhealthy: true,
-            healthy_z_range: Range::new(0.8, 2.0),
-            healthy_angle_range: Range::new(-1.0, 1.0),
-            reset_noise_scale: 5e-3,
-            exclude_current_positions_from_observation: true,
+    fn defaults(version: u32) -> Self {
+        let mut config = Self::default();
+        if version < 5 {
+            config.common.xml_file = "walker2d.xml".to_owned();
         }
-    }
-
-    fn names(version: u8) -> &'static [&'static str] {
-        const NAMES: [&str; 9] = [
-            "forward_reward_weight",
-            "ctrl_cost_weight",
-            "healthy_reward",
-            "terminate_when_unhealthy",
-            "healthy_z_range",
-            "healthy_angle_range",
-            "reset_noise_scale",
-            "exclude_current_positions_from_observation",
-            "xml_file",
-        ];
-        match version {
-            2 => &[],
-            3 => &NAMES,
-            _ => &NAMES[..8],
-        }
+        config
     }
 
     fn common(&self) -> &Common {
@@ -107,6 +93,16 @@ impl RunnerArguments for Config {
     }
 }
 
-super::register!(
-    Walker2d, "Walk forward on two legs, in a plane.", steps 1000, versions [2 3 4 5]
+/// What all versions have in common.
+const fn walker2d(id: &'static str) -> Registration {
+    Registration::new::<Walker2d>(id)
+        .description("Walk forward on two legs, in a plane.")
+        .max_episode_steps(1000)
+}
+
+gym_core::register!(
+    walker2d("Walker2d-v2"),
+    walker2d("Walker2d-v3"),
+    walker2d("Walker2d-v4"),
+    walker2d("Walker2d-v5").clip(Clip { seeds: 0..2, every: 3, frames: 40, size: (240, 240) }),
 );

@@ -38,6 +38,12 @@ pub struct CameraConfig {
     pub trackbodyid: Option<i32>,
 }
 
+impl gym_core::ArgumentType for CameraConfig {
+    fn kind() -> String {
+        "object".to_owned()
+    }
+}
+
 impl CameraConfig {
     /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and follows a body.
     pub(crate) const fn following(

@@ -11,7 +11,7 @@ mod twisted;
 mod twists;
 mod walk;
 
-pub use arguments::{Careless, Config, Ignored, Renamed};
+pub use arguments::{Careless, Config, Ignored};
 pub use fault::Fault;
 pub use walk::Walk;
 
@@ -104,11 +104,6 @@ register! {
     "no-panic.at-the-end";
 }
 
-gym_core::register!(
-    Registration::new::<Walk<Renamed>>("broken/arguments-round-trip-v0")
-        .description("Walk from the middle to either end.")
-        .max_episode_steps(12)
-);
 gym_core::register!(
     Registration::new::<Walk<Ignored>>("broken/arguments-matter-v0")
         .description("Walk from the middle to either end.")

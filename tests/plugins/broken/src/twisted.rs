@@ -9,7 +9,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::{Configure, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
-use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::{Config, Fault, Walk};
@@ -118,15 +117,9 @@ pub(crate) trait Twist: Sized + 'static {
 }
 
 /// Arguments of a [`Twisted`] walk.
-pub(crate) trait Arguments:
-    Clone + fmt::Debug + Default + Serialize + for<'de> Deserialize<'de> + Send + 'static
-{
-}
+pub(crate) trait Arguments: gym_core::Arguments + Clone + fmt::Debug + Send + 'static {}
 
-impl<T: Clone + fmt::Debug + Default + Serialize + for<'de> Deserialize<'de> + Send + 'static> Arguments
-    for T
-{
-}
+impl<T: gym_core::Arguments + Clone + fmt::Debug + Send + 'static> Arguments for T {}
 
 impl<T: Twist> Twisted<T> {
     /// A step of the walk, whose reward is another where something was spoilt.
@@ -171,7 +164,7 @@ impl<T: Twist> Clone for Twisted<T> {
 impl<T: Twist> Configure for Twisted<T> {
     type Config = T::Arguments;
 
-    fn configure(arguments: T::Arguments) -> Result<Self> {
+    fn configure(arguments: T::Arguments, _: u32) -> Result<Self> {
         let walk = Walk::<Config>::new(Fault::None)?;
         Ok(Self { walk, mind: Mind::default(), arguments, twist: PhantomData })
     }

@@ -15,7 +15,7 @@ use gym_core::{
 };
 use serde_json::Value as Json;
 
-use crate::arguments::{Anything, Nothing, Number, Silent, TwoDefaults};
+use crate::arguments::{Anything, Number};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 
 /// Writes twists, and registers a walk with each under the name of the check that must find it.
@@ -38,7 +38,7 @@ macro_rules! twists {
                 $(.$method($argument))*
         );
     )*};
-    (@) => { Nothing };
+    (@) => { gym_core::NoArguments };
     (@ $Arguments:ident) => { $Arguments };
 }
 
@@ -531,24 +531,10 @@ twists! {
 
 // arguments
 twists! {
-    "arguments-round-trip.default" DefaultDiffers (TwoDefaults) {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * f64::from(1 + env.arguments.number), ..outcome })
-        }
-    }
-
     "arguments-refused.anything" TakesAnything (Anything) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
             Ok(Outcome { reward: outcome.reward * env.arguments.number.as_f64().unwrap_or(1.0), ..outcome })
-        }
-    }
-
-    "arguments-refused.silent" SilentOnArguments (Silent) {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
         }
     }
 

@@ -15,21 +15,25 @@
 //! and 6.10; the book starts in row 3 throughout.
 
 use gym_core::canvas::{Canvas, Color};
+use gym_core::keys::json;
+use gym_core::policy::reflex;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
+use gym_core::{Dynamics, EnvExt, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
 pub type WindyGridworld = Stateful<WindyGridworldDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether the agent moves along diagonals as well.
-    pub king: bool,
-    /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the time.
-    pub stochastic: bool,
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// Whether the agent moves along diagonals as well.
+        pub king: bool,
+        /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the time.
+        pub stochastic: bool,
+    }
 }
 
 const ROWS: i64 = 7;
@@ -156,14 +160,33 @@ const SKY: [Color; 3] = [Color::rgb(240, 244, 248), Color::rgb(206, 222, 240), C
 const MEADOW: Color = Color::rgb(128, 190, 110);
 const AGENT: Color = Color::rgb(210, 84, 60);
 
-gym_core::register!(
-    Registration::new::<WindyGridworld>("sutton/WindyGridworld-v0")
+/// Right to the last column, where there is no wind, down below the goal, and back to it.
+fn around_the_wind(cell: &i64) -> usize {
+    match (cell / COLUMNS, cell % COLUMNS) {
+        (4.., 8..) => 3,
+        (_, 9) => 1,
+        _ => 2,
+    }
+}
+
+/// What both ids have in common.
+const fn gridworld(id: &'static str) -> Registration {
+    Registration::new::<WindyGridworld>(id)
         .description("Reach the goal across a wind that blows upwards.")
         .max_episode_steps(200)
-);
+        .light_step()
+        .keys(|env| match env.action_space() {
+            Space::Discrete(space) if space.n() == 8 => Keys::new(json!({
+                "Up": 0, "Down": 1, "Right": 2, "Left": 3, "E": 4, "C": 5, "Y": 6, "Q": 7
+            })),
+            _ => Keys::new(json!({"Up": 0, "Down": 1, "Right": 2, "Left": 3})),
+        })
+        .policy(Policy::rules("goes around the wind", |_| reflex(around_the_wind)))
+}
+
 gym_core::register!(
-    Registration::new::<WindyGridworld>("sutton/WindyGridworldKings-v0")
+    gridworld("sutton/WindyGridworld-v0").clip(Clip { seeds: 0..1, every: 1, frames: 20, size: (200, 140) }),
+    gridworld("sutton/WindyGridworldKings-v0")
         .kwargs(r#"{"king": true, "stochastic": true}"#)
-        .description("Reach the goal across a wind that varies, with the moves of a king.")
-        .max_episode_steps(200)
+        .description("Reach the goal across a wind that varies, with the moves of a king."),
 );

@@ -43,6 +43,6 @@ fn it_is_found_by_id_with_arguments() -> Result<()> {
     let step = env.step(&Value::Int(2))?;
     assert_eq!((step.reward, step.done()), (-1.0, false));
     let error = gym_core::builder("sutton/WindyGridworld-v0").arg("kings", true).build().unwrap_err();
-    assert!(error.to_string().contains("unknown field `kings`, expected `king` or `stochastic`"), "{error}");
+    assert!(error.to_string().contains("unknown argument `kings`: did you mean `king`? (there are `king`, `stochastic`)"), "{error}");
     Ok(())
 }

@@ -3,12 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use gym::registry::Clip;
 use gym::render::RenderMode;
 use gym::rendering::{GifWriter, contact_sheet, write_png};
 use gym::{BoxEnv, Env, EnvExt, Error, Result, render::Frame};
 
 use super::Document;
-use super::pages::{Clip, Page};
+use super::page::Page;
 use crate::policy::Policy;
 
 /// What is on the sheet: environments, the sizes of their frames there, and how many random steps in.
@@ -24,13 +25,14 @@ const SHEET: [(&str, (u32, u32), usize); 9] = [
     ("FrozenLake-v1", (240, 240), 3),
 ];
 
-pub(super) fn gif(page: &Page) -> Result<Document> {
-    let Clip { id, seeds, every, frames, size } = &page.clip;
-    let mut env = make(id, *size)?;
+/// The GIF of a page, if its registrations say what it shows.
+pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
+    let Some(Clip { seeds, every, frames, size }) = &page.shown().clip else { return Ok(None) };
+    let mut env = make(page.shown().id(), *size)?;
     drawn(&format!("docs/environments/images/{}.gif", page.name), |path| {
         let mut video = GifWriter::create(path, env.metadata().render_fps / every)?;
         let mut states = 0;
-        let policy = Policy::good(&env)?.unwrap_or(Policy::Random);
+        let policy = if Policy::good(&env)?.is_some() { Policy::Good } else { Policy::Random };
         for seed in seeds.clone() {
             policy.play(&mut env, seed, |env| {
                 if states % every == 0 && states / every < *frames {
@@ -42,6 +44,7 @@ pub(super) fn gif(page: &Page) -> Result<Document> {
         }
         video.finish()
     })
+    .map(Some)
 }
 
 pub(super) fn sheet() -> Result<Document> {

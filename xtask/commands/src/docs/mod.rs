@@ -3,17 +3,15 @@
 mod book;
 mod draw;
 mod page;
-mod pages;
 mod returns;
-mod source;
 mod wrappers;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use gym::rendering::file;
 use gym::{Error, Result};
 
-use crate::root;
+use crate::selection::Selection;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -28,28 +26,36 @@ pub(crate) struct Arguments {
     check: bool,
 }
 
-/// A file of the book: its path from the root of the workspace, and its content.
+/// A file of the book: its path from the folder of the workspace or plugin, and its content.
 type Document = (PathBuf, Vec<u8>);
 
-fn read(path: &str) -> Result<String> {
-    let path = root().join(path);
+/// A file whose path starts at a folder, or at one of those around it.
+fn read(folder: &Path, path: &str) -> Result<String> {
+    let found = folder.ancestors().map(|folder| folder.join(path)).find(|path| path.exists());
+    let path = found.unwrap_or_else(|| folder.join(path));
     std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))
 }
 
-pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
-    let returns = if arguments.measure { returns::measure()? } else { returns::read()? };
-    let mut documents = page::all(&returns)?;
-    documents.push(returns::document(&returns)?);
-    documents.push(wrappers::document()?);
+pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
+    let folder = selection.folder();
+    let returns = if arguments.measure { returns::measure(selection)? } else { returns::read(&folder)? };
+    let pages = page::all(selection)?;
+    let mut documents = page::documents(&pages, &returns)?;
+    if !returns.is_empty() {
+        documents.push(returns::document(&returns)?);
+    }
+    documents.extend(wrappers::document(&folder)?);
     if arguments.draw {
-        for page in &pages::PAGES {
-            documents.push(draw::gif(page)?);
+        for page in &pages {
+            documents.extend(draw::gif(page)?);
         }
-        documents.push(draw::sheet()?);
+        if let Selection::All = selection {
+            documents.push(draw::sheet()?);
+        }
     }
     let mut changed = documents
         .into_iter()
-        .filter(|(path, content)| std::fs::read(root().join(path)).map_or(true, |old| old != *content));
+        .filter(|(path, content)| std::fs::read(folder.join(path)).map_or(true, |old| old != *content));
     if arguments.check {
         if let Some((path, _)) = changed.next() {
             let reason = format!("{} is out of date: run `cargo xtask docs`", path.display());
@@ -57,12 +63,14 @@ pub(crate) fn docs(arguments: &Arguments) -> Result<()> {
         }
     } else {
         for (path, content) in changed {
-            let path = root().join(path);
-            let folder = path.parent().unwrap_or(root());
+            let path = folder.join(path);
+            let folder = path.parent().unwrap_or(&folder);
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             file::write(&path, &content)?;
             println!("wrote {}", path.display());
         }
     }
-    book::check(&root().join("docs"))
+    let book = folder.join("docs");
+    // a plugin need not have a book around its pages
+    if book.join("SUMMARY.md").exists() { book::check(&book) } else { Ok(()) }
 }

@@ -1,38 +1,48 @@
-//! The pages about the environments, from the registry and the documentation of their modules.
+//! The pages about the environments, from their registrations and the documentation of their modules.
 
 use std::path::PathBuf;
 
-use gym::registry::{self, EnvId};
 use gym::render::RenderMode;
 use gym::{Env, Error, Registration, Result};
 use serde_json::Value as Json;
 
 use super::Document;
-use super::pages::{Clip, PAGES, Page};
 use super::returns::{EPISODES, Measured, Returns, Summary};
-use super::source::{self, Member};
+use crate::selection::Selection;
 
-/// Every page, and the one that lists them.
+/// The environments that one module registers: one page.
+pub(super) struct Page {
+    /// Of the file.
+    pub(super) name: String,
+    registrations: Vec<Registration>,
+    docs: Docs,
+    /// Whether it belongs to this workspace, and not to a plugin.
+    is_ours: bool,
+}
+
+/// Every page of a selection, crate by crate.
 ///
 /// # Errors
-/// If an environment has no page, or a source file lacks what its page is written from.
-pub(super) fn all(returns: &Returns) -> Result<Vec<Document>> {
-    let mut registrations = registry::self_contained();
-    let mut documents = Vec::new();
+/// If the documentation of a module lacks what its page is written from.
+pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
+    let mut registrations = selection.of(&[])?;
+    registrations.sort_by_key(|entry| entry.source.module);
+    let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
+    modules.map(|registrations| Page::read(registrations, selection)).collect()
+}
+
+/// What the pages say, and the page that lists them.
+pub(super) fn documents(pages: &[Page], returns: &Returns) -> Result<Vec<Document>> {
     let mut list = LIST_HEAD.to_owned();
-    for page in &PAGES {
-        let (own, rest): (Vec<_>, Vec<_>) = registrations.into_iter().partition(|entry| page.holds(entry));
-        registrations = rest;
-        let source = super::read(page.source)?;
-        let docs = Docs::parse(page, &source)?;
-        list += &page.row(&own, &docs);
-        let file = PathBuf::from("docs/environments").join(format!("{}.md", page.name));
-        documents.push((file, page.text(&own, &docs, &source, returns)?.into_bytes()));
+    list.extend(pages.iter().map(Page::row));
+    if pages.iter().all(|page| page.is_ours) {
+        list += LIST_TAIL;
     }
-    if let Some(entry) = registrations.first() {
-        return Err(Error::custom(format!("{entry:?} has no page: add it to xtask/src/docs/page.rs")));
+    let folder = PathBuf::from("docs/environments");
+    let mut documents = vec![(folder.join("README.md"), list.into_bytes())];
+    for page in pages {
+        documents.push((folder.join(format!("{}.md", page.name)), page.text(returns)?.into_bytes()));
     }
-    documents.push(("docs/environments/README.md".into(), (list + LIST_TAIL).into_bytes()));
     Ok(documents)
 }
 
@@ -65,6 +75,7 @@ const NO_DIFFERENCE: &str = "None that is known: the same seed gives the same ep
 
 /// The documentation of an environment's module, in its parts.
 struct Docs {
+    title: String,
     /// What the task is, in a sentence.
     summary: String,
     /// The lines of the table.
@@ -77,18 +88,20 @@ struct Docs {
 }
 
 impl Docs {
-    fn parse(page: &Page, source: &str) -> Result<Self> {
-        let missing = |what: &str| Error::custom(format!("{}: its module docs lack {what}", page.source));
-        let text = source::module_docs(source);
-        let mut text = source::without_item_links(&text).replace("`Config::", "`");
-        text = text.replace("`Config`", "[`Config`](#arguments)");
-        if page.actions.is_some() {
+    /// From the text of a source file.
+    fn parse(source: &str, file: &str, has_actions: bool) -> Result<Self> {
+        let missing = |what: &str| Error::custom(format!("{file}: its module docs (`//!`) lack {what}"));
+        let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
+        let lines: Vec<_> = lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
+        let mut text = without_item_links(&lines.join("\n")).replace("`Config`", "[`Config`](#arguments)");
+        if has_actions {
             text = text.replace("`Action`", "[`Action`](#actions)");
         }
         let mut paragraphs = text.split("\n\n").map(str::trim);
         let title = paragraphs.next().and_then(|title| title.split_once(": "));
-        let (_, summary) = title.ok_or_else(|| missing("a title, as in `Name: what to do.`"))?;
+        let (title, summary) = title.ok_or_else(|| missing("a title, as in `Name: what to do.`"))?;
         let mut docs = Self {
+            title: title.to_owned(),
             summary: capitalised(&summary.replace('\n', " ")),
             table: Vec::new(),
             observation: None,
@@ -118,160 +131,144 @@ impl Docs {
     }
 }
 
+/// Rustdoc's links to items as plain code, without the brackets around it.
+fn without_item_links(text: &str) -> String {
+    // where more code follows at once, both become one: [`f`]`(x)` is `f(x)`
+    text.replace("`]`", "").replace("[`", "`").replace("`]", "`").replace("`Config::", "`")
+}
+
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str()).unwrap_or_default()
 }
 
 impl Page {
-    fn holds(&self, registration: &Registration) -> bool {
-        registration.id().parse::<EnvId>().is_ok_and(|id| self.ids.contains(&id.name.as_str()))
+    fn read(registrations: &[Registration], selection: Selection) -> Result<Self> {
+        let source = registrations[0].source;
+        let module = source.module.rsplit("::").next().unwrap_or_default();
+        let actions = registrations.iter().any(|entry| !entry.actions.is_empty());
+        let text = super::read(&selection.folder(), source.file)?;
+        Ok(Self {
+            name: module.replace('_', "-"),
+            registrations: registrations.to_vec(),
+            docs: Docs::parse(&text, source.file, actions)?,
+            is_ours: matches!(selection, Selection::All),
+        })
+    }
+
+    /// The registration that the GIF and the arguments are of.
+    pub(super) fn shown(&self) -> &Registration {
+        self.registrations.iter().find(|entry| entry.clip.is_some()).unwrap_or(&self.registrations[0])
+    }
+
+    /// The picture, if there is one.
+    fn image(&self, text: &str) -> String {
+        let image = self.shown().clip.as_ref().map(|_| format!("![{text}](images/{}.gif)", self.name));
+        image.unwrap_or_default()
     }
 
     /// The line of the list.
-    fn row(&self, registrations: &[Registration], docs: &Docs) -> String {
-        let ids: Vec<_> = registrations.iter().map(|entry| format!("`{}`", entry.id())).collect();
-        let Self { name, title, .. } = self;
-        format!(
-            "| [![{title}](images/{name}.gif)]({name}.md) | [{title}]({name}.md): {} | {} |\n",
-            docs.summary,
-            ids.join(", ")
-        )
+    fn row(&self) -> String {
+        let ids: Vec<_> = self.registrations.iter().map(|entry| format!("`{}`", entry.id())).collect();
+        let (name, Docs { title, summary, .. }) = (&self.name, &self.docs);
+        let image = self.image(title);
+        let image = if image.is_empty() { image } else { format!("[{image}]({name}.md)") };
+        format!("| {image} | [{title}]({name}.md): {summary} | {} |\n", ids.join(", "))
     }
 
-    fn text(
-        &self,
-        registrations: &[Registration],
-        docs: &Docs,
-        source: &str,
-        returns: &Returns,
-    ) -> Result<String> {
-        let Self { name, title, heuristic, clip, .. } = self;
+    fn text(&self, returns: &Returns) -> Result<String> {
+        let Self { registrations, docs, .. } = self;
+        let Docs { title, summary, .. } = docs;
         let mut text = format!(
-            "<!-- Written by `cargo xtask docs` from {} and the registry: change those. -->\n\n\
-             # {title}\n\n{}\n\n![An episode of {title}](images/{name}.gif)\n\n| | |\n|---|---|\n{}\n",
-            self.source,
-            docs.summary,
-            docs.table.join("\n")
+            "<!-- Written by `cargo xtask docs` from {} and the registry: change those. -->\n\n# {title}\n\n{summary}\n",
+            self.shown().source.file
         );
+        let image = self.image(&format!("An episode of {title}"));
+        if !image.is_empty() {
+            text += &format!("\n{image}\n");
+        }
+        text += &format!("\n| | |\n|---|---|\n{}\n", docs.table.join("\n"));
         let mut section = |title: &str, body: &str| text += &format!("\n## {title}\n\n{}\n", body.trim_end());
         if let Some(observation) = &docs.observation {
             section("Observation", observation);
         }
-        if let Some(item) = self.actions {
-            section("Actions", &actions(&source::members(source, item)));
+        if let Some(entry) = registrations.iter().find(|entry| !entry.actions.is_empty()) {
+            section("Actions", &actions(entry.actions));
         }
         section("Ids", &ids(registrations)?);
         section("Spaces", &spaces(registrations)?);
-        section("Arguments", &self.arguments(registrations, source)?);
+        section("Arguments", &arguments(self.shown(), registrations)?);
         section("Rendering", &rendering(registrations)?);
         if let Some(versions) = &docs.versions {
             section("Versions", versions);
         }
-        section("Differences from Gymnasium", docs.differences.as_deref().unwrap_or(NO_DIFFERENCE));
-        let play = |policy: &str| format!("To play it: `cargo xtask run {} --policy {policy}`.", clip.id);
-        let good = if !heuristic.is_empty() {
-            format!(" The good policy {heuristic}. {}", play("heuristic"))
-        } else if crate::trained::is_stored(clip.id) {
-            format!(
-                " The good policy is a network that [`gym-ppo`](../training.md) trained and \
-                 [this file](../policies/{name}.json) holds. {}",
-                play("trained")
-            )
-        } else {
-            String::new()
-        };
-        let returns = format!(
-            "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
-             (seeds 0 to {}).{good}\n\n{}",
-            EPISODES - 1,
-            table_of_returns(registrations, returns)?
-        );
-        section("Returns", &returns);
+        let no_difference = self.is_ours.then_some(NO_DIFFERENCE);
+        if let Some(differences) = docs.differences.as_deref().or(no_difference) {
+            section("Differences from Gymnasium", differences);
+        }
+        if registrations.iter().any(|entry| returns.contains_key(entry.id())) {
+            section("Returns", &self.returns(returns));
+        }
         if !docs.rest.is_empty() {
             section("Notes", &docs.rest.join("\n\n"));
         }
         Ok(text)
     }
 
-    fn arguments(&self, registrations: &[Registration], source: &str) -> Result<String> {
-        // every id that takes arguments takes the same
-        let defaults =
-            registrations.iter().map(Registration::default_kwargs).max_by_key(serde_json::Map::len);
-        let defaults = defaults.unwrap_or_default();
-        if defaults.is_empty() {
-            return Ok("None.".into());
-        }
-        let fields = self.config(source)?;
-        let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
-        for (name, value) in &defaults {
-            let undocumented = || Error::custom(format!("{}: its Config documents no `{name}`", self.source));
-            let field = fields.iter().find(|field| field.name == *name).ok_or_else(undocumented)?;
-            let docs = source::without_item_links(&field.docs).replace("`Config::", "`");
-            text += &format!("| `{name}` | {} | `{value}` | {docs} |\n", type_in_json(&field.kind));
-        }
-        // another value than the default, where there is one to be had
-        let example = defaults.iter().find_map(|(name, value)| match value {
-            Json::Bool(value) => Some((name, Json::Bool(!value))),
-            Json::Number(_) => Some((name, value.clone())),
-            _ => None,
+    fn returns(&self, returns: &Returns) -> String {
+        let shown = self.shown();
+        let good = shown.policy.map_or_else(String::new, |policy| {
+            let (description, id) = (policy.description, shown.id());
+            let plugin = if self.is_ours { "" } else { "--plugin PATH " };
+            format!(
+                " The good policy {description}. To play it: `cargo xtask {plugin}run {id} --policy good`."
+            )
         });
-        if let Some((name, value)) = example {
-            let Self { clip: Clip { id, .. }, module, .. } = self;
-            text += &format!(
-                "\nThey are set by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or typed, as \
-                 fields of `gym::{module}::Config`."
-            );
-            gym::builder(id).arg(name, value).build()?;
-        }
-        Ok(text)
-    }
-
-    /// The fields of `Config`, from this file or from the one it is taken from.
-    fn config(&self, source: &str) -> Result<Vec<Member>> {
-        let other = |line: &str| {
-            let module = line.strip_prefix("pub use crate::")?.strip_suffix("::Config;")?;
-            let (folder, _) = self.source.rsplit_once('/')?;
-            Some(format!("{folder}/{module}.rs"))
-        };
-        if let Some(path) = source.lines().find_map(other) {
-            return Ok(source::members(&super::read(&path)?, "struct Config"));
-        }
-        let mut fields = source::members(source, "struct Config");
-        // structs within it, whose fields are arguments too
-        let (folder, _) = self.source.rsplit_once('/').unwrap_or_default();
-        for (kind, file) in FLATTENED {
-            if let Some(i) = fields.iter().position(|field| field.kind == kind) {
-                fields.remove(i);
-                let within = super::read(&format!("{folder}/{file}"))?;
-                fields.extend(source::members(&within, &format!("struct {kind}")));
-            }
-        }
-        Ok(fields)
+        format!(
+            "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
+             (seeds 0 to {}).{good}\n\n{}",
+            EPISODES - 1,
+            table_of_returns(&self.registrations, returns)
+        )
     }
 }
 
-/// Structs that are flattened into the arguments of several environments, and the files that define them.
-const FLATTENED: [(&str, &str); 2] = [("Common", "arguments.rs"), ("Observed", "humanoid.rs")];
-
-/// What an argument of a Rust type is in JSON.
-fn type_in_json(kind: &str) -> String {
-    match kind {
-        "bool" => "boolean".into(),
-        "f64" => "number".into(),
-        "u8" | "u32" | "i32" | "usize" => "integer".into(),
-        "Range" => "list of 2 numbers, each or null".into(),
-        "Body" => "integer or string".into(),
-        "CameraConfig" => "object".into(),
-        "Map<String, Json>" => "object of booleans".into(),
-        "String" | "Physics" => "string".into(),
-        "Vec<String>" => "list of strings".into(),
-        "[f64; 3]" => "list of 3 numbers".into(),
-        other => match other.strip_prefix("Option<").and_then(|inner| inner.strip_suffix('>')) {
-            Some(inner) => format!("{}, or null", type_in_json(inner)),
-            None => format!("`{other}`"),
-        },
+/// The arguments of one of the registrations, which documents those of all.
+fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<String> {
+    let table = shown.arguments()?;
+    if table.is_empty() {
+        return Ok("None.".into());
     }
+    let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
+    for argument in &table {
+        let unit = if argument.unit.is_empty() { String::new() } else { format!(" {}", argument.unit) };
+        let versions = match argument.versions {
+            "" => String::new(),
+            _ if registrations.len() == 1 => String::new(),
+            versions => format!(" (versions `{versions}`)"),
+        };
+        let meaning = without_item_links(&argument.meaning);
+        let (name, kind, default) = (argument.name, &argument.kind, &argument.default);
+        text += &format!(
+            "| `{name}` | {kind} | `{default}`{unit} | {}{versions} |\n",
+            meaning.replace('|', "\\|")
+        );
+    }
+    // another value than the default, where there is one to be had
+    let example = table.iter().find_map(|argument| match &argument.default {
+        Json::Bool(value) => Some((argument.name, Json::Bool(!value))),
+        Json::Number(_) => Some((argument.name, argument.default.clone())),
+        _ => None,
+    });
+    if let Some((name, value)) = example {
+        let (id, module) = (shown.id(), shown.source.module.replacen("gym_", "gym::", 1));
+        text += &format!(
+            "\nThey are set by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or typed, as \
+             fields of `{module}::Config`."
+        );
+        gym::builder(id).arg(name, value).build()?;
+    }
+    Ok(text)
 }
 
 fn ids(registrations: &[Registration]) -> Result<String> {
@@ -315,9 +312,11 @@ fn spaces(registrations: &[Registration]) -> Result<String> {
     Ok(format!("| | space | ids |\n|---|---|---|\n{rows}"))
 }
 
-fn actions(variants: &[Member]) -> String {
-    let row =
-        |(number, action): (usize, &Member)| format!("| {number} | `{}` | {} |\n", action.name, action.docs);
+fn actions(variants: &[(&str, &str)]) -> String {
+    let row = |(number, (name, docs)): (usize, &(&str, &str))| {
+        let words: Vec<_> = docs.split_whitespace().collect();
+        format!("| {number} | `{name}` | {} |\n", words.join(" "))
+    };
     let rows: String = variants.iter().enumerate().map(row).collect();
     format!("| number | name | meaning |\n|---|---|---|\n{rows}")
 }
@@ -332,7 +331,7 @@ fn rendering(registrations: &[Registration]) -> Result<String> {
     Ok(format!("Modes {}; {width}x{height} pixels, {fps} frames per second.", modes.join(", ")))
 }
 
-fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result<String> {
+fn table_of_returns(registrations: &[Registration], returns: &Returns) -> String {
     let cells = |summary: &Summary| {
         let Summary { mean, deviation, mean_length } = summary;
         format!("{mean:.2} \u{b1} {deviation:.2} | {mean_length:.1}")
@@ -347,5 +346,26 @@ fn table_of_returns(registrations: &[Registration], returns: &Returns) -> Result
         let good = good.as_ref().map_or("- | -".into(), cells);
         text += &format!("| `{id}` | {} | {good} |\n", cells(random));
     }
-    Ok(text)
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn module_docs_are_taken_apart() {
+        let rows = ["observation", "action", "reward", "start", "end", "limit"]
+            .map(|row| format!("//! | {row} | x |\n"));
+        let source = format!(
+            "//! Lake: cross\n//! it.\n//!\n//! | | |\n//! |---|---|\n{}//!\n//! Versions: 1, with [`Config`] and [`f`]`(x)`.\n\n\
+             use x; //! no more",
+            rows.concat()
+        );
+        let docs = Docs::parse(&source, "lake.rs", false).unwrap();
+        assert_eq!((&*docs.title, &*docs.summary, docs.table.len()), ("Lake", "Cross it.", 6));
+        assert_eq!(docs.versions.as_deref(), Some("1, with [`Config`](#arguments) and `f(x)`."));
+        let error = Docs::parse(&source.replace("| end |", "| ends |"), "lake.rs", false).err().unwrap();
+        assert!(error.to_string().contains("lake.rs") && error.to_string().contains("`end`"), "{error}");
+    }
 }

@@ -1,13 +1,14 @@
 //! The returns of a random and of a good policy, measured once and kept beside the pages.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use gym::{EnvSpec, Error, Result, registry};
+use gym::{EnvSpec, Error, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Document;
 use crate::policy::Policy;
+use crate::selection::Selection;
 
 /// What the pages are written from, so that they need not be played for each time.
 const FILE: &str = "docs/environments/returns.json";
@@ -33,21 +34,26 @@ pub(super) struct Summary {
     pub(super) mean_length: f64,
 }
 
-pub(super) fn read() -> Result<Returns> {
-    serde_json::from_str(&super::read(FILE)?).map_err(|error| {
+/// Those that are kept in a folder; none where there is no file.
+pub(super) fn read(folder: &Path) -> Result<Returns> {
+    if !folder.join(FILE).exists() {
+        return Ok(Returns::new());
+    }
+    serde_json::from_str(&super::read(folder, FILE)?).map_err(|error| {
         Error::custom(format!("{FILE}: {error}: write it with `cargo xtask docs --measure`"))
     })
 }
 
 /// Plays every environment.
-pub(super) fn measure() -> Result<Returns> {
-    registry::self_contained()
+pub(super) fn measure(selection: Selection) -> Result<Returns> {
+    selection
+        .of(&[])?
         .iter()
         .map(|registration| {
             let spec = registration.spec()?;
             let measured = Measured {
                 random: summary(&spec, Policy::Random)?,
-                good: Policy::good(&spec.make()?)?.map(|policy| summary(&spec, policy)).transpose()?,
+                good: Policy::good(&spec.make()?)?.map(|_| summary(&spec, Policy::Good)).transpose()?,
             };
             let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
             eprintln!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);

@@ -1,6 +1,7 @@
 //! The table of wrappers and their arguments in `docs/wrappers.md`, from the registrations.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use gym::registry::{self, WrapperRegistration};
 use gym::{Argument, Error, Result};
@@ -10,9 +11,12 @@ use super::{Document, read};
 const PAGE: &str = "docs/wrappers.md";
 const MARKS: [&str; 2] = ["<!-- wrappers: written by cargo xtask docs -->\n", "<!-- end of wrappers -->\n"];
 
-/// The page with its table as the registrations are.
-pub(super) fn document() -> Result<Document> {
-    let page = read(PAGE)?;
+/// The page with its table as the registrations are, if the book has it.
+pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
+    if !folder.join(PAGE).exists() {
+        return Ok(None);
+    }
+    let page = read(folder, PAGE)?;
     let parts = page.split_once(MARKS[0]).and_then(|(head, rest)| Some((head, rest.split_once(MARKS[1])?.1)));
     let (head, tail) =
         parts.ok_or_else(|| Error::custom(format!("{PAGE} lacks the marks around its table")))?;
@@ -42,7 +46,7 @@ pub(super) fn document() -> Result<Document> {
         let row = writeln!(table, "| `{name}` | {around} | {what} | {} |", arguments.join("<br>"));
         row.map_err(|error| Error::custom(error.to_string()))?;
     }
-    Ok((PAGE.into(), format!("{head}{}{table}\n{}{tail}", MARKS[0], MARKS[1]).into_bytes()))
+    Ok(Some((PAGE.into(), format!("{head}{}{table}\n{}{tail}", MARKS[0], MARKS[1]).into_bytes())))
 }
 
 /// `` `delay`: integer. By how many steps observations are late ``

@@ -34,10 +34,9 @@ mod snapshot;
 mod step;
 mod varied;
 
-use serde_json::Value as Json;
-
+use crate::arguments;
 use crate::math::Real;
-use crate::registry::{VectorKind, VectorSpec, find};
+use crate::registry::{ResetOptions, VectorKind, VectorSpec, find};
 use crate::rng::Stream;
 use crate::vector::VectorEnv;
 use crate::{Dynamics, Error, Result, Task};
@@ -131,14 +130,11 @@ pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     let VectorSpec { env, num_envs, autoreset_mode, each, .. } = spec;
     let refuse = |reason: String| Error::argument(format!("`{}`", env.id), reason);
     let registration = find(&env.id)?;
-    if !env.kwargs.is_empty() && registration.default_kwargs().is_empty() {
-        return Err(refuse("it takes no arguments".into()));
-    }
-    let config: D::Config = serde_json::from_value(Json::Object(env.kwargs.clone()))
-        .map_err(|error| refuse(error.to_string()))?;
+    let whose = format!("`{}`", env.id);
+    let config = arguments::read(&D::Config::default(), registration.rules(), &env.kwargs, &whose)?;
     D::supports(&config)
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, *num_envs, env.max_episode_steps, *autoreset_mode)?;
     let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
-    Ok(Box::new(envs.with_each(each)?.registered(spec, registration.reset_options)))
+    Ok(Box::new(envs.with_each(each)?.registered(spec, ResetOptions(registration.reset_options))))
 }

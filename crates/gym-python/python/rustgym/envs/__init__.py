@@ -96,14 +96,20 @@ def _task(env_id: str) -> str:
     return re.sub(r"-v\d+$", "", env_id.rpartition("/")[2])
 
 
+def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
+    """The line of a docstring about an argument."""
+    name, unit = argument["name"], argument["unit"] and f" {argument['unit']}"
+    return f"\n        {name}: {argument['meaning']} {argument['type']}; {defaults[name]!r}{unit} unless given."
+
+
 def _env_class(name: str, env_id: str) -> type[Env]:
     description = json.loads(_native.describe(env_id))
     spec = _SPECS[env_id]
     metadata = metadata_from(description)
     metadata["render_modes"] += _MORE_MODES.get(_task(env_id), [])
     base = _BASES.get(_task(env_id), ClassEnv)
-    arguments = "".join(f"\n        {key}: {value!r} unless given." for key, value in spec["defaults"].items())
-    doc = f"{spec['about'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
+    arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
+    doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
     return type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
 

@@ -19,19 +19,14 @@ use serde::{Deserialize, Serialize};
 /// The environment.
 pub type Corridor = Stateful<CorridorDynamics>;
 
-/// Arguments.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// The number of cells, from 2 to 100.
-    pub length: i64,
-    /// The probability that a step fails.
-    pub slip: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self { length: 10, slip: 0.2 }
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Copy)]
+    pub struct Config {
+        /// The number of cells, from 2 to 100.
+        pub length: i64 = 10,
+        /// The probability that a step fails.
+        pub slip: f64 = 0.2,
     }
 }
 

@@ -176,6 +176,79 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
+/// Worlds that are solved together, in full groups and with lanes left over.
+#[test]
+fn native_vectors_of_box2d_equal_scalar_environments() {
+    let wind = json!({"enable_wind": true, "gravity": -4.0, "wind_power": 19.0});
+    for (id, arguments, n, steps) in [
+        ("LunarLander-v2", wind.clone(), 17, 150),
+        ("LunarLander-v3", json!({}), 1, 150),
+        ("LunarLander-v3", json!({}), 33, 150),
+        ("LunarLanderContinuous-v2", wind.clone(), 16, 100),
+        ("LunarLanderContinuous-v3", wind, 35, 100),
+        ("BipedalWalker-v3", json!({}), 5, 150),
+        ("BipedalWalkerHardcore-v3", json!({}), 17, 90),
+    ] {
+        for mode in MODES {
+            compare(&spec(id, arguments.clone()), n, mode, steps);
+        }
+    }
+}
+
+/// Each thread solves the worlds it takes together.
+#[test]
+fn async_vectors_of_box2d_equal_native_ones() {
+    for id in ["LunarLander-v3", "BipedalWalker-v3"] {
+        for mode in [Autoreset::NextStep, Autoreset::SameStep] {
+            let make = |kind| builder(id).vector(37).kind(kind).autoreset(mode);
+            let mut native = make(VectorKind::Native).build().unwrap();
+            let mut threads = make(VectorKind::Async).threads(3).build().unwrap();
+            let [mut one, mut other] = [native.columns().unwrap(), threads.columns().unwrap()];
+            native.reset_into(&5.into(), &mut one).unwrap();
+            threads.reset_into(&5.into(), &mut other).unwrap();
+            assert_eq!(one, other, "{id}");
+            let mut actions = native.action_space().unwrap().sampler(2);
+            for step in 0..120 {
+                let actions = actions.sample();
+                native.step_into(&actions, &mut one).unwrap();
+                threads.step_into(&actions, &mut other).unwrap();
+                assert_eq!(one.observations, other.observations, "{id}, {mode:?}: step {step}");
+                assert_eq!(one.rewards, other.rewards, "{id}, {mode:?}: step {step}");
+                assert_eq!(one.progress, other.progress, "{id}, {mode:?}: step {step}");
+            }
+        }
+    }
+}
+
+/// A step that an environment refuses leaves the others as they are by hand, and nothing half done behind.
+#[test]
+fn a_refused_action_leaves_no_step_begun() {
+    let spec = spec("LunarLanderContinuous-v3", json!({}));
+    let mut envs = native(&spec, 6, Autoreset::NextStep).unwrap();
+    let mut by_hand = ByHand::new(&spec, 6, Autoreset::NextStep);
+    let mut columns = envs.reset(3).unwrap();
+    by_hand.reset(&3.into());
+    let batch = |x: f32| {
+        let rows: Vec<f32> = (0..6).flat_map(|i| [if i == 4 { x } else { 0.4 }, 0.9]).collect();
+        Value::Array(Array::from(rows).reshape([6, 2]).unwrap())
+    };
+    for x in [0.2, f32::NAN, 0.7, 0.1, f32::INFINITY, -0.3] {
+        let actions = batch(x);
+        let result = envs.step_into(&actions, &mut columns);
+        assert_eq!(result.is_err(), !x.is_finite());
+        for i in 0..6 {
+            if i == 4 && !x.is_finite() {
+                continue;
+            }
+            let action = envs.single_action_space().iterate(&actions).unwrap().nth(i).unwrap();
+            let step = by_hand.envs[i].step(&action).unwrap();
+            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap().nth(i);
+            assert_eq!(shown, Some(step.observation), "{x}: {i}");
+            assert_eq!(columns.rewards[i].to_bits(), step.reward.to_bits(), "{x}: {i}");
+        }
+    }
+}
+
 #[test]
 fn infos_of_tables_equal_those_of_sync() {
     for id in TABLES {

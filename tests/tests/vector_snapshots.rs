@@ -119,7 +119,10 @@ fn every_kind_continues_in_every_mode() {
             }
         }
     }
-    continues(&spec("LunarLander-v3", VectorKind::Async, Autoreset::NextStep, &json!([])), 17);
+    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        continues(&spec("LunarLander-v3", kind, mode, &json!([])), 17);
+    }
+    continues(&spec("BipedalWalker-v3", VectorKind::Native, Autoreset::NextStep, &json!([])), 17);
 }
 
 #[test]

@@ -246,13 +246,16 @@ fn without_a_kind_the_vector_is_one_that_works() {
     let native = |envs: Result<Box<dyn VectorEnv>>| envs.unwrap().describe().starts_with("Native");
     assert!(native(builder("CartPole-v1").vector(2).build()));
     assert!(native(builder("CartPole-v1").max_episode_steps(65_534).vector(2).build()));
+    assert!(native(
+        builder("LunarLander-v3").arg("enable_wind", true).max_episode_steps(None).vector(2).build()
+    ));
     for vector in [
         builder("CartPole-v1").max_episode_steps(100_000).vector(2),
         builder("Taxi-v4").arg("fickle_passenger", true).vector(2),
         builder("FrozenLake-v1").arg("map_name", Json::Null).vector(2),
         builder("CartPole-v1").render_mode(gym::render::RenderMode::RgbArray).vector(2),
         builder("CartPole-v1").wrap(WrapperSpec::new("FlattenObservation")).vector(2),
-        builder("LunarLander-v3").vector(2),
+        builder("CarRacing-v3").vector(2),
     ] {
         let spec = vector.clone().spec().unwrap();
         assert_eq!(spec.vectorization_mode, VectorKind::Sync);

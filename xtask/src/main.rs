@@ -3,9 +3,11 @@
 //! This program has next to no dependencies, so that it says within seconds what it builds:
 //! - Commands that play are built with optimisation; `list`, `help` and `new` without, unless the others are there.
 //! - `play` is built with windows, `conform` with the allocator that counts.
+//! - `web` builds the gallery for the browser, and is part of this program.
 //! - With `--plugin PATH` a program is built that links the crate in that folder.
 
 mod plugin;
+mod web;
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -29,6 +31,9 @@ fn main() -> ExitCode {
 
 fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let (plugin, arguments) = take_plugin(arguments)?;
+    if arguments.first().is_some_and(|command| command == "web") {
+        return web::web(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
+    }
     let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
     let mut cargo = Command::new(cargo());
     cargo.arg("run").args(["--profile", build.profile]);

@@ -62,21 +62,52 @@ impl Plugin {
 
     /// Writes a program that links the plugin and runs the commands over its environments.
     pub(crate) fn write_program(&self, folder: &Path) -> Result<(), String> {
+        let main = format!(
+            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
+             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?}, {:?})\n}}\n",
+            self.krate, self.name, self.folder
+        );
+        let commands = root().join("xtask").join("commands");
+        let parts = format!(
+            "[features]\n\
+             conform = [\"xtask-commands/conform\"]\n\
+             human = [\"xtask-commands/human\"]\n\
+             \n\
+             [dependencies]\n\
+             xtask-commands = {{ path = {commands:?}, default-features = false }}\n"
+        );
+        self.write(folder, ("main.rs", &main), "commands-of", &parts)
+    }
+
+    /// Writes a library that links the plugin and the gallery.
+    pub(crate) fn write_gallery(&self, folder: &Path) -> Result<(), String> {
+        let library = format!("use gym_web as _;\nuse {} as _;\n", self.krate);
+        let web = root().join("crates").join("gym-web");
+        let parts = format!(
+            "[dependencies]\n\
+             gym-web = {{ path = {web:?}, default-features = false }}\n"
+        );
+        self.write(folder, ("lib.rs", &library), "gallery-of", &parts)
+    }
+
+    /// Writes a package of one source file.
+    fn write(
+        &self,
+        folder: &Path,
+        (name, text): (&str, &str),
+        prefix: &str,
+        parts: &str,
+    ) -> Result<(), String> {
         let error_at = |path: &Path| {
             let path = path.display().to_string();
             move |error: io::Error| format!("{path}: {error}")
         };
         let source = folder.join("src");
         fs::create_dir_all(&source).map_err(error_at(&source))?;
-        let main = format!(
-            "use std::process::ExitCode;\n\nuse {} as _;\n\n\
-             fn main() -> ExitCode {{\n    xtask_commands::main_of({:?}, {:?})\n}}\n",
-            self.krate, self.name, self.folder
-        );
-        let manifest = self.manifest(&our_crates()?, &our_profiles()?);
-        for (path, text) in [(folder.join("Cargo.toml"), manifest), (source.join("main.rs"), main)] {
+        let manifest = self.manifest(prefix, parts, &our_crates()?, &our_profiles()?);
+        for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
             // an unchanged file is not built again
-            if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
+            if fs::read_to_string(&path).ok().as_deref() != Some(text) {
                 fs::write(&path, text).map_err(error_at(&path))?;
             }
         }
@@ -89,12 +120,11 @@ impl Plugin {
         Ok(())
     }
 
-    /// The manifest of that program: with this workspace's crates instead of published ones, and its profiles, so that
+    /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of published ones, and its profiles, so that
     /// what both need is built once.
-    fn manifest(&self, crates: &[PathBuf], profiles: &str) -> String {
+    fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
         let Self { name, folder, source, .. } = self;
-        let commands = root().join("xtask").join("commands");
-        // a plugin that takes gym-core from elsewhere shares the one that the commands use
+        // a plugin that takes gym-core from elsewhere shares the one of this workspace
         let patch = source.as_ref().map_or_else(String::new, |source| {
             let entry = |path: &PathBuf| {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -104,20 +134,15 @@ impl Plugin {
         });
         format!(
             "[package]\n\
-             name = \"commands-of-{name}\"\n\
+             name = \"{prefix}-{name}\"\n\
              version = \"0.0.0\"\n\
              edition = \"2024\"\n\
              publish = false\n\
              \n\
              [workspace]\n\
              \n\
-             [features]\n\
-             conform = [\"xtask-commands/conform\"]\n\
-             human = [\"xtask-commands/human\"]\n\
-             \n\
-             [dependencies]\n\
+             {parts}\
              {name} = {{ path = {folder:?} }}\n\
-             xtask-commands = {{ path = {commands:?}, default-features = false }}\n\
              \n\
              {profiles}{patch}"
         )
@@ -186,7 +211,8 @@ mod tests {
             folder: "/x".into(),
             source: Some("crates-io".into()),
         };
-        let manifest = plugin.manifest(&our_crates().unwrap(), &our_profiles().unwrap());
+        let manifest =
+            plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &our_profiles().unwrap());
         for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
         {
             assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");

@@ -3,7 +3,7 @@
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gym_core::{Error, Result};
 
@@ -55,6 +55,22 @@ impl Rom {
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
+}
+
+/// The ROMs that were [provided](provide).
+static PROVIDED: Mutex<Vec<Rom>> = Mutex::new(Vec::new());
+
+/// Provides a ROM from memory: [`load`] takes it where no folder is named. For platforms without files.
+pub fn provide(rom: Rom) {
+    let mut provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
+    provided.retain(|other| other.game.name != rom.game.name);
+    provided.push(rom);
+}
+
+/// The ROM of a game, if it was provided.
+fn provided(game: &Game) -> Option<Rom> {
+    let provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
+    provided.iter().find(|rom| rom.game.name == game.name).cloned()
 }
 
 /// A folder with ROMs under ale-py's names: `breakout.bin`.
@@ -119,23 +135,34 @@ impl RomDir {
     }
 }
 
-/// The ROM of a game, from a folder or from where [`RomDir::find`] looks.
+/// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file where [`RomDir::find`] looks.
 ///
 /// # Errors
 /// As [`RomDir::rom`]; without any folder, what to do about it.
 pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
+    if folder.is_none()
+        && let Some(rom) = provided(game)
+    {
+        return Ok(rom);
+    }
     match folder.map(RomDir::new).or_else(RomDir::find) {
         Some(folder) => folder.rom(game),
         None => Err(Error::argument(game.title, format!("no ROMs were found. {}", advice()))),
     }
 }
 
-/// Whether there are ROMs where [`RomDir::find`] looks.
+/// Whether a ROM was [provided](provide), or there are some where [`RomDir::find`] looks.
 pub fn available() -> bool {
+    if !PROVIDED.lock().unwrap_or_else(PoisonError::into_inner).is_empty() {
+        return true;
+    }
     RomDir::find().is_some_and(|folder| games::GAMES.iter().any(|game| folder.rom(game).is_ok()))
 }
 
 fn advice() -> String {
+    if cfg!(target_family = "wasm") {
+        return "ROMs are not part of this crate: give one from memory with `gym_atari::rom::provide`".into();
+    }
     format!(
         "ROMs are not part of this crate: `pip install ale-py` brings them, in the active virtual environment or in \
          `.venv`; or set {VARIABLE} to a folder with files such as `breakout.bin`, or give the argument `rom_dir`"

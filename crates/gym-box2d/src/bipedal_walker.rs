@@ -31,12 +31,14 @@ mod ground;
 mod heuristic;
 
 use std::f32::consts::PI;
+use std::sync::LazyLock;
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
 use gym_core::math::{cos, sin};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
+use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
     Configure, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot, Space,
     pygame,
@@ -44,9 +46,9 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
+use crate::common::{self, Ahead, Call, POSITION_ITERATIONS, VELOCITY_ITERATIONS, Worlds, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
 };
 
 use ground::Ground;
@@ -61,6 +63,13 @@ const SPEED_HIP: f32 = 4.0; // rad/s
 const SPEED_KNEE: f32 = 6.0;
 const LIDAR_RANGE: f64 = 160.0 / SCALE;
 const LIDAR_RAYS: usize = 10;
+/// How far each ray reaches, to the right and down.
+static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let angle = 1.5 * i as f64 / 10.0;
+        [sin(angle) * LIDAR_RANGE, cos(angle) * LIDAR_RANGE]
+    })
+});
 /// Pictures from one sweep of the beam to the next.
 const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
@@ -95,6 +104,7 @@ gym_core::arguments! {
 pub struct BipedalWalker {
     config: Config,
     episode: Option<Episode>,
+    ahead: Option<Ahead>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -121,12 +131,23 @@ struct Episode {
     lidar: [f32; LIDAR_RAYS],
     /// Pictures taken, up to 99: the beam of the lidar sweeps with them.
     pictures: usize,
+    /// That of the step that has begun.
+    #[serde(skip)]
+    action: [f32; 4],
 }
 
 impl BipedalWalker {
     /// The environment with these arguments.
     pub fn new(config: Config) -> Self {
-        Self { config, episode: None }
+        Self { config, episode: None, ahead: None }
+    }
+
+    /// Starts an episode, up to the velocities of its first step, in which no motor drives.
+    fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
+        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
+        let episode = self.episode.insert(Episode::new(self.config, rng));
+        episode.begin(&[0.0; 4]);
+        Ok(episode)
     }
 
     /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
@@ -208,17 +229,25 @@ impl Episode {
             prev_shaping: None,
             lidar: [1.0; LIDAR_RAYS],
             pictures: 0,
+            action: [0.0; 4],
         }
     }
 
-    fn step(&mut self, action: &[f32; 4]) -> ([f32; 24], Outcome) {
+    /// The motors, and the first part of the world's step.
+    fn begin(&mut self, action: &[f32; 4]) {
         for (i, (joint, a)) in self.joints.into_iter().zip(action).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
             let direction = if *a == 0.0 { 0.0 } else { a.signum() };
             self.world.set_motor_speed(joint, speed * direction);
             self.world.set_max_motor_torque(joint, MOTORS_TORQUE * a.abs().clamp(0.0, 1.0));
         }
-        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.action = *action;
+    }
+
+    /// The rest of a step, once the velocities are solved.
+    fn finish(&mut self) -> ([f32; 24], Outcome) {
+        self.world.finish();
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.hull);
             for (leg, contact) in [1, 3].into_iter().zip(&mut self.ground_contact) {
@@ -229,11 +258,12 @@ impl Episode {
         }
         let pos = self.world.position(self.hull);
         let x = f64::from(pos.x);
-        for i in 0..LIDAR_RAYS {
+        let ends: [Vec2; LIDAR_RAYS] = std::array::from_fn(|i| {
             let end = self.ray_end(i);
-            let hit = self.world.ray_cast(pos, vec2(end[0], end[1]), GROUND);
-            self.lidar[i] = hit.map_or(1.0, |hit| hit.fraction);
-        }
+            vec2(end[0], end[1])
+        });
+        let hits = self.world.ray_casts(pos, &ends, GROUND);
+        self.lidar = hits.map(|hit| hit.map_or(1.0, |hit| hit.fraction));
 
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
@@ -241,7 +271,7 @@ impl Episode {
         // numpy's scalars: the reward is of 32 bits from the first motor on
         let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before) as f32;
         self.prev_shaping = Some(shaping);
-        for a in action {
+        for a in self.action {
             reward -= (0.00035 * f64::from(MOTORS_TORQUE)) as f32 * a.abs().clamp(0.0, 1.0);
         }
 
@@ -259,8 +289,8 @@ impl Episode {
     /// Where a ray of the lidar ends if nothing is in its way.
     fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
-        let angle = 1.5 * i as f64 / 10.0;
-        [f64::from(pos.x) + sin(angle) * LIDAR_RANGE, f64::from(pos.y) - cos(angle) * LIDAR_RANGE]
+        let [right, down] = BEAMS[i];
+        [f64::from(pos.x) + right, f64::from(pos.y) - down]
     }
 
     fn observe(&self) -> [f32; 24] {
@@ -390,19 +420,25 @@ impl Env for BipedalWalker {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
-        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
-        let mut episode = Episode::new(self.config, rng);
-        *observation = episode.step(&[0.0; 4]).0;
-        self.episode = Some(episode);
+        if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
+            self.begin_episode(reset)?.world.solve();
+        }
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
+        *observation = episode.finish().0;
         Ok(())
     }
 
     fn step_into(&mut self, action: &[f32; 4], observation: &mut [f32; 24]) -> Result<Outcome> {
+        let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-        if !action.iter().all(|a| a.is_finite()) {
-            return Err(Error::action(action, &self.action_space()));
+        if !begun {
+            if !action.iter().all(|a| a.is_finite()) {
+                return Err(Error::action(action, &self.action_space()));
+            }
+            episode.begin(action);
+            episode.world.solve();
         }
-        let (observed, outcome) = episode.step(action);
+        let (observed, outcome) = episode.finish();
         *observation = observed;
         Ok(outcome)
     }
@@ -473,6 +509,30 @@ impl Env for BipedalWalker {
     }
 }
 
+impl Lockstep for BipedalWalker {
+    type Group = Worlds;
+
+    fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
+        if let Ok(episode) = self.begin_episode(reset) {
+            self.ahead = Some(Ahead::enter(Call::Reset, &episode.world, worlds));
+        }
+    }
+
+    fn begin_step(&mut self, action: &[f32; 4], worlds: &mut Worlds) {
+        let possible = action.iter().all(|a| a.is_finite());
+        if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
+            episode.begin(action);
+            self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));
+        }
+    }
+
+    fn collect(&mut self, worlds: &Worlds) {
+        if let (Some(ahead), Some(episode)) = (self.ahead, &mut self.episode) {
+            ahead.collect(&mut episode.world, worlds);
+        }
+    }
+}
+
 impl Configure for BipedalWalker {
     type Config = Config;
 
@@ -514,13 +574,15 @@ const fn hardcore(id: &'static str) -> Registration {
     walker(id).description("Walk on two legs over ladders, stumps and pits.").max_episode_steps(2000)
 }
 
-gym_core::register!(walker("BipedalWalker-v3").clip(Clip {
+gym_core::register!(walker("BipedalWalker-v3").lockstep::<BipedalWalker>().clip(Clip {
     seeds: 0..1,
     every: 4,
     frames: 100,
     size: (300, 200)
 }));
-gym_core::register!(hardcore("BipedalWalkerHardcore-v3").kwargs(r#"{"hardcore": true}"#));
+gym_core::register!(
+    hardcore("BipedalWalkerHardcore-v3").lockstep::<BipedalWalker>().kwargs(r#"{"hardcore": true}"#)
+);
 
 #[cfg(feature = "rapier")]
 const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[

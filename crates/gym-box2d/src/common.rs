@@ -1,9 +1,62 @@
 //! What the three environments share.
 
+use fearless_simd::Level;
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
+use gym_core::vector::lockstep::Together;
 use gym_core::{Error, Result};
 
-use crate::physics::{FixtureId, Vec2, World};
+use crate::physics::{FixtureId, LANES, Lanes, Vec2, World};
+
+/// Worlds whose velocities are solved together.
+#[derive(Clone, Debug)]
+pub struct Worlds(Lanes);
+
+impl Default for Worlds {
+    fn default() -> Self {
+        Self(Lanes::new(Level::new()))
+    }
+}
+
+impl Together for Worlds {
+    const LEN: usize = LANES;
+
+    fn solve(&mut self) {
+        self.0.sweep();
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// A reset or a step that was begun before it was asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ahead {
+    pub(crate) call: Call,
+    /// Where the world's velocities are solved, if together with others.
+    lane: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Call {
+    Reset,
+    Step,
+}
+
+impl Ahead {
+    /// A step of the world has begun.
+    pub(crate) fn enter(call: Call, world: &World, Worlds(lanes): &mut Worlds) -> Self {
+        Self { call, lane: world.enter(lanes) }
+    }
+
+    /// Solves the velocities, or takes those that were.
+    pub(crate) fn collect(self, world: &mut World, Worlds(lanes): &Worlds) {
+        match self.lane {
+            Some(lane) => world.leave(lanes, lane),
+            None => world.solve(),
+        }
+    }
+}
 
 /// Sweeps over the velocities in a step: 6 * 30 in all of Gymnasium's three.
 pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
@@ -69,4 +122,120 @@ pub(crate) fn pixel_corners(world: &World, fixture: FixtureId, scale: f64) -> ([
 pub(crate) fn draw_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
     canvas.pygame(Primitive::Polygon(points), color);
     canvas.pygame(Primitive::AaPolygon(points), color);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bipedal_walker::{self, BipedalWalker, Heuristic};
+    use crate::lunar_lander::{self, LunarLander, heuristic};
+    use gym_core::vector::lockstep::Lockstep;
+    use gym_core::{Element, Env, Outcome, Reset};
+
+    /// Those of this CPU.
+    fn levels() -> Vec<Level> {
+        #[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), expect(unused_mut))]
+        let mut levels = vec![Level::new(), Level::baseline()];
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            levels.extend(Level::new().as_avx2().map(Level::Avx2));
+            levels.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
+            levels.extend(Level::new().as_sse2().map(Level::Sse2));
+        }
+        levels
+    }
+
+    /// What environments answer to `policy`, of their numbers and last observations, episode after episode; side by
+    /// side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
+    fn run<E, const N: usize>(
+        make: impl Fn(usize) -> E,
+        n: usize,
+        steps: usize,
+        mut worlds: Option<Worlds>,
+        mut policy: impl FnMut(usize, &[f32; N]) -> E::Action,
+    ) -> Vec<u64>
+    where
+        E: Lockstep<Group = Worlds> + Env<Observation = [f32; N]>,
+    {
+        let mut envs: Vec<E> = (0..n).map(make).collect();
+        let mut asks: Vec<Result<Reset, E::Action>> = (0..n).map(|i| Ok(Reset::from(i as u64))).collect();
+        let mut bits = Vec::new();
+        for step in 0..steps {
+            let mut asked: Vec<usize> = (0..n).filter(|i| i % 7 > 0 || step % 3 > 0).collect();
+            asked.rotate_left(step % 2);
+            if let Some(worlds) = &mut worlds {
+                worlds.clear();
+                for &i in &asked {
+                    match &asks[i] {
+                        Ok(reset) => envs[i].begin_reset(reset, worlds),
+                        Err(action) => envs[i].begin_step(action, worlds),
+                    }
+                }
+                worlds.solve();
+                asked.iter().for_each(|&i| envs[i].collect(worlds));
+            }
+            for &i in &asked {
+                let mut observation = <[f32; N]>::empty();
+                let outcome = match &asks[i] {
+                    Ok(reset) => envs[i].reset_into(reset, &mut observation).map(|()| Outcome::default()),
+                    Err(action) => envs[i].step_into(action, &mut observation),
+                };
+                let outcome = outcome.unwrap();
+                bits.push(outcome.reward.to_bits());
+                if step % 5 == 0 || outcome.terminated {
+                    bits.extend(observation.map(|x| u64::from(x.to_bits())));
+                }
+                let next = policy(i, &observation);
+                asks[i] = if outcome.terminated { Ok(Reset::default()) } else { Err(next) };
+            }
+        }
+        bits
+    }
+
+    /// A share of -1 to 1, other ones each time.
+    fn noise(state: &mut u64) -> f32 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 40) as f32 / (1u32 << 23) as f32 - 1.0
+    }
+
+    #[test]
+    fn landers_side_by_side_keep_the_bits() {
+        let make = |i: usize| {
+            let gravity = -4.0 - 0.3 * (i % 20) as f64;
+            let config = lunar_lander::Config { gravity, enable_wind: i % 2 == 1, ..Default::default() };
+            LunarLander::new(lunar_lander::Config { continuous: true, ..config }).unwrap()
+        };
+        let run = |worlds| {
+            let mut state = 3;
+            // some try to land, and lie still in the end; others tumble
+            let policy = |i: usize, observation: &[f32; 8]| match i % 3 {
+                0 => [noise(&mut state), noise(&mut state)].into(),
+                _ => heuristic(observation, true),
+            };
+            run(make, 35, 250, worlds, policy)
+        };
+        let alone = run(None);
+        for level in levels() {
+            assert!(run(Some(Worlds(Lanes::new(level)))) == alone, "{level:?}");
+        }
+    }
+
+    #[test]
+    fn walkers_side_by_side_keep_the_bits() {
+        let make = |i: usize| {
+            BipedalWalker::new(bipedal_walker::Config { hardcore: i % 4 == 3, ..Default::default() })
+        };
+        let run = |worlds| {
+            let (mut state, mut pilots) = (3, [(); 9].map(|()| Heuristic::default()));
+            let policy = |i: usize, observation: &[f32; 24]| match i % 3 {
+                0 => [(); 4].map(|()| noise(&mut state)),
+                _ => pilots[i].act(observation),
+            };
+            run(make, 9, 150, worlds, policy)
+        };
+        let alone = run(None);
+        for level in levels() {
+            assert!(run(Some(Worlds(Lanes::new(level)))) == alone, "{level:?}");
+        }
+    }
 }

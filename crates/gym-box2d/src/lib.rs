@@ -19,6 +19,7 @@
 pub mod bipedal_walker;
 pub mod car_racing;
 mod common;
+pub use common::Worlds;
 pub mod lunar_lander;
 pub mod physics;
 

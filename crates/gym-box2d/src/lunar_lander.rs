@@ -33,6 +33,7 @@ use gym_core::math::{cos, sin, tanh};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
+use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
     Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot,
     Space, Value, pygame,
@@ -40,7 +41,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points, vec2};
+use crate::common::{self, Ahead, Call, POSITION_ITERATIONS, VELOCITY_ITERATIONS, Worlds, points, vec2};
 use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World,
 };
@@ -88,6 +89,16 @@ gym_core::arguments! {
         pub turbulence_power: f64 = 1.5,
         /// Which engine moves the craft: `box2d` or `rapier`.
         pub physics: Physics,
+    }
+}
+
+impl Config {
+    /// Whether an action is of the kind that is asked for.
+    fn takes(&self, action: &Action) -> bool {
+        match action {
+            Action::Fire(_) => !self.continuous,
+            Action::Throttle(throttles) => self.continuous && throttles.iter().all(|x| x.is_finite()),
+        }
     }
 }
 
@@ -155,6 +166,7 @@ pub struct LunarLander {
     episode: Option<Episode>,
     /// Whether pictures are taken.
     renders: bool,
+    ahead: Option<Ahead>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -175,6 +187,9 @@ struct Episode {
     prev_shaping: Option<f64>,
     /// What the engines emit, if pictures are taken.
     exhaust: Option<Exhaust>,
+    /// Main and side throttle in the step that has begun.
+    #[serde(skip)]
+    throttles: [f64; 2],
 }
 
 /// Far beyond the 20 up to which Gymnasium recommends wind, and far below what overflows a `float32`.
@@ -207,7 +222,18 @@ impl LunarLander {
                 return Err(Error::argument("LunarLander", reason));
             }
         }
-        Ok(Self { config, version, episode: None, renders: false })
+        Ok(Self { config, version, episode: None, renders: false, ahead: None })
+    }
+
+    /// Starts an episode, up to the velocities of its first step, in which no engine fires.
+    fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
+        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
+        let episode = self.episode.insert(Episode::new(&self.config, self.version, rng));
+        episode.render(&self.config, self.renders);
+        let idle =
+            if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
+        episode.begin(&self.config, &idle);
+        Ok(episode)
     }
 
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
@@ -291,6 +317,7 @@ impl Episode {
             ground_contact: [false; 2],
             prev_shaping: None,
             exhaust: None,
+            throttles: [0.0; 2],
         }
     }
 
@@ -320,7 +347,8 @@ impl Episode {
         }
     }
 
-    fn step(&mut self, config: &Config, action: &Action) -> ([f32; 8], Outcome) {
+    /// Wind and engines, and the first part of the world's step.
+    fn begin(&mut self, config: &Config, action: &Action) {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);
         }
@@ -359,7 +387,14 @@ impl Episode {
             self.fire([ox, oy], at, SIDE_ENGINE_POWER, s_power, 0.7);
         }
 
-        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.throttles = [m_power, s_power];
+    }
+
+    /// The rest of a step, once the velocities are solved.
+    fn finish(&mut self) -> ([f32; 8], Outcome) {
+        let [m_power, s_power] = self.throttles;
+        self.world.finish();
         if let Some(exhaust) = &mut self.exhaust {
             exhaust.step();
         }
@@ -466,26 +501,25 @@ impl Env for LunarLander {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
-        let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
-        let mut episode = Episode::new(&self.config, self.version, rng);
-        episode.render(&self.config, self.renders);
-        let idle =
-            if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
-        *observation = episode.step(&self.config, &idle).0;
-        self.episode = Some(episode);
+        if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
+            self.begin_episode(reset)?.world.solve();
+        }
+        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
+        *observation = episode.finish().0;
         Ok(())
     }
 
     fn step_into(&mut self, action: &Action, observation: &mut [f32; 8]) -> Result<Outcome> {
+        let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-        let possible = match action {
-            Action::Fire(_) => !self.config.continuous,
-            Action::Throttle(throttles) => self.config.continuous && throttles.iter().all(|x| x.is_finite()),
-        };
-        if !possible {
-            return Err(Error::action(action, &self.action_space()));
+        if !begun {
+            if !self.config.takes(action) {
+                return Err(Error::action(action, &self.action_space()));
+            }
+            episode.begin(&self.config, action);
+            episode.world.solve();
         }
-        let (observed, outcome) = episode.step(&self.config, action);
+        let (observed, outcome) = episode.finish();
         *observation = observed;
         Ok(outcome)
     }
@@ -555,6 +589,29 @@ impl Env for LunarLander {
     }
 }
 
+impl Lockstep for LunarLander {
+    type Group = Worlds;
+
+    fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
+        if let Ok(episode) = self.begin_episode(reset) {
+            self.ahead = Some(Ahead::enter(Call::Reset, &episode.world, worlds));
+        }
+    }
+
+    fn begin_step(&mut self, action: &Action, worlds: &mut Worlds) {
+        if let Some(episode) = self.episode.as_mut().filter(|_| self.config.takes(action)) {
+            episode.begin(&self.config, action);
+            self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));
+        }
+    }
+
+    fn collect(&mut self, worlds: &Worlds) {
+        if let (Some(ahead), Some(episode)) = (self.ahead, &mut self.episode) {
+            ahead.collect(&mut episode.world, worlds);
+        }
+    }
+}
+
 impl Configure for LunarLander {
     type Config = Config;
 
@@ -616,17 +673,22 @@ const fn throttled(id: &'static str) -> Registration {
     lander(id).description("Land a craft softly between two flags, with engines that throttle.")
 }
 
-gym_core::register!(lander("LunarLander-v2").exceptions(V2_EXCEPTIONS));
+gym_core::register!(lander("LunarLander-v2").lockstep::<LunarLander>().exceptions(V2_EXCEPTIONS));
 gym_core::register!(
-    throttled("LunarLanderContinuous-v2").kwargs(r#"{"continuous": true}"#).exceptions(V2_EXCEPTIONS)
+    throttled("LunarLanderContinuous-v2")
+        .lockstep::<LunarLander>()
+        .kwargs(r#"{"continuous": true}"#)
+        .exceptions(V2_EXCEPTIONS)
 );
-gym_core::register!(lander("LunarLander-v3").clip(Clip {
+gym_core::register!(lander("LunarLander-v3").lockstep::<LunarLander>().clip(Clip {
     seeds: 0..1,
     every: 4,
     frames: 100,
     size: (300, 200)
 }));
-gym_core::register!(throttled("LunarLanderContinuous-v3").kwargs(r#"{"continuous": true}"#));
+gym_core::register!(
+    throttled("LunarLanderContinuous-v3").lockstep::<LunarLander>().kwargs(r#"{"continuous": true}"#)
+);
 
 #[cfg(feature = "rapier")]
 gym_core::register!(

@@ -6,6 +6,7 @@ pub mod arguments;
 pub mod array;
 mod boxed;
 pub mod canvas;
+mod clock;
 mod data;
 mod env;
 mod env_ext;

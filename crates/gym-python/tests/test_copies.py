@@ -53,8 +53,6 @@ def test_before_the_first_reset(way: str) -> None:
 @pytest.mark.parametrize("kind", ["sync", "async", "native"])
 @pytest.mark.parametrize("env_id", ["CartPole-v1", "Taxi-v4", "LunarLander-v3"])
 def test_vectors(env_id: str, kind: str, mode: str) -> None:
-    if kind == "native" and env_id == "LunarLander-v3":
-        pytest.skip("it has no native vector")
     envs = rustgym.VectorEnv(env_id, 5, kind=kind, autoreset_mode=mode, max_episode_steps=15)
     envs.action_space.seed(0)
     envs.reset(seed=3)

@@ -73,6 +73,7 @@ def test_vectors(env_id: str, kind: str, mode: AutoresetMode) -> None:
 
 
 NATIVE = ["CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1", "Acrobot-v1", "Taxi-v4", "FrozenLake-v1"]
+NATIVE += ["LunarLander-v3", "LunarLanderContinuous-v3", "BipedalWalker-v3"]
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])

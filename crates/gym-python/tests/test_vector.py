@@ -87,7 +87,7 @@ def test_constructor_arguments() -> None:
     with pytest.raises(ValueError, match="num_envs"):
         rustgym.VectorEnv("CartPole-v1", 0)
     with pytest.raises(ValueError, match="no native|has none"):
-        rustgym.VectorEnv("LunarLander-v3", 3, kind="native")
+        rustgym.VectorEnv("CarRacing-v3", 3, kind="native")
     envs = rustgym.VectorEnv("Pendulum-v1", 2, max_episode_steps=3)
     envs.reset(seed=0)
     assert [bool(envs.step(np.zeros((2, 1), np.float32))[3].all()) for _ in range(3)] == [False, False, True]

@@ -89,15 +89,64 @@ pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<(
     writer.finish()
 }
 
+/// Encodes an animation in memory, frame by frame, as [`GifWriter`] does to a file.
+#[derive(Debug)]
+pub struct GifEncoder {
+    size: (u32, u32),
+    animation: Animation<io::Cursor<Vec<u8>>>,
+}
+
+impl GifEncoder {
+    /// Starts an animation of that many frames per second with its first frame.
+    ///
+    /// # Errors
+    /// `Error::InvalidArgument` for 0 frames per second, and for a frame that is empty or larger than 65535 pixels a side.
+    pub fn new(fps: u32, first: &Frame) -> Result<Self> {
+        check(fps, first)?;
+        let animation = Animation::start(io::Cursor::default(), fps, first).map_err(failed)?;
+        Ok(Self { size: (first.width(), first.height()), animation })
+    }
+
+    /// Appends a frame.
+    ///
+    /// # Errors
+    /// `Error::InvalidArgument` for a frame of another size than the first; it is left out.
+    pub fn write(&mut self, frame: &Frame) -> Result<()> {
+        if (frame.width(), frame.height()) != self.size {
+            return Err(Error::argument("GifEncoder", "all frames must have one size"));
+        }
+        self.animation.write(frame).map_err(failed)
+    }
+
+    /// The bytes of the GIF.
+    ///
+    /// # Errors
+    /// If the last frame cannot be encoded.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        self.animation.finish().map(io::Cursor::into_inner).map_err(failed)
+    }
+}
+
+/// Refuses what no GIF can show.
+fn check(fps: u32, first: &Frame) -> Result<()> {
+    let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
+    if fps == 0 || !fits(first.width()) || !fits(first.height()) {
+        let reason = "give at least 1 frame per second, and frames of 1 to 65535 pixels a side";
+        return Err(Error::argument("GifWriter", reason));
+    }
+    Ok(())
+}
+
+fn failed(error: io::Error) -> Error {
+    Error::custom(format!("the GIF could not be written: {error}"))
+}
+
 /// Writes all frames as a GIF, to something else than a file.
 pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> Result<W> {
     let invalid = |reason: &str| Error::argument("GifWriter", reason);
     let [first, rest @ ..] = frames else { return Err(invalid("there is no frame: give at least one")) };
     let size = |frame: &Frame| (frame.width(), frame.height());
-    let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
-    if fps == 0 || !fits(first.width()) || !fits(first.height()) {
-        return Err(invalid("give at least 1 frame per second, and frames of 1 to 65535 pixels a side"));
-    }
+    check(fps, first)?;
     if rest.iter().any(|frame| size(frame) != size(first)) {
         return Err(invalid("all frames must have one size"));
     }
@@ -106,7 +155,7 @@ pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> 
         rest.iter().try_for_each(|frame| animation.write(frame))?;
         animation.finish()
     };
-    write().map_err(|error| Error::custom(format!("the GIF could not be written: {error}")))
+    write().map_err(failed)
 }
 
 /// An animation being written. The last frame is held back until its duration is known.
@@ -507,6 +556,16 @@ mod tests {
             fs::read(folder.path().join("b.gif")).unwrap(),
             fs::read(folder.path().join("c.gif")).unwrap()
         );
+    }
+
+    #[test]
+    fn an_animation_in_memory_equals_the_file() {
+        let frames = moving(12);
+        let mut encoder = GifEncoder::new(50, &frames[0]).unwrap();
+        frames[1..].iter().for_each(|frame| encoder.write(frame).unwrap());
+        assert!(encoder.write(&Frame::new(3, 3)).is_err());
+        assert_eq!(encoder.finish().unwrap(), encode(50, &frames));
+        assert!(GifEncoder::new(0, &frames[0]).is_err() && GifEncoder::new(1, &Frame::new(0, 2)).is_err());
     }
 
     #[test]

@@ -10,7 +10,7 @@
 //! | one frame of a drawing | [`frame`] |
 //! | episodes of an environment | [`Recorder`], [`RecordVideo`] |
 //! | episodes of a vector, as a grid | [`RecordVectorVideo`] |
-//! | an animation as GIF | [`GifWriter`], [`write_gif`] |
+//! | an animation as GIF | [`GifWriter`], [`write_gif`]; in memory: [`GifEncoder`] |
 //! | an animation as GIF, PNG or MP4 | [`VideoWriter`], [`write_video`] |
 //! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
 //! | a vector picture | [`svg`], [`write_svg`] |
@@ -63,7 +63,7 @@ mod video;
 mod window;
 
 pub use font::text_width;
-pub use gif::{GifWriter, write_gif};
+pub use gif::{GifEncoder, GifWriter, write_gif};
 pub use inline::Inline;
 pub use plot::Plot;
 pub use png::{contact_sheet, write_png, write_png_sequence};

@@ -31,7 +31,11 @@ use gym::{Error, Result};
 use crate::selection::Selection;
 
 #[derive(Parser)]
-#[command(name = "cargo xtask", about = "Commands over every environment that is linked")]
+#[command(
+    name = "cargo xtask",
+    about = "Commands over every environment that is linked",
+    after_help = "`cargo xtask web` builds a page that runs every environment in a browser; `cargo xtask web --help` says more."
+)]
 struct Arguments {
     /// The folder of a crate with environments of its own, instead of those of this workspace, for every command but
     /// `new`.

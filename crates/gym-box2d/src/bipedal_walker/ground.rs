@@ -116,11 +116,8 @@ impl<'a> Ground<'a> {
                 first = true;
             }
         }
-        for i in 0..TERRAIN_LENGTH - 1 {
-            let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
-            let at = |i: usize| vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
-            let edge = FixtureDef { friction: FRICTION, ..FixtureDef::new(Shape::Edge(at(i), at(i + 1))) };
-            self.world.create_fixture(body, &edge);
-        }
+        let at = |(i, y): (usize, &f64)| vec2(i as f64 * TERRAIN_STEP, *y);
+        let points: Vec<Vec2> = self.terrain_y.iter().enumerate().map(at).collect();
+        self.world.create_terrain(&points, FRICTION);
     }
 }

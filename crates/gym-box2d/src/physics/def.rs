@@ -164,8 +164,8 @@ pub struct ContactEvent {
 /// Where a ray met a fixture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// What it met.
-    pub fixture: FixtureId,
+    /// What it met; `None` for an edge of the [terrain](super::World::create_terrain).
+    pub fixture: Option<FixtureId>,
     /// Where.
     pub point: Vec2,
     /// At which part of its way, from 0 to 1.

@@ -26,6 +26,8 @@ mod def;
 mod rapier;
 mod world;
 
+pub(crate) use box2d::lanes::Lanes;
+pub(crate) use box2d::wide::LANES;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
 };

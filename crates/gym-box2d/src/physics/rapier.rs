@@ -413,8 +413,13 @@ impl Rapier {
         self.scene.events()
     }
 
-    pub(super) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
-        self.scene.ray_cast(from, to, categories)
+    pub(super) fn ray_casts<const N: usize>(
+        &self,
+        from: Vec2,
+        to: &[Vec2; N],
+        categories: u16,
+    ) -> [Option<RayHit>; N] {
+        self.scene.ray_casts(from, to, categories)
     }
 
     /// Whether the scene is consistent and rapier knows its bodies and joints. What rapier itself

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+#[cfg(feature = "rapier")]
+use super::Shape;
 use super::box2d::Box2d;
+use super::box2d::lanes::Lanes;
 #[cfg(feature = "rapier")]
 use super::rapier::Rapier;
 use super::{
@@ -81,6 +84,23 @@ impl World {
         FixtureId(engine!(&mut self.engine, world => world.create_fixture(body.0, def)))
     }
 
+    /// Adds terrain: an edge from each point to the next, each of them a static body of its own, and its fixture,
+    /// of Box2D's default filter. An edge takes little room: it has an id only while something is near it, and no
+    /// ray tells it. A world has terrain once.
+    pub fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
+        match &mut self.engine {
+            Engine::Box2d(world) => world.create_terrain(points, friction),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => {
+                for pair in points.windows(2) {
+                    let edge = FixtureDef { friction, ..FixtureDef::new(Shape::Edge(pair[0], pair[1])) };
+                    let body = self.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
+                    self.create_fixture(body, &edge);
+                }
+            }
+        }
+    }
+
     /// Hinges two bodies.
     pub fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> JointId {
         JointId(engine!(&mut self.engine, world => world.create_revolute_joint(def)))
@@ -96,6 +116,56 @@ impl World {
         engine!(&mut self.engine, world => world.step(dt, velocity_iterations, position_iterations));
     }
 
+    /// The first part of a step, up to its velocity sweeps; tells whether there are any to be made. A [`Lanes`] can
+    /// [make](Self::enter) them, or this world [itself](Self::solve).
+    pub(crate) fn begin(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) -> bool {
+        match &mut self.engine {
+            Engine::Box2d(world) => world.begin(dt, velocity_iterations, position_iterations),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(world) => {
+                world.step(dt, velocity_iterations, position_iterations);
+                false
+            }
+        }
+    }
+
+    /// Makes the velocity sweeps of the step that has begun.
+    pub(crate) fn solve(&mut self) {
+        match &mut self.engine {
+            Engine::Box2d(world) => world.sweep(),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => {}
+        }
+    }
+
+    /// Has the velocity sweeps of the step that has begun made together with those of other worlds: gives its lane, if
+    /// they are alike and there is room.
+    pub(crate) fn enter(&self, lanes: &mut Lanes) -> Option<usize> {
+        match &self.engine {
+            Engine::Box2d(world) => lanes.load(world),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => None,
+        }
+    }
+
+    /// Takes what the sweeps have made from a lane.
+    pub(crate) fn leave(&mut self, lanes: &Lanes, lane: usize) {
+        match &mut self.engine {
+            Engine::Box2d(world) => lanes.collect(lane, world),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => {}
+        }
+    }
+
+    /// The last part of a step that has begun.
+    pub(crate) fn finish(&mut self) {
+        match &mut self.engine {
+            Engine::Box2d(world) => world.finish(),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => {}
+        }
+    }
+
     /// Contacts that began or ended since the last step began, in order.
     pub fn contact_events(&self) -> &[ContactEvent] {
         engine!(&self.engine, world => world.events())
@@ -103,7 +173,18 @@ impl World {
 
     /// The first fixture that a ray meets, of those in one of `categories`.
     pub fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
-        engine!(&self.engine, world => world.ray_cast(from, to, categories))
+        let [hit] = self.ray_casts(from, &[to], categories);
+        hit
+    }
+
+    /// What each of some rays from one point meets first.
+    pub fn ray_casts<const N: usize>(
+        &self,
+        from: Vec2,
+        to: &[Vec2; N],
+        categories: u16,
+    ) -> [Option<RayHit>; N] {
+        engine!(&self.engine, world => world.ray_casts(from, to, categories))
     }
 
     /// Pushes at a body's centre of mass, in N, for the next step, and wakes it.

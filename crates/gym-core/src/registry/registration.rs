@@ -15,6 +15,7 @@ use crate::policy::Policy;
 use crate::registry::VectorSpec;
 use crate::render::RenderMode;
 use crate::vector::VectorEnv;
+use crate::vector::lockstep::{self, Ahead, Lockstep};
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
 /// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
@@ -76,6 +77,9 @@ impl<D: Dynamics> Configure for Stateful<D> {
 /// It fails for what it cannot do, such as a render mode or wrappers in the spec. It respects
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
+
+/// Makes what lets environments go ahead together.
+type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
 
 /// An external requirement of an environment, such as ROMs.
 #[derive(Clone, Copy, Debug)]
@@ -140,6 +144,7 @@ pub struct Registration {
     reward_threshold: Option<f64>,
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
+    ahead: Option<MakeAhead>,
     table: fn(u32) -> Vec<Argument>,
     construct: fn(&Registration, &EnvSpec) -> Result<BoxEnv>,
 }
@@ -185,6 +190,7 @@ impl Registration {
             reward_threshold: None,
             max_episode_steps: None,
             nondeterministic: false,
+            ahead: None,
             table: |version| arguments::table(&E::defaults(version), version),
             construct: construct::<E>,
         }
@@ -269,6 +275,15 @@ impl Registration {
         self
     }
 
+    /// Has a native vector of environments that take their steps together, see
+    /// [`lockstep`](crate::vector::lockstep); async vectors then let those of each thread do so.
+    #[must_use]
+    pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
+        self.vector_entry_point = Some(lockstep::entry_point::<E>);
+        self.ahead = Some(lockstep::ahead::<E>);
+        self
+    }
+
     /// The keys with which a person plays it; they may depend on the environment's arguments. Without, the digits are
     /// the actions of a `Discrete` space.
     #[must_use]
@@ -329,6 +344,11 @@ impl Registration {
             }
         }
         Ok(table)
+    }
+
+    /// What lets environments of this id take their steps together.
+    pub(super) fn ahead(&self) -> Option<Box<dyn Ahead<BoxEnv>>> {
+        self.ahead.map(|ahead| ahead())
     }
 
     /// How [`make`](crate::make) builds it.

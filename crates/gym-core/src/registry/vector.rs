@@ -192,6 +192,31 @@ impl VectorSpec {
         self
     }
 
+    /// Refuses arguments of each that sub-environments cannot be made with.
+    pub(crate) fn check_each(&self) -> Result<()> {
+        for (name, each) in &self.each {
+            each.check(name, self.num_envs)?;
+            if each.range().is_some() {
+                return Err(Error::argument(
+                    name,
+                    "this vector draws no arguments from a range: those of classic control do, where native",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// How a sub-environment is made.
+    pub(crate) fn env_at(&self, index: usize) -> EnvSpec {
+        let mut env = self.env.clone();
+        for (name, each) in &self.each {
+            if let Each::Values(values) = each {
+                env.kwargs.extend(values.get(index).map(|value| (name.clone(), value.clone())));
+            }
+        }
+        env
+    }
+
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
@@ -213,6 +238,11 @@ impl VectorSpec {
                 let vector = AsyncVectorEnv::new(envs(&spec)?)?;
                 let vector = match threads {
                     Some(threads) => vector.with_threads(threads)?,
+                    None => vector,
+                };
+                // (a wrapper may change the action that a step is begun with)
+                let vector = match find(&env.id)?.ahead().filter(|_| env.additional_wrappers.is_empty()) {
+                    Some(ahead) => vector.with_ahead(&*ahead)?,
                     None => vector,
                 };
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
@@ -238,21 +268,8 @@ const ENV_BYTES: usize = 1024;
 
 /// The sub-environments; the first one tells whether there can be so many.
 fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
-    for (name, each) in &spec.each {
-        each.check(name, spec.num_envs)?;
-        if each.range().is_some() {
-            return Err(Error::argument(name, "only a native vector draws arguments from a range"));
-        }
-    }
-    let make = |i: usize| {
-        let mut env = spec.env.clone();
-        for (name, each) in &spec.each {
-            if let Each::Values(values) = each {
-                env.kwargs.extend(values.get(i).map(|value| (name.clone(), value.clone())));
-            }
-        }
-        env.make()
-    };
+    spec.check_each()?;
+    let make = |index| spec.env_at(index).make();
     let first = make(0)?;
     let observation = first.observation_space();
     let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;

@@ -2,7 +2,12 @@
 
 mod columns;
 mod ext;
+<<<<<<< HEAD
 pub(crate) mod infos;
+=======
+mod infos;
+pub mod lockstep;
+>>>>>>> main
 pub mod native;
 mod pool;
 mod reset;
@@ -145,10 +150,7 @@ pub trait VectorEnv: Any + Send {
     /// [`Error::Custom`] if there are no environments to show, as in a native vector.
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
         let _ = visit;
-        Err(Error::custom(format!(
-            "{} is not made of environments: make a sync or an async vector for this",
-            self.describe()
-        )))
+        Err(no_envs(&self.describe()))
     }
 
     /// The picture or text of each sub-environment, by the render mode they were made with.
@@ -232,6 +234,10 @@ pub trait VectorEnv: Any + Send {
     fn action_space(&self) -> Result<Space> {
         self.single_action_space().batch(self.num_envs())
     }
+}
+
+fn no_envs(vector: &str) -> Error {
+    Error::custom(format!("{vector} is not made of environments: make a sync or an async vector for this"))
 }
 
 fn no_snapshots(vector: &str) -> Error {

@@ -12,11 +12,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
+use super::lockstep::{Ahead, group_len};
 use super::size::MAX_THREADS;
-use super::slot::{self, Slot, Spaces, describe, slots};
+use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Reset, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///
@@ -46,8 +47,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
 struct Traveller<E> {
     index: usize,
     slot: Slot<E>,
-    /// A reset, or else a step.
-    reset: Option<Reset>,
+    ask: Ask,
     result: Result<()>,
 }
 
@@ -75,13 +75,13 @@ impl<E: Env> AsyncVectorEnv<E> {
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS))?;
+        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS), None)?;
         let first = slots.first().map(|slot| &slot.env);
         let metadata = first.map_or_else(Metadata::default, Env::metadata);
         let env_spec = first.and_then(Env::spec);
         let home = slots.into_iter().enumerate();
-        let home =
-            home.map(|(index, slot)| Some(Box::new(Traveller { index, slot, reset: None, result: Ok(()) })));
+        let home = home
+            .map(|(index, slot)| Some(Box::new(Traveller { index, slot, ask: Ask::Step, result: Ok(()) })));
         let autoreset = Autoreset::default();
         let (home, ready) = (home.collect(), VecDeque::new());
         Ok(Self { home, ready, pool, spaces, autoreset, spec: None, metadata, env_spec })
@@ -100,7 +100,13 @@ impl<E: Env> AsyncVectorEnv<E> {
         if self.num_pending() > 0 {
             return Err(Error::custom("sub-environments are still pending: receive them first"));
         }
-        Ok(Self { pool: Pool::new(threads.min(self.home.len()))?, ..self })
+        Ok(Self { pool: Pool::new(threads.min(self.home.len()), None)?, ..self })
+    }
+
+    /// Lets the sub-environments that a worker takes at once go together.
+    pub(crate) fn with_ahead(self, ahead: &dyn Ahead<E>) -> Result<Self> {
+        let threads = self.num_threads();
+        Ok(Self { pool: Pool::new(threads, Some(ahead))?, ..self })
     }
 
     /// Resets sub-environments at another time.
@@ -212,6 +218,16 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
     }
 
+    /// How many sub-environments a worker takes at once, where all go.
+    fn group_len(&self) -> usize {
+        let (n, threads) = (self.home.len(), self.pool.workers.len());
+        match self.pool.group_len {
+            // as many as can go together, and as much for each thread
+            Some(most) => group_len(n.div_ceil(threads), most),
+            None => n.div_ceil(threads * GROUPS_PER_THREAD),
+        }
+    }
+
     /// Takes back one that was away, and tells how it went.
     fn welcome(&mut self, mut traveller: Box<Traveller<E>>) -> Result<()> {
         let index = traveller.index;
@@ -224,7 +240,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// The first error, by index, is returned.
     fn round(&mut self, columns: &mut Columns, goes: impl Fn(usize) -> bool) -> Result<()> {
         let n = self.home.len();
-        let group_len = n.div_ceil(self.pool.workers.len() * GROUPS_PER_THREAD);
+        let group_len = self.group_len();
         let mut away = 0;
         for start in (0..n).step_by(group_len) {
             let mut group = self.pool.spare.pop().unwrap_or_default();
@@ -256,16 +272,13 @@ impl<E: Env> AsyncVectorEnv<E> {
 impl<E: Env> Traveller<E> {
     /// Takes its action from a row, if it can step.
     fn prepare(&mut self, spaces: &Spaces, autoreset: Autoreset, actions: &Value, row: usize) -> Result<()> {
-        self.reset = None;
+        self.ask = Ask::Step;
         let ready = self.slot.check(autoreset).and_then(|()| self.slot.read_action(spaces, actions, row));
         ready.map_err(|error| error.at_env(self.index))
     }
 
     fn go(&mut self, autoreset: Autoreset) {
-        self.result = match self.reset.take() {
-            Some(reset) => self.slot.reset(&reset),
-            None => self.slot.step(autoreset),
-        };
+        self.result = self.slot.go(&self.ask, autoreset);
     }
 }
 
@@ -296,7 +309,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
         columns.prepare(&self.spaces.observation, self.home.len())?;
         for traveller in self.home.iter_mut().flatten() {
             traveller.slot.clear();
-            traveller.reset = reset.of(traveller.index);
+            traveller.ask = reset.of(traveller.index).map_or(Ask::Nothing, Ask::Reset);
         }
         self.round(columns, |index| reset.selects(index))
     }
@@ -385,6 +398,8 @@ struct Pool<E> {
     workers: Vec<JoinHandle<()>>,
     /// Empty groups whose storage is used again.
     spare: Vec<Group<E>>,
+    /// How many sub-environments can go together, where they can.
+    group_len: Option<usize>,
 }
 
 struct Job<E> {
@@ -393,17 +408,20 @@ struct Job<E> {
 }
 
 impl<E: Env> Pool<E> {
-    fn new(threads: usize) -> Result<Self> {
+    fn new(threads: usize, ahead: Option<&dyn Ahead<E>>) -> Result<Self> {
         let (jobs, queue) = channel();
         let (answers, results) = channel();
         let stop = Arc::new(AtomicBool::new(false));
-        let mut pool = Self { jobs: Some(jobs), results, stop, workers: Vec::new(), spare: Vec::new() };
+        let group_len = ahead.map(Ahead::group_len);
+        let (workers, spare) = (Vec::new(), Vec::new());
+        let mut pool = Self { jobs: Some(jobs), results, stop, workers, spare, group_len };
         let queue = Arc::new(Mutex::new(queue));
         for i in 0..threads {
             let (queue, answers, stop) = (queue.clone(), answers.clone(), pool.stop.clone());
+            let ahead = ahead.map(Ahead::another);
             let worker = thread::Builder::new()
                 .name(format!("gym-vector-{i}"))
-                .spawn(move || work(&queue, &answers, &stop))
+                .spawn(move || work(&queue, &answers, &stop, ahead))
                 .map_err(|error| Error::custom(format!("no thread for an async vector: {error}")))?;
             pool.workers.push(worker);
         }
@@ -424,10 +442,24 @@ fn no_workers() -> Error {
     Error::custom("the threads of this vector have ended: make a new one")
 }
 
-fn work<E: Env>(queue: &Mutex<Receiver<Job<E>>>, answers: &Sender<Group<E>>, stop: &AtomicBool) {
+fn work<E: Env>(
+    queue: &Mutex<Receiver<Job<E>>>,
+    answers: &Sender<Group<E>>,
+    stop: &AtomicBool,
+    mut ahead: Option<Box<dyn Ahead<E>>>,
+) {
     loop {
         let job = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
         let Ok(Job { mut group, autoreset }) = job else { return };
+        if let Some(ahead) = &mut ahead {
+            ahead.clear();
+            group.iter_mut().for_each(|traveller| {
+                let Traveller { slot, ask, .. } = &mut **traveller;
+                ahead.begin(slot, ask);
+            });
+            ahead.solve();
+            group.iter_mut().for_each(|traveller| ahead.collect(&mut traveller.slot));
+        }
         for traveller in &mut group {
             if stop.load(Ordering::Relaxed) {
                 return;

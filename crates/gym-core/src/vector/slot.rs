@@ -10,10 +10,10 @@ use super::{Autoreset, Columns, ObservationMode, Progress, size};
 use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
 /// A sub-environment with what it answered last. Sync and async vectors are made of these.
-pub(super) struct Slot<E> {
+pub(crate) struct Slot<E> {
     pub(super) env: E,
     /// The action of the next step.
-    action: Value,
+    pub(super) action: Value,
     observation: Value,
     /// The buffer that the next observation goes to; the last observation of the episode where
     /// `has_final`.
@@ -35,6 +35,13 @@ enum Stage {
     /// Somebody else has reset, stepped or restored it.
     Moved,
     Closed,
+}
+
+/// What is asked of a [`Slot`].
+pub(crate) enum Ask {
+    Reset(Reset),
+    Step,
+    Nothing,
 }
 
 /// The stored form of a [`Slot`].
@@ -102,7 +109,24 @@ impl<E: Env> Slot<E> {
         spaces.action.read_row(actions, row, &mut self.action)
     }
 
-    pub(super) fn reset(&mut self, reset: &Reset) -> Result<()> {
+    /// Whether its next step starts an episode.
+    pub(super) fn restarts(&self) -> bool {
+        self.stage == Stage::Done
+    }
+
+    /// Does what it is asked.
+    pub(super) fn go(&mut self, ask: &Ask, autoreset: Autoreset) -> Result<()> {
+        match ask {
+            Ask::Reset(reset) => self.reset(reset),
+            Ask::Step => self.step(autoreset),
+            Ask::Nothing => {
+                self.clear();
+                Ok(())
+            }
+        }
+    }
+
+    fn reset(&mut self, reset: &Reset) -> Result<()> {
         if self.stage == Stage::Closed {
             return Err(Error::Closed("reset"));
         }
@@ -113,7 +137,7 @@ impl<E: Env> Slot<E> {
         })
     }
 
-    pub(super) fn step(&mut self, autoreset: Autoreset) -> Result<()> {
+    fn step(&mut self, autoreset: Autoreset) -> Result<()> {
         self.answer(|slot| {
             if slot.stage == Stage::Done {
                 slot.begin(&Reset::default())?;

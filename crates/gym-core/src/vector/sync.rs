@@ -1,7 +1,8 @@
 use std::any::Any;
 use std::fmt;
 
-use super::slot::{self, Slot, Spaces, describe, slots};
+use super::lockstep::{Ahead, group_len};
+use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
@@ -30,6 +31,8 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
+    /// What they do together, of a native vector.
+    ahead: Option<Box<dyn Ahead<E>>>,
 }
 
 impl<E: Env> SyncVectorEnv<E> {
@@ -47,7 +50,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// As [`new`](Self::new), where they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
-        Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None })
+        Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None, ahead: None })
     }
 
     /// Resets sub-environments at another time.
@@ -60,6 +63,10 @@ impl<E: Env> SyncVectorEnv<E> {
         Self { spec: Some(spec), ..self }
     }
 
+    pub(super) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Self {
+        Self { ahead: Some(ahead), ..self }
+    }
+
     /// Calls a function with each sub-environment and its index; the results are in the order of the
     /// indices.
     ///
@@ -70,18 +77,27 @@ impl<E: Env> SyncVectorEnv<E> {
         self.slots.iter_mut().enumerate().map(|(index, slot)| slot.lend(|env| f(index, env))).collect()
     }
 
-    /// Lets each sub-environment answer and writes its row. The first error is returned, after all have
+    /// Lets each sub-environment do what it is asked, and writes its row. The first error is returned, after all have
     /// answered.
-    fn gather(
-        &mut self,
-        columns: &mut Columns,
-        mut ask: impl FnMut(usize, &mut Slot<E>) -> Result<()>,
-    ) -> Result<()> {
+    fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
+        let Self { slots, spaces, autoreset, ahead, .. } = self;
+        let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
         let mut result = Ok(());
-        for (index, slot) in self.slots.iter_mut().enumerate() {
-            let answer = ask(index, slot);
-            let answer = answer.and(slot.write(&self.spaces, columns, index));
-            result = result.and(answer.map_err(|error: Error| error.at_env(index)));
+        for (group, slots) in slots.chunks_mut(len).enumerate() {
+            let first = group * len;
+            if let Some(ahead) = ahead {
+                ahead.clear();
+                slots.iter_mut().zip(first..).for_each(|(slot, index)| ahead.begin(slot, &ask(index)));
+                ahead.solve();
+            }
+            for (slot, index) in slots.iter_mut().zip(first..) {
+                if let Some(ahead) = ahead {
+                    ahead.collect(slot);
+                }
+                let answer = slot.go(&ask(index), *autoreset);
+                let answer = answer.and(slot.write(spaces, columns, index));
+                result = result.and(answer.map_err(|error: Error| error.at_env(index)));
+            }
         }
         result
     }
@@ -111,13 +127,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         reset.check(self.slots.len())?;
         columns.prepare(&self.spaces.observation, self.slots.len())?;
-        self.gather(columns, |index, slot| match reset.of(index) {
-            Some(reset) => slot.reset(&reset),
-            None => {
-                slot.clear();
-                Ok(())
-            }
-        })
+        self.gather(columns, |index| reset.of(index).map_or(Ask::Nothing, Ask::Reset))
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
@@ -128,8 +138,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
                 .map_err(|error| error.at_env(index))?;
         }
         columns.prepare(&self.spaces.observation, self.slots.len())?;
-        let autoreset = self.autoreset;
-        self.gather(columns, |_, slot| slot.step(autoreset))
+        self.gather(columns, |_| Ask::Step)
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -145,6 +154,9 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
+        if self.ahead.is_some() {
+            return Err(super::no_envs(&self.describe()));
+        }
         self.call(|index, env| visit(index, env));
         Ok(())
     }
@@ -154,7 +166,11 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn metadata(&self) -> Metadata {
-        self.slots.first().map_or_else(Metadata::default, |slot| slot.env.metadata())
+        let metadata = self.slots.first().map_or_else(Metadata::default, |slot| slot.env.metadata());
+        match self.ahead {
+            Some(_) => Metadata { render_modes: &[], ..metadata },
+            None => metadata,
+        }
     }
 
     fn spec(&self) -> Option<VectorSpec> {
@@ -163,7 +179,13 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
 
     fn describe(&self) -> String {
         let env = self.slots.first().and_then(|slot| slot.env.spec());
-        describe("SyncVectorEnv", env, self.slots.len())
+        match &self.ahead {
+            Some(_) => {
+                let env = self.spec.clone().map(|spec| spec.env);
+                describe("NativeVectorEnv", env, self.slots.len())
+            }
+            None => describe("SyncVectorEnv", env, self.slots.len()),
+        }
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

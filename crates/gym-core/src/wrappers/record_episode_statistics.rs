@@ -1,10 +1,10 @@
 //! The return, length and duration of episodes.
 
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use crate::clock::Instant;
 use crate::registry::WrapperConfig;
 use crate::vector::infos::flags;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset};

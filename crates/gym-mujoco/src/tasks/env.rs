@@ -158,6 +158,10 @@ impl<T: Task> Simulated for MujocoEnv<T> {
         simulation.start(&mut episode.data);
         Ok(())
     }
+
+    fn turn_camera(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
+        self.simulation.view.turn(azimuth, elevation, zoom);
+    }
 }
 
 impl<T: Task> Env for MujocoEnv<T> {

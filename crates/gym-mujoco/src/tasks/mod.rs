@@ -52,6 +52,10 @@ pub trait Simulated {
     /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for another number of positions or velocities than the
     /// model has, and for one that is not within ±1e10, where MuJoCo resets a simulation. Nothing is changed then.
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()>;
+
+    /// Turns the free camera around the point that it looks at, by degrees, and multiplies its distance by `zoom`, within
+    /// bounds. Pictures alone change. A camera of the model stays as it is.
+    fn turn_camera(&mut self, azimuth: f64, elevation: f64, zoom: f64);
 }
 
 macro_rules! tasks {

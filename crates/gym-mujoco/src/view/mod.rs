@@ -145,6 +145,19 @@ impl View {
         Ok(Self { mount, max_geom: arguments.max_geom })
     }
 
+    /// Turns the free camera by degrees and multiplies its distance.
+    pub(crate) fn turn(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
+        if let Mount::Free { config, .. } = &mut self.mount
+            && azimuth.is_finite()
+            && elevation.is_finite()
+            && zoom > 0.0
+        {
+            config.azimuth = (config.azimuth + azimuth) % 360.0;
+            config.elevation = (config.elevation + elevation).clamp(-89.0, 89.0);
+            config.distance = (config.distance * zoom).clamp(0.1, 100.0);
+        }
+    }
+
     fn camera(&self, data: &Data, (width, height): (u32, u32)) -> Camera {
         let size = [f64::from(width), f64::from(height)];
         match &self.mount {

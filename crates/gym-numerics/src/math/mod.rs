@@ -25,7 +25,9 @@ mod tests;
 mod trig;
 mod trig_f32;
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Level;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
+use fearless_simd::Simd;
 
 pub use fma::{Emulated, Fma, Hardware};
 pub use lanes::Lanes;
@@ -49,6 +51,7 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     if cfg!(feature = "emulate-fma") {
         return kernel.run::<One<Emulated>>(());
     }
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
     macro_rules! run {
         ($simd:expr) => {{
             let simd = $simd;
@@ -68,6 +71,8 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     if let Some(simd) = level.as_neon() {
         run!(simd)
     }
+    // other CPUs compute one number at a time
+    let _ = level;
     kernel.run::<One<Emulated>>(())
 }
 
@@ -95,7 +100,10 @@ pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl Fn
     #[cfg(target_arch = "aarch64")]
     return hardware(arguments);
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
-    emulated(arguments)
+    {
+        drop(hardware);
+        emulated(arguments)
+    }
 }
 
 /// Calls a function that is to stay out of the code around: it is long, and most CPUs never need it.

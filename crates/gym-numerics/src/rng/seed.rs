@@ -3,7 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use rand::{TryRng, rngs::SysRng};
 use serde::de::{Deserializer, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
@@ -42,6 +41,20 @@ pub enum SeedError {
     NoRandomness(String),
 }
 
+/// Fills `bytes` with random bits from the operating system.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+fn fill(bytes: &mut [u8]) -> Result<(), SeedError> {
+    use rand::{TryRng, rngs::SysRng};
+
+    SysRng.try_fill_bytes(bytes).map_err(|error| SeedError::NoRandomness(error.to_string()))
+}
+
+/// There is no operating system in a browser's module.
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+fn fill(_: &mut [u8]) -> Result<(), SeedError> {
+    Err(SeedError::NoRandomness("there is none on this platform, so give each reset a seed".into()))
+}
+
 impl Seed {
     /// A seed of 128 bits from the operating system, as numpy takes where none is given.
     ///
@@ -49,7 +62,7 @@ impl Seed {
     /// [`SeedError::NoRandomness`] if the operating system has no random bits to give.
     pub fn from_os() -> Result<Self, SeedError> {
         let mut bytes = [0; 16];
-        SysRng.try_fill_bytes(&mut bytes).map_err(|error| SeedError::NoRandomness(error.to_string()))?;
+        fill(&mut bytes)?;
         Ok(Self::from_u128(u128::from_le_bytes(bytes)))
     }
 

@@ -26,6 +26,12 @@ impl<T> Arena<T> {
         slot
     }
 
+    /// Lets so many more values come and go without allocating.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.slots.reserve(more);
+        self.free.reserve(more);
+    }
+
     pub(crate) fn remove(&mut self, slot: u32) {
         if self.slots[slot as usize].take().is_some() {
             self.free.push(slot);

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::math::{Vec2, vec2};
 use super::settings::{AABB_EXTENSION, AABB_MULTIPLIER};
 use super::shape::Aabb;
+use super::terrain::Terrain;
 
 /// The box of one fixture.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -21,7 +22,10 @@ struct Proxy {
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BroadPhase {
+    /// All but those of the terrain, in the order of their ids.
     proxies: Vec<Proxy>,
+    /// Its edges have ids like any proxy.
+    pub(crate) terrain: Terrain,
     /// Ids to use again, the last one freed first.
     free: Vec<u32>,
     /// Proxies whose pairs are to be searched.
@@ -29,24 +33,47 @@ pub(crate) struct BroadPhase {
 }
 
 impl BroadPhase {
+    /// Puts terrain into a world that has none.
+    pub(crate) fn insert_terrain(&mut self, points: &[Vec2], friction: f32) {
+        self.terrain = Terrain::new(points.to_vec(), friction, self.proxies.len() as u32);
+        self.moved.clear();
+        self.moved.extend((0..).zip(&self.proxies).filter(|(_, proxy)| proxy.used).map(|(id, _)| id));
+    }
+
     /// A new proxy, and its id.
     pub(crate) fn insert(&mut self, aabb: &Aabb, fixture: u32, dynamic: bool) -> u32 {
         let r = vec2(AABB_EXTENSION, AABB_EXTENSION);
         let fat = Aabb { lower: aabb.lower - r, upper: aabb.upper + r };
         let proxy = Proxy { fat, fixture, dynamic, used: true };
         let id = if let Some(id) = self.free.pop() {
-            self.proxies[id as usize] = proxy;
+            let place = self.place(id);
+            self.proxies[place] = proxy;
             id
         } else {
             self.proxies.push(proxy);
-            self.proxies.len() as u32 - 1
+            self.id(self.proxies.len() - 1)
         };
         self.moved.push(id);
         id
     }
 
+    /// Where a proxy is that is not of the terrain.
+    #[inline]
+    fn place(&self, id: u32) -> usize {
+        let id = id as usize;
+        if id < self.terrain.first as usize { id } else { id.wrapping_sub(self.terrain.len()) }
+    }
+
+    /// The id of the proxy at a place.
+    #[inline]
+    fn id(&self, place: usize) -> u32 {
+        let behind = place >= self.terrain.first as usize;
+        (if behind { place + self.terrain.len() } else { place }) as u32
+    }
+
     pub(crate) fn remove(&mut self, id: u32) {
-        self.proxies[id as usize].used = false;
+        let place = self.place(id);
+        self.proxies[place].used = false;
         self.moved.retain(|moved| *moved != id);
         self.free.push(id);
     }
@@ -54,7 +81,8 @@ impl BroadPhase {
     /// Follows a fixture that moved by `displacement` within `aabb`; a box that still holds it
     /// stays as it is.
     pub(crate) fn update(&mut self, id: u32, aabb: &Aabb, displacement: Vec2) {
-        let fat = &mut self.proxies[id as usize].fat;
+        let place = self.place(id);
+        let fat = &mut self.proxies[place].fat;
         if fat.contains(aabb) {
             return;
         }
@@ -72,8 +100,16 @@ impl BroadPhase {
     }
 
     #[inline]
+    pub(crate) fn fat(&self, id: u32) -> Aabb {
+        match self.terrain.edge_of(id) {
+            Some(edge) => self.terrain.edge_box(edge),
+            None => self.proxies[self.place(id)].fat,
+        }
+    }
+
+    #[inline]
     pub(crate) fn overlap(&self, a: u32, b: u32) -> bool {
-        self.proxies[a as usize].fat.overlaps(&self.proxies[b as usize].fat)
+        self.fat(a).overlaps(&self.fat(b))
     }
 
     /// Whether any proxy has moved since the last call of [`find_pairs`](Self::find_pairs).
@@ -85,15 +121,18 @@ impl BroadPhase {
     pub(crate) fn find_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         for &id in &self.moved {
-            let query = self.proxies[id as usize];
-            for (other, proxy) in self.proxies.iter().enumerate() {
-                if proxy.fat.overlaps(&query.fat)
-                    && (proxy.dynamic || query.dynamic)
-                    && proxy.used
-                    && other as u32 != id
-                {
-                    pairs.push((id.min(other as u32), id.max(other as u32)));
+            let query = self.proxies[self.place(id)];
+            let mut pair = |other: u32| pairs.push((id.min(other), id.max(other)));
+            for (place, proxy) in self.proxies.iter().enumerate() {
+                if proxy.fat.overlaps(&query.fat) && (proxy.dynamic || query.dynamic) && proxy.used {
+                    let other = self.id(place);
+                    if other != id {
+                        pair(other);
+                    }
                 }
+            }
+            if query.dynamic {
+                self.terrain.query(&query.fat, |edge| pair(self.terrain.first + edge as u32));
             }
         }
         self.moved.clear();
@@ -101,17 +140,18 @@ impl BroadPhase {
         pairs.dedup();
     }
 
-    /// The fixture of a proxy.
+    /// The fixture of a proxy that is not of the terrain.
     pub(crate) fn fixture(&self, id: u32) -> u32 {
-        self.proxies[id as usize].fixture
+        self.proxies[self.place(id)].fixture
     }
 
-    /// Whether there is such a proxy and it is that of a fixture.
+    /// Whether there is such a proxy and it is that of a fixture; any fixture may stand for an edge of the terrain.
     pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
-        self.proxies.get(id as usize).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
+        self.terrain.edge_of(id).is_some()
+            || self.proxies.get(self.place(id)).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
     }
 
-    /// The fixtures whose box meets `aabb`.
+    /// The fixtures whose box meets `aabb`, but for the terrain.
     pub(crate) fn query(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let hit = move |proxy: &&Proxy| proxy.fat.overlaps(&aabb) && proxy.used;
         self.proxies.iter().filter(hit).map(|proxy| proxy.fixture)
@@ -120,9 +160,15 @@ impl BroadPhase {
     /// Whether what was read from outside can be worked with, for fixtures that `owns` tells to
     /// have the proxy.
     pub(crate) fn is_valid(&self, owns: impl Fn(u32, u32) -> bool) -> bool {
-        let known = |id: &u32| (*id as usize) < self.proxies.len();
-        self.free.iter().chain(&self.moved).all(known)
-            && self.free.iter().all(|id| !self.proxies[*id as usize].used)
-            && (self.proxies.iter().zip(0..)).all(|(proxy, id)| !proxy.used || owns(proxy.fixture, id))
+        let proxy = |id: &u32| {
+            let proxy = self.proxies.get(self.place(*id));
+            proxy.filter(|_| self.terrain.edge_of(*id).is_none())
+        };
+        self.terrain.is_valid()
+            && self.terrain.first as usize <= self.proxies.len()
+            && self.moved.iter().all(|id| proxy(id).is_some())
+            && self.free.iter().all(|id| proxy(id).is_some_and(|proxy| !proxy.used))
+            && (self.proxies.iter().enumerate())
+                .all(|(place, proxy)| !proxy.used || owns(proxy.fixture, self.id(place)))
     }
 }

@@ -1,6 +1,8 @@
 //! Sequential impulses at contacts: friction, then a block solver for the normal impulses of two
 //! points at once (`b2ContactSolver.cpp`).
 
+pub(super) mod lanes;
+
 use super::contact::Contact;
 use super::manifold::{Kind, Manifold};
 use super::math::{

@@ -1,9 +1,10 @@
 //! Times of impact: bodies that would tunnel through static ones stop where they first touch.
 
+use super::apart::stays_away;
 use super::island::Island;
 use super::math::min;
 use super::settings::{MAX_SUB_STEPS, MAX_TOI_CONTACTS};
-use super::time_of_impact::{Moving, time_of_impact};
+use super::time_of_impact::{Moving, TOLERANCE, target, time_of_impact};
 use super::{Box2d, TimeStep};
 
 impl Box2d {
@@ -77,8 +78,13 @@ impl Box2d {
             shape: &self.fixtures[fixture].shape,
             sweep: self.bodies[body].sweep,
         };
-        time_of_impact(moving(contact.fixture_a, a), moving(contact.fixture_b, b))
-            .map_or(1.0, |t| min(alpha0 + (1.0 - alpha0) * t, 1.0))
+        let (a, b) = (moving(contact.fixture_a, a), moving(contact.fixture_b, b));
+        let reach = target(&a, &b) + TOLERANCE;
+        if stays_away(&a, &b, reach) || stays_away(&b, &a, reach) {
+            debug_assert_eq!(time_of_impact(a, b), None, "{a:?} {b:?}");
+            return 1.0;
+        }
+        time_of_impact(a, b).map_or(1.0, |t| min(alpha0 + (1.0 - alpha0) * t, 1.0))
     }
 
     /// Moves two bodies to where they touch, and solves the rest of the step for them.

@@ -21,7 +21,7 @@ pub(crate) struct Island {
     pub(crate) stack: Vec<u32>,
     positions: Vec<Position>,
     pub(crate) velocities: Vec<Velocity>,
-    contact_constraints: Vec<ContactConstraint>,
+    pub(super) contact_constraints: Vec<ContactConstraint>,
     pub(crate) joint_constraints: Vec<JointConstraint>,
     sweeps: Sweeps,
     /// Makes every sweep in full: what the shortcut is tested against.
@@ -77,8 +77,8 @@ impl Island {
         }
     }
 
-    /// One time step: forces, velocities, positions, sleep.
-    pub(crate) fn solve(&mut self, world: &mut Box2d, step: &TimeStep) {
+    /// The begin of a time step: forces, and what the velocity sweeps start from.
+    pub(crate) fn prepare(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.enter(world, step);
         self.build_contacts(world, Some(step.ratio));
         for constraint in &mut self.contact_constraints {
@@ -88,7 +88,10 @@ impl Island {
             constraint.warm_start(&mut self.velocities);
         }
         self.build_joints(world, step);
-        self.sweep_velocities(step.velocity_iterations);
+    }
+
+    /// Its end, once the velocity sweeps are made: positions, sleep.
+    pub(crate) fn conclude(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.store_impulses(world);
         self.move_on(world, step);
     }
@@ -140,7 +143,7 @@ impl Island {
         self.update_sleep(world, step.dt, solved);
     }
 
-    fn sweep_velocities(&mut self, sweeps: u32) {
+    pub(crate) fn sweep_velocities(&mut self, sweeps: u32) {
         let Self { joint_constraints: joints, contact_constraints: contacts, velocities, .. } = self;
         if self.plain {
             (0..sweeps).for_each(|_| sweep(joints, contacts, velocities));

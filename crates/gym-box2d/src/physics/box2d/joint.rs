@@ -1,5 +1,7 @@
 //! The revolute joint: a hinge with a motor and limits (`b2RevoluteJoint.cpp`).
 
+pub(super) mod lanes;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 

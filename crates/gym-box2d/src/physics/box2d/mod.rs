@@ -9,13 +9,15 @@
 //! |---|---|---|
 //! | `settings`, `math`, `trig`, `arena` | constants, vectors, sine and cosine, slots | `Common` |
 //! | `shape` | mass, box and ray cast of a shape | `Collision/Shapes` |
-//! | `broad_phase` | pairs of boxes | `b2BroadPhase`, `b2DynamicTree` |
+//! | `broad_phase`, `terrain` | pairs of boxes | `b2BroadPhase`, `b2DynamicTree` |
 //! | `manifold`, `collide*` | points of contact | `b2Collision`, `b2Collide*` |
-//! | `distance`, `time_of_impact` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
+//! | `distance`, `time_of_impact`, `apart` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
 //! | `body`, `contact`, `joint` | what the world consists of | `Dynamics` |
 //! | `motion`, `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
+//! | `lanes`, `wide` | the velocities of many worlds at once | |
 //! | `step`, `continuous` | a step of the world | `b2World` |
 
+mod apart;
 mod arena;
 pub(super) mod body;
 mod broad_phase;
@@ -28,6 +30,7 @@ mod continuous;
 mod distance;
 pub(super) mod island;
 pub(super) mod joint;
+pub(super) mod lanes;
 mod manifold;
 pub(super) mod math;
 pub(super) mod motion;
@@ -35,10 +38,12 @@ mod settings;
 pub(super) mod shape;
 mod step;
 mod sweeps;
+mod terrain;
 #[cfg(test)]
 mod tests;
 mod time_of_impact;
 mod validate;
+pub(super) mod wide;
 
 use serde::{Deserialize, Serialize};
 
@@ -50,15 +55,17 @@ use island::Island;
 use joint::{Joint, LimitState};
 use math::{Vec2, max2, min2};
 use nalgebra::Vector3;
-use shape::{Aabb, Geometry};
+use shape::{Aabb, Geometry, Segment};
 
-use super::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
+use super::{BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape};
 
 /// So many contacts, bodies and joints that change from step to step find room without allocating: more
 /// than the environments ever have.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
+/// Edges of the terrain that something is near.
+const NEAR: usize = 32;
 
 /// A world of Box2D's.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -83,6 +90,17 @@ pub(super) struct Box2d {
     pub(super) island: Island,
     #[serde(skip)]
     pairs: Vec<(u32, u32)>,
+    /// The step that has begun.
+    #[serde(skip)]
+    begun: Option<Begun>,
+}
+
+/// A step whose velocities are yet to be solved.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    step: TimeStep,
+    /// Which of the dynamic bodies the first island was found from, if there is an island.
+    seed: Option<usize>,
 }
 
 /// Length and effort of a step.
@@ -111,6 +129,7 @@ impl Box2d {
             events: Vec::with_capacity(CONTACTS),
             island: Island::new(),
             pairs: Vec::with_capacity(CONTACTS),
+            begun: None,
         }
     }
 
@@ -122,23 +141,60 @@ impl Box2d {
         id
     }
 
-    pub(crate) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
-        let shape = Geometry::from(&def.shape);
-        let owner = &self.bodies[body];
-        let (aabb, dynamic, next) = (shape.aabb(&owner.xf), owner.dynamic, owner.fixtures);
+    /// Puts terrain into a world that has none.
+    pub(crate) fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
+        self.broad_phase.insert_terrain(points, friction);
+        self.bodies.reserve(NEAR);
+        self.fixtures.reserve(NEAR);
+        self.new_fixture = true;
+    }
+
+    /// The fixture of an edge of the terrain, on a body of its own: the one it has, or a new one.
+    fn fixture_of_edge(&mut self, edge: usize, proxy: u32) -> u32 {
+        for Contact { fixture_a, fixture_b, .. } in &self.contacts {
+            for id in [*fixture_a, *fixture_b] {
+                if self.fixtures[id].proxy == proxy {
+                    return id;
+                }
+            }
+        }
+        let terrain = &self.broad_phase.terrain;
+        let [a, b] = terrain.ends(edge);
+        let def = FixtureDef { friction: terrain.friction, ..FixtureDef::new(Shape::Edge(a, b)) };
+        let body = self.bodies.insert(Body::new(false, Vec2::zeros(), 0.0));
+        self.add_fixture(body, &def, proxy)
+    }
+
+    /// Takes body and fixture of an edge away once no contact needs them.
+    fn leave_edge(&mut self, fixture: u32, body: u32) {
+        let of_terrain = self.broad_phase.terrain.edge_of(self.fixtures[fixture].proxy).is_some();
+        if of_terrain && !self.contacts.iter().any(|contact| contact.other(body).is_some()) {
+            self.fixtures.remove(fixture);
+            self.bodies.remove(body);
+        }
+    }
+
+    fn add_fixture(&mut self, body: u32, def: &FixtureDef, proxy: u32) -> u32 {
         let id = self.fixtures.insert(Fixture {
             body,
-            shape,
+            shape: Geometry::from(&def.shape),
             density: def.density,
             friction: def.friction,
             restitution: def.restitution,
             filter: def.filter,
             sensor: def.sensor,
-            proxy: 0,
-            next,
+            proxy,
+            next: self.bodies[body].fixtures,
         });
-        self.fixtures[id].proxy = self.broad_phase.insert(&aabb, id, dynamic);
         self.bodies[body].fixtures = Some(id);
+        id
+    }
+
+    pub(crate) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
+        let id = self.add_fixture(body, def, 0);
+        let owner = &self.bodies[body];
+        let (aabb, dynamic) = (self.fixtures[id].shape.aabb(&owner.xf), owner.dynamic);
+        self.fixtures[id].proxy = self.broad_phase.insert(&aabb, id, dynamic);
         if def.density > 0.0 && dynamic {
             let fixtures = &self.fixtures;
             let newest_first = std::iter::successors(Some(id), |id| fixtures[*id].next);
@@ -222,6 +278,8 @@ impl Box2d {
             self.bodies[contact.body_a].wake();
             self.bodies[contact.body_b].wake();
         }
+        self.leave_edge(contact.fixture_a, contact.body_a);
+        self.leave_edge(contact.fixture_b, contact.body_b);
     }
 
     pub(crate) fn body(&self, id: u32) -> &Body {
@@ -278,22 +336,41 @@ impl Box2d {
         &self.events
     }
 
-    /// The first fixture of one of the categories that a ray meets.
-    pub(crate) fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
-        let mut hit: Option<RayHit> = None;
-        let ray = Aabb { lower: min2(from, to), upper: max2(from, to) };
-        for id in self.broad_phase.query(ray) {
-            let fixture = &self.fixtures[id];
-            if fixture.filter.category & categories == 0 {
-                continue;
+    /// The first fixture of one of the categories that each of some rays from one point meets.
+    pub(crate) fn ray_casts<const N: usize>(
+        &self,
+        from: Vec2,
+        to: &[Vec2; N],
+        categories: u16,
+    ) -> [Option<RayHit>; N] {
+        let mut hits = [None; N];
+        let boxes = to.map(|to| Aabb { lower: min2(from, to), upper: max2(from, to) });
+        let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else { return hits };
+        let mut meet = |fat: &Aabb, fixture, cast: &dyn Fn(usize, f32) -> Option<f32>| {
+            for (i, hit) in hits.iter_mut().enumerate().filter(|(i, _)| fat.overlaps(&boxes[*i])) {
+                let limit = hit.map_or(1.0, |hit: RayHit| hit.fraction);
+                if let Some(fraction) = cast(i, limit) {
+                    let point = (1.0 - fraction) * from + fraction * to[i];
+                    *hit = Some(RayHit { fixture, point, fraction });
+                }
             }
-            let limit = hit.map_or(1.0, |hit| hit.fraction);
-            let xf = &self.bodies[fixture.body].xf;
-            if let Some(fraction) = fixture.shape.ray_cast(xf, from, to, limit) {
-                let point = (1.0 - fraction) * from + fraction * to;
-                hit = Some(RayHit { fixture: super::FixtureId(id), point, fraction });
+        };
+        for id in self.broad_phase.query(all) {
+            let Fixture { body, shape, filter, proxy, .. } = &self.fixtures[id];
+            if filter.category & categories != 0 {
+                let xf = &self.bodies[*body].xf;
+                meet(&self.broad_phase.fat(*proxy), Some(FixtureId(id)), &|i, limit| {
+                    shape.ray_cast(xf, from, to[i], limit)
+                });
             }
         }
-        hit
+        if Filter::default().category & categories != 0 {
+            let terrain = &self.broad_phase.terrain;
+            terrain.query(&all, |edge| {
+                let segment = Segment::new(terrain.ends(edge));
+                meet(&terrain.edge_box(edge), None, &|i, limit| segment.ray_cast(from, to[i] - from, limit));
+            });
+        }
+        hits
     }
 }

@@ -229,21 +229,7 @@ impl Geometry {
                 let a = -(c + sigma.sqrt());
                 (0.0 <= a && a <= limit * rr).then(|| a / rr)
             }
-            Kind::Edge => {
-                let [v1, v2] = [self.vertices[0], self.vertices[1]];
-                let e = v2 - v1;
-                let normal = normalize(cross_one(e)).0;
-                let denominator = dot(normal, d);
-                if denominator == 0.0 {
-                    return None;
-                }
-                let t = dot(normal, v1 - p1) / denominator;
-                if t < 0.0 || limit < t {
-                    return None;
-                }
-                let along = dot(p1 + t * d - v1, e) / dot(e, e);
-                (0.0..=1.0).contains(&along).then_some(t)
-            }
+            Kind::Edge => Segment::new([self.vertices[0], self.vertices[1]]).ray_cast(p1, d, limit),
             Kind::Polygon => {
                 let (mut lower, mut upper, mut entered) = (0.0, limit, false);
                 for (vertex, normal) in self.vertices().iter().zip(self.normals()) {
@@ -280,6 +266,37 @@ impl Geometry {
             && length(self.centroid).is_finite()
             && self.vertices.iter().chain(&self.normals).all(|v| length(*v).is_finite())
             && (self.kind == Kind::Circle || self.radius >= LINEAR_SLOP)
+    }
+}
+
+/// An edge, as rays see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    start: Vec2,
+    along: Vec2,
+    normal: Vec2,
+}
+
+impl Segment {
+    #[inline]
+    pub(crate) fn new([v1, v2]: [Vec2; 2]) -> Self {
+        let e = v2 - v1;
+        Self { start: v1, along: e, normal: normalize(cross_one(e)).0 }
+    }
+
+    /// The part of the way `d` from `p1` at which a ray meets it, up to `limit`.
+    #[inline]
+    pub(crate) fn ray_cast(&self, p1: Vec2, d: Vec2, limit: f32) -> Option<f32> {
+        let denominator = dot(self.normal, d);
+        if denominator == 0.0 {
+            return None;
+        }
+        let t = dot(self.normal, self.start - p1) / denominator;
+        if t < 0.0 || limit < t {
+            return None;
+        }
+        let along = dot(p1 + t * d - self.start, self.along) / dot(self.along, self.along);
+        (0.0..=1.0).contains(&along).then_some(t)
     }
 }
 

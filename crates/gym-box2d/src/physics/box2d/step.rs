@@ -3,10 +3,33 @@
 use super::contact::Contact;
 use super::island::Island;
 use super::math::pose_about;
-use super::{Box2d, TimeStep};
+use super::shape::Kind;
+use super::{Begun, Box2d, TimeStep};
+use crate::physics::Filter;
 
 impl Box2d {
     pub(in crate::physics) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+        if self.begin(dt, velocity_iterations, position_iterations) {
+            self.sweep();
+        }
+        self.finish();
+    }
+
+    /// The velocity sweeps of the step that has begun.
+    pub(in crate::physics) fn sweep(&mut self) {
+        if let Some(Begun { step, seed: Some(_) }) = self.begun {
+            self.island.sweep_velocities(step.velocity_iterations);
+        }
+    }
+
+    /// The first part of a step: contacts, and the first island up to its velocity sweeps, if there is one. These are to
+    /// be made before the step is [finished](Self::finish).
+    pub(in crate::physics) fn begin(
+        &mut self,
+        dt: f32,
+        velocity_iterations: u32,
+        position_iterations: u32,
+    ) -> bool {
         self.events.clear();
         if self.new_fixture {
             self.find_new_contacts();
@@ -14,12 +37,39 @@ impl Box2d {
         }
         let step = TimeStep { dt, ratio: self.inv_dt0 * dt, velocity_iterations, position_iterations };
         self.update_contacts();
+        let mut seed = None;
         if dt > 0.0 {
+            self.forget_islands();
             let mut island = std::mem::take(&mut self.island);
-            self.solve(&mut island, &step);
+            seed = (0..self.dynamic.len()).rev().find(|i| self.gather(&mut island, self.dynamic[*i]));
+            if seed.is_some() {
+                island.prepare(self, &step);
+            }
+            self.island = island;
+        }
+        self.begun = Some(Begun { step, seed });
+        seed.is_some()
+    }
+
+    /// The rest of the step that has begun: positions, further islands, times of impact.
+    pub(in crate::physics) fn finish(&mut self) {
+        let Some(Begun { step, seed }) = self.begun.take() else { return };
+        if step.dt > 0.0 {
+            let mut island = std::mem::take(&mut self.island);
+            if let Some(seed) = seed {
+                island.conclude(self, &step);
+                for i in (0..seed).rev() {
+                    if self.gather(&mut island, self.dynamic[i]) {
+                        island.prepare(self, &step);
+                        island.sweep_velocities(step.velocity_iterations);
+                        island.conclude(self, &step);
+                    }
+                }
+            }
+            self.synchronize_islands();
             self.solve_toi(&mut island, &step);
             self.island = island;
-            self.inv_dt0 = 1.0 / dt;
+            self.inv_dt0 = 1.0 / step.dt;
         }
         for &id in &self.dynamic {
             let body = &mut self.bodies[id];
@@ -64,6 +114,24 @@ impl Box2d {
             && !self.joint_order.iter().any(jointed)
     }
 
+    /// The fixtures of two proxies that may touch.
+    fn fixtures_of(&mut self, a: u32, b: u32) -> Option<(u32, u32)> {
+        let terrain = &self.broad_phase.terrain;
+        let (edge, proxy, other) = match (terrain.edge_of(a), terrain.edge_of(b)) {
+            (Some(edge), _) => (edge, a, self.broad_phase.fixture(b)),
+            (None, Some(edge)) => (edge, b, self.broad_phase.fixture(a)),
+            (None, None) => {
+                let (a, b) = (self.broad_phase.fixture(a), self.broad_phase.fixture(b));
+                return self.should_collide(a, b).then_some((a, b));
+            }
+        };
+        let kind = self.fixtures[other].shape.kind;
+        if kind == Kind::Edge || !self.fixtures[other].filter.meets(&Filter::default()) {
+            return None;
+        }
+        Some((self.fixture_of_edge(edge, proxy), other))
+    }
+
     /// Makes contacts of pairs of boxes that have come to overlap.
     pub(crate) fn find_new_contacts(&mut self) {
         if !self.broad_phase.has_moved() {
@@ -72,14 +140,14 @@ impl Box2d {
         let mut pairs = std::mem::take(&mut self.pairs);
         self.broad_phase.find_pairs(&mut pairs);
         for &(a, b) in &pairs {
-            let (a, b) = (self.broad_phase.fixture(a), self.broad_phase.fixture(b));
             let known = |contact: &Contact| {
-                let (x, y) = (contact.fixture_a, contact.fixture_b);
+                let [x, y] = [contact.fixture_a, contact.fixture_b].map(|id| self.fixtures[id].proxy);
                 (x, y) == (a, b) || (x, y) == (b, a)
             };
-            if !self.should_collide(a, b) || self.contacts.iter().any(known) {
+            if self.contacts.iter().any(known) {
                 continue;
             }
+            let Some((a, b)) = self.fixtures_of(a, b) else { continue };
             let Some(contact) = Contact::new(&self.fixtures, a, b) else { continue };
             if !contact.sensor {
                 self.bodies[contact.body_a].wake();
@@ -88,17 +156,6 @@ impl Box2d {
             self.contacts.push(contact);
         }
         self.pairs = pairs;
-    }
-
-    /// Finds the islands, from the newest body on, and solves each.
-    fn solve(&mut self, island: &mut Island, step: &TimeStep) {
-        self.forget_islands();
-        for i in (0..self.dynamic.len()).rev() {
-            if self.gather(island, self.dynamic[i]) {
-                island.solve(self, step);
-            }
-        }
-        self.synchronize_islands();
     }
 
     pub(crate) fn forget_islands(&mut self) {

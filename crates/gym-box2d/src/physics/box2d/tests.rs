@@ -42,6 +42,72 @@ fn chain() -> Box2d {
     world
 }
 
+/// Terrain takes little room, and bodies on it move as on edges that are bodies of their own, with rays, snapshots
+/// and times of impact.
+#[test]
+fn terrain_is_as_many_static_bodies() {
+    let points: Vec<Vec2> = (0..60).map(|i| v(i as f32 * 0.47, math::rotation(i as f32 * 0.9).im)).collect();
+    let [mut terrain, mut bodies] = [true, false].map(|compact| {
+        let mut world = Box2d::new(v(0.0, -10.0));
+        // one proxy before the edges and some after them
+        let wall = world.create_body(&BodyDef::fixed(v(27.0, 1.0), 0.2));
+        world.create_fixture(wall, &rect(0.5, 3.0));
+        if compact {
+            world.create_terrain(&points, 0.7);
+        } else {
+            for ends in points.windows(2) {
+                let edge = FixtureDef { friction: 0.7, ..FixtureDef::new(Shape::Edge(ends[0], ends[1])) };
+                let body = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
+                world.create_fixture(body, &edge);
+            }
+        }
+        for i in 0..6 {
+            let body = world.create_body(&BodyDef::dynamic(v(2.0 + i as f32, 3.0), 0.3 * i as f32));
+            world.create_fixture(body, &rect(0.3, 0.2));
+            world.body_mut(body).velocity = v(9.0, -20.0 * i as f32);
+        }
+        world
+    });
+    assert!(json(&terrain).to_string().len() < json(&bodies).to_string().len() / 3);
+    for step in 0..400 {
+        for world in [&mut terrain, &mut bodies] {
+            world.step(0.02, 30, 10);
+        }
+        let state = |world: &Box2d| -> Vec<[u32; 6]> {
+            let of = |id: &u32| {
+                let body = world.body(*id);
+                let xf = body.xf.translation;
+                [xf.x, xf.y, body.sweep.a, body.velocity.x, body.velocity.y, body.angular_velocity]
+                    .map(f32::to_bits)
+            };
+            world.dynamic.iter().map(of).collect()
+        };
+        assert_eq!(state(&terrain), state(&bodies), "step {step}");
+        assert_eq!(terrain.events.len(), bodies.events.len());
+        let ends = [v(step as f32 * 0.07, -3.0), v(28.0, 0.5), v(14.0, 3.0)];
+        let rays = |world: &Box2d| {
+            world.ray_casts(v(14.0, 3.0), &ends, 1).map(|hit| hit.map(|hit| (hit.point, hit.fraction)))
+        };
+        assert_eq!(rays(&terrain), rays(&bodies));
+        if step % 50 == 0 {
+            assert!(terrain.is_valid());
+            terrain = serde_json::from_value(json(&terrain)).unwrap();
+        }
+    }
+    assert!(terrain.contacts.len() > 6 && terrain.bodies.iter().count() < 30);
+
+    // a fixture that stands for an edge must have its shape, and a contact
+    let damage = |path: &str, value: serde_json::Value| {
+        let mut damaged = json(&terrain);
+        *damaged.pointer_mut(path).unwrap() = value;
+        serde_json::from_value::<Box2d>(damaged).is_ok_and(|world| world.is_valid())
+    };
+    assert!(damage("/gravity/0", 1.5.into()));
+    assert!(!damage("/contacts", serde_json::json!([])));
+    assert!(!damage("/broad_phase/terrain/points", serde_json::json!([])));
+    assert!(!damage("/broad_phase/terrain/first", 99.into()));
+}
+
 fn json(world: &Box2d) -> serde_json::Value {
     serde_json::to_value(world).unwrap()
 }
@@ -170,10 +236,11 @@ fn sensors_tell_and_rays_meet() {
     assert_eq!(events, [(true, pair.0, pair.1), (false, pair.0, pair.1)]);
     assert_eq!(world.body(body).velocity, v(5.0, 0.0));
 
-    let hit = world.ray_cast(v(0.0, 0.25), v(4.0, 0.25), 1).unwrap();
-    assert_eq!((hit.fixture, hit.fraction), (FixtureId(sensor), 0.375));
-    assert_eq!(world.ray_cast(v(0.0, 0.25), v(4.0, 0.25), 2), None);
-    assert_eq!(world.ray_cast(v(0.0, 0.25), v(1.0, 0.25), 1), None);
+    let ray = |to, categories| world.ray_casts(v(0.0, 0.25), &[to], categories)[0];
+    let hit = ray(v(4.0, 0.25), 1).unwrap();
+    assert_eq!((hit.fixture, hit.fraction), (Some(FixtureId(sensor)), 0.375));
+    assert_eq!(ray(v(4.0, 0.25), 2), None);
+    assert_eq!(ray(v(1.0, 0.25), 1), None);
 }
 
 /// Masses as pybox2d 2.3.10 computes them.

@@ -16,14 +16,21 @@ pub(crate) struct Moving<'a> {
     pub(crate) sweep: Sweep,
 }
 
+/// By how much the distance of the hulls may differ from the [target].
+pub(crate) const TOLERANCE: f32 = 0.25 * LINEAR_SLOP;
+
+/// The distance of the hulls of two shapes that touch.
+pub(crate) fn target(a: &Moving<'_>, b: &Moving<'_>) -> f32 {
+    max(LINEAR_SLOP, a.shape.radius + b.shape.radius - 3.0 * LINEAR_SLOP)
+}
+
 /// The part of the motion after which the shapes touch, or `None` where they stay apart, overlap
 /// from the start, or no time is found.
 pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
     const T_MAX: f32 = 1.0;
     let a = Moving { sweep: a.sweep.normalized(), ..a };
     let b = Moving { sweep: b.sweep.normalized(), ..b };
-    let target = max(LINEAR_SLOP, a.shape.radius + b.shape.radius - 3.0 * LINEAR_SLOP);
-    let tolerance = 0.25 * LINEAR_SLOP;
+    let (target, tolerance) = (target(&a, &b), TOLERANCE);
 
     let mut t1 = 0.0;
     let mut cache = Cache::default();

@@ -1,7 +1,7 @@
 //! Whether a world read from outside can be stepped without a panic.
 
 use super::math::{Vec2, length};
-use super::{Box2d, arena::Arena};
+use super::{Box2d, arena::Arena, body::Fixture, contact::Contact};
 
 fn finite(numbers: &[f32]) -> bool {
     numbers.iter().all(|x| x.is_finite())
@@ -12,6 +12,23 @@ fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
 }
 
 impl Box2d {
+    /// Whether a fixture that stands for an edge of the terrain has its shape and place, and a contact that needs it.
+    fn is_of_terrain_rightly(&self, id: u32) -> bool {
+        let terrain = &self.broad_phase.terrain;
+        let fixture = &self.fixtures[id];
+        let Some(edge) = terrain.edge_of(fixture.proxy) else { return true };
+        let body = &self.bodies[fixture.body];
+        let needed = |contact: &Contact| contact.fixture_a == id || contact.fixture_b == id;
+        let same =
+            |(other, fixture): (u32, &Fixture)| other != id && fixture.proxy == self.fixtures[id].proxy;
+        fixture.shape == terrain.shape(edge)
+            && !body.dynamic
+            && body.sweep.c == Vec2::zeros()
+            && body.sweep.a == 0.0
+            && self.contacts.iter().any(needed)
+            && !self.fixtures.iter().any(same)
+    }
+
     /// Whether every reference leads somewhere and every number is finite.
     pub(in crate::physics) fn is_valid(&self) -> bool {
         let vectors = |vectors: &[Vec2]| vectors.iter().all(|v| length(*v).is_finite());
@@ -31,6 +48,7 @@ impl Box2d {
                     + usize::from(self.bodies[fixture.body].fixtures == Some(id))
                     == 1
                 && self.broad_phase.holds(fixture.proxy, id)
+                && self.is_of_terrain_rightly(id)
                 && fixture.shape.is_valid()
                 && finite(&[fixture.density, fixture.friction, fixture.restitution])
         });

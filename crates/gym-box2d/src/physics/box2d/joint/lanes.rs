@@ -1,0 +1,175 @@
+//! A hinge of many worlds at once. As [`Constraint::solve_velocity`], operation by operation; what is a branch there
+//! selects here.
+
+use fearless_simd::Simd;
+
+use super::{Constraint, LimitState};
+use crate::physics::box2d::lanes::Bodies;
+use crate::physics::box2d::wide::{Mask, Pair, Strip, Wide, rows};
+
+rows! {
+    /// The constraints of one hinge.
+    struct Hinge {
+        r_ax, r_ay, r_bx, r_by,
+        exx, eyx, ezx, eyy, ezy, ezz,
+        cross_x, cross_y, cross_z, // ey × ez
+        det3, det2,
+        motor_mass, motor_speed, max_motor_impulse,
+        held,  // 1 at a limit, else 0
+        sense, // the sign of a limit's impulse that pushes; 0 where either does
+        impulse_x, impulse_y, impulse_z, motor_impulse,
+    }
+}
+
+/// The same for the lanes of a strip.
+struct Limit<S: Simd, const R: usize> {
+    held: Mask<S, R>,
+    /// What hinge and limit add to the impulses.
+    p: Pair<S, R>,
+    z: Wide<S, R>,
+}
+
+impl Hinge {
+    /// Takes a constraint in, if it is one of a motor that drives.
+    pub(in crate::physics::box2d) fn load(&mut self, lane: usize, c: &Constraint) {
+        let (held, sense) = match c.limit_state {
+            LimitState::Inactive => (0.0, 0.0),
+            LimitState::AtLower => (1.0, 1.0),
+            LimitState::AtUpper => (1.0, -1.0),
+            LimitState::Equal => (1.0, 0.0),
+        };
+        for (row, x) in [
+            (&mut self.r_ax, c.r_a.x),
+            (&mut self.r_ay, c.r_a.y),
+            (&mut self.r_bx, c.r_b.x),
+            (&mut self.r_by, c.r_b.y),
+            (&mut self.exx, c.ex.x),
+            (&mut self.eyx, c.ex.y),
+            (&mut self.ezx, c.ex.z),
+            (&mut self.eyy, c.ey.y),
+            (&mut self.ezy, c.ey.z),
+            (&mut self.ezz, c.ez.z),
+            (&mut self.cross_x, c.ey_ez.x),
+            (&mut self.cross_y, c.ey_ez.y),
+            (&mut self.cross_z, c.ey_ez.z),
+            (&mut self.det3, c.det3),
+            (&mut self.det2, c.det2),
+            (&mut self.motor_mass, c.motor_mass),
+            (&mut self.motor_speed, c.motor_speed),
+            (&mut self.max_motor_impulse, c.max_motor_impulse),
+            (&mut self.held, held),
+            (&mut self.sense, sense),
+            (&mut self.impulse_x, c.impulse.x),
+            (&mut self.impulse_y, c.impulse.y),
+            (&mut self.impulse_z, c.impulse.z),
+            (&mut self.motor_impulse, c.motor_impulse),
+        ] {
+            row.0[lane] = x;
+        }
+    }
+
+    /// Gives the impulses back.
+    pub(in crate::physics::box2d) fn collect(&self, lane: usize, c: &mut Constraint) {
+        c.impulse.x = self.impulse_x.0[lane];
+        c.impulse.y = self.impulse_y.0[lane];
+        c.impulse.z = self.impulse_z.0[lane];
+        c.motor_impulse = self.motor_impulse.0[lane];
+    }
+
+    /// One sweep of the hinge between bodies `a` and `b`.
+    #[inline(always)]
+    pub(in crate::physics::box2d) fn sweep<S: Simd, const R: usize>(
+        &mut self,
+        strip: Strip<S, R>,
+        bodies: &mut Bodies,
+        (a, b): (usize, usize),
+    ) {
+        let ((m_a, i_a), (m_b, i_b)) = (bodies.masses(strip, a), bodies.masses(strip, b));
+        let ((mut v_a, mut w_a), (mut v_b, mut w_b)) = (bodies.load(strip, a), bodies.load(strip, b));
+        let (r_a, r_b) = (strip.pair(&self.r_ax, &self.r_ay), strip.pair(&self.r_bx, &self.r_by));
+
+        let cdot = w_b - w_a - strip.load(&self.motor_speed);
+        let old = strip.load(&self.motor_impulse);
+        let max = strip.load(&self.max_motor_impulse);
+        let new = (old + -strip.load(&self.motor_mass) * cdot).clamp(-max, max);
+        strip.store(&mut self.motor_impulse, new);
+        let applied = new - old;
+        w_a = w_a - i_a * applied;
+        w_b = w_b + i_b * applied;
+
+        let cdot = v_b + r_b.turned_by(w_b) - v_a - r_a.turned_by(w_a);
+        let held = strip.same(0.0).lt(strip.load(&self.held));
+        let Limit { held, p, z } = if held.any() {
+            self.solve_limit(strip, held, cdot, w_b - w_a)
+        } else {
+            // (x + -0 = x for every x)
+            Limit { held, p: self.solve22(strip, -cdot), z: strip.same(-0.0) }
+        };
+        let impulse = strip.pair(&self.impulse_x, &self.impulse_y) + p;
+        strip.store(&mut self.impulse_x, impulse.x);
+        strip.store(&mut self.impulse_y, impulse.y);
+        let impulse_z = strip.load(&self.impulse_z);
+        strip.store(&mut self.impulse_z, held.select(impulse_z + z, impulse_z));
+        v_a = v_a - p.times(m_a);
+        w_a = w_a - i_a * (r_a.cross(p) + z);
+        v_b = v_b + p.times(m_b);
+        w_b = w_b + i_b * (r_b.cross(p) + z);
+        bodies.store(strip, a, v_a, w_a);
+        bodies.store(strip, b, v_b, w_b);
+    }
+
+    /// Hinge and limit together, where one is reached.
+    #[inline(always)]
+    fn solve_limit<S: Simd, const R: usize>(
+        &self,
+        strip: Strip<S, R>,
+        held: Mask<S, R>,
+        cdot: Pair<S, R>,
+        cdot_angle: Wide<S, R>,
+    ) -> Limit<S, R> {
+        let zero = strip.same(0.0);
+        let impulse_z = strip.load(&self.impulse_z);
+        let (full, full_z) = self.solve33(strip, cdot, cdot_angle);
+        let (full, full_z) = (-full, -full_z);
+        // the limit only pushes: without it, the hinge alone
+        let pulls = (strip.load(&self.sense) * (impulse_z + full_z)).lt(zero);
+        let ez = strip.pair(&self.ezx, &self.ezy);
+        let right = pulls.choose(-cdot + ez.times(impulse_z), -cdot);
+        let p = (held & !pulls).choose(full, self.solve22(strip, right));
+        let z = held.select(pulls.select(-impulse_z, full_z), strip.same(-0.0));
+        Limit { held, p, z }
+    }
+
+    #[inline(always)]
+    fn solve22<S: Simd, const R: usize>(&self, strip: Strip<S, R>, b: Pair<S, R>) -> Pair<S, R> {
+        let (exx, eyx, eyy) = (strip.load(&self.exx), strip.load(&self.eyx), strip.load(&self.eyy));
+        let det = strip.load(&self.det2);
+        Pair { x: det * (eyy * b.x - eyx * b.y), y: det * (exx * b.y - eyx * b.x) }
+    }
+
+    #[inline(always)]
+    fn solve33<S: Simd, const R: usize>(
+        &self,
+        strip: Strip<S, R>,
+        b: Pair<S, R>,
+        bz: Wide<S, R>,
+    ) -> (Pair<S, R>, Wide<S, R>) {
+        let (exx, eyx, ezx) = (strip.load(&self.exx), strip.load(&self.eyx), strip.load(&self.ezx));
+        let (eyy, ezy, ezz) = (strip.load(&self.eyy), strip.load(&self.ezy), strip.load(&self.ezz));
+        let det = strip.load(&self.det3);
+        let (cross_x, cross_y) = (strip.load(&self.cross_x), strip.load(&self.cross_y));
+        let x = det * (b.x * cross_x + b.y * cross_y + bz * strip.load(&self.cross_z));
+        let b_ez = (b.y * ezz - bz * ezy, bz * ezx - b.x * ezz, b.x * ezy - b.y * ezx);
+        let y = det * (exx * b_ez.0 + eyx * b_ez.1 + ezx * b_ez.2);
+        let ey_b = (eyy * bz - ezy * b.y, ezy * b.x - eyx * bz, eyx * b.y - eyy * b.x);
+        let z = det * (exx * ey_b.0 + eyx * ey_b.1 + ezx * ey_b.2);
+        (Pair { x, y }, z)
+    }
+}
+
+impl Constraint {
+    /// Its places in the island, if its motor drives.
+    pub(in crate::physics::box2d) fn driven_ends(&self) -> Option<(usize, usize)> {
+        self.motor.then_some((self.a.index, self.b.index))
+    }
+}

@@ -1,0 +1,160 @@
+//! Environments that solve the hardest part of their steps together.
+//!
+//! A step of such an environment has three parts. The first is its own, then comes what many can do side by side, in
+//! the lanes of vector registers, and the last is its own again. A vector has a group of sub-environments
+//! [begin](Lockstep::begin_step) what comes next, [solves](Together::solve) the middle for all of them, and then
+//! resets or steps each as any vector does: the environment finds its step begun, and finishes it. So time limits,
+//! autoreset, infos and errors are those of a sync vector, and so is every number.
+
+use std::marker::PhantomData;
+
+use super::slot::{Ask, Slot, slot_bytes};
+use super::{SyncVectorEnv, VectorEnv, VectorSpec, size};
+use crate::registry::{VectorKind, find};
+use crate::wrappers::TimeLimit;
+use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
+
+/// Working memory for a group of environments, and the part of their steps that they take together.
+pub trait Together: Default + Send + 'static {
+    /// How many environments a group can have.
+    const LEN: usize;
+
+    /// Does what all that have begun have in common.
+    fn solve(&mut self);
+
+    /// Forgets them.
+    fn clear(&mut self);
+}
+
+/// An environment whose steps can be taken side by side with others of its kind.
+///
+/// The results must be those of steps that were not begun, bit for bit.
+pub trait Lockstep: Env {
+    /// What a group of them shares.
+    type Group: Together;
+
+    /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument, which finishes it.
+    /// Whatever cannot be begun is left for that call, errors included.
+    fn begin_reset(&mut self, reset: &Reset, group: &mut Self::Group);
+
+    /// Begins a step; the next call is [`step_into`](Env::step_into) with the same action, which finishes it. Whatever
+    /// cannot be begun is left for that call, errors included.
+    fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
+
+    /// Takes what [`Together::solve`] has made of its step.
+    fn collect(&mut self, group: &Self::Group);
+}
+
+/// Lets a group of sub-environments go ahead to where they only need to finish what they are asked for next.
+pub(crate) trait Ahead<E>: Send {
+    /// How many can go together.
+    fn group_len(&self) -> usize;
+
+    /// Another one of its kind, for another thread.
+    fn another(&self) -> Box<dyn Ahead<E>>;
+
+    /// Forgets those of the group before.
+    fn clear(&mut self);
+
+    /// Begins the reset or the step that is asked of a slot next.
+    fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
+
+    /// Solves what all that have begun have in common.
+    fn solve(&mut self);
+
+    /// Lets a slot take what was solved, before its reset or step.
+    fn collect(&mut self, slot: &mut Slot<E>);
+}
+
+/// Those of `E` within the wrappers of `W`, which pass every action on as it is.
+struct Within<E: Lockstep, W> {
+    group: E::Group,
+    wrapped: PhantomData<fn(W)>,
+}
+
+impl<E: Lockstep, W> Default for Within<E, W> {
+    fn default() -> Self {
+        Self { group: E::Group::default(), wrapped: PhantomData }
+    }
+}
+
+impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
+    fn group_len(&self) -> usize {
+        E::Group::LEN
+    }
+
+    fn another(&self) -> Box<dyn Ahead<W>> {
+        Box::new(Self::default())
+    }
+
+    fn clear(&mut self) {
+        self.group.clear();
+    }
+
+    fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
+        let restart = slot.restarts();
+        let Slot { env, action, .. } = slot;
+        let Some(env) = env.unwrapped_mut::<E>() else { return };
+        match ask {
+            Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
+            Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
+            Ask::Step => {
+                E::Action::with(action, |action| env.begin_step(action, &mut self.group));
+            }
+            Ask::Nothing => {}
+        }
+    }
+
+    fn solve(&mut self) {
+        self.group.solve();
+    }
+
+    fn collect(&mut self, slot: &mut Slot<W>) {
+        if let Some(env) = slot.env.unwrapped_mut::<E>() {
+            env.collect(&self.group);
+        }
+    }
+}
+
+/// Makes a native vector of a registered environment that is [`Lockstep`], for
+/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync vector whose
+/// sub-environments take their steps together.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
+pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
+    spec.check_each()?;
+    let version = find(&spec.env.id)?.rules();
+    let make = |index| -> Result<E> {
+        let EnvSpec { id, kwargs, .. } = spec.env_at(index);
+        E::configure(arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?, version)
+    };
+    match spec.env.max_episode_steps {
+        Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
+        None => lockstep::<E, _>(spec, make),
+    }
+}
+
+fn lockstep<E: Lockstep, W: Env>(
+    spec: &VectorSpec,
+    make: impl Fn(usize) -> Result<W>,
+) -> Result<Box<dyn VectorEnv>> {
+    let num_envs = spec.num_envs;
+    let first = make(0)?;
+    let observation = first.observation_space();
+    size::check(num_envs, &observation, &first.action_space(), slot_bytes::<W>(&observation))?;
+    let envs: Vec<W> = std::iter::once(Ok(first)).chain((1..num_envs).map(make)).collect::<Result<_>>()?;
+    let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
+    let vector = SyncVectorEnv::new(envs)?.with_autoreset(spec.autoreset_mode).with_spec(spec);
+    Ok(Box::new(vector.with_ahead(Box::new(Within::<E, W>::default()))))
+}
+
+/// What lets environments made by id go ahead together.
+pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
+    Box::new(Within::<E, BoxEnv>::default())
+}
+
+/// How many of `n` slots go together, where at most `most` can: groups of about one size.
+pub(super) fn group_len(n: usize, most: usize) -> usize {
+    n.div_ceil(n.div_ceil(most).max(1)).max(1)
+}

@@ -1,0 +1,125 @@
+// The environments by family, each playing in its tile.
+import { h } from "./dom.js";
+import { paint } from "./engine.js";
+
+// Tiles are smaller than pictures: drawings are vectors, and a small one costs less.
+const TILE = 300;
+
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
+// The families of this project come in this order, those of a plugin before them.
+const ORDER = ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"];
+
+// A name that may break between its words.
+export const words = (name) => name.split(/(?<=[a-z0-9])(?=[A-Z])/).flatMap((word, i) => (i ? [h("wbr"), word] : [word]));
+
+// Families, each with its tasks: the newest version of a name stands for it.
+export function families(environments) {
+  const rank = ({ family }) => ORDER.indexOf(family);
+  environments = [...environments].sort((a, b) => rank(a) - rank(b));
+  const families = new Map();
+  for (const environment of environments) {
+    const tasks = families.get(environment.family) ?? new Map();
+    families.set(environment.family, tasks);
+    const versions = tasks.get(environment.name) ?? [];
+    tasks.set(environment.name, versions);
+    versions.push(environment);
+  }
+  for (const tasks of families.values()) {
+    for (const versions of tasks.values()) versions.sort((a, b) => (b.version ?? 0) - (a.version ?? 0));
+  }
+  return families;
+}
+
+export const link = (id) => `#/${id.split("/").map(encodeURIComponent).join("/")}`;
+
+export function gallery(main, engine, environments) {
+  const tiles = new Map();
+  const playing = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) tiles.get(target)?.(isIntersecting);
+  }, { rootMargin: "80px" });
+
+  function tile(environment, older) {
+    const canvas = h("canvas", { width: TILE, height: TILE * 2 / 3, "aria-hidden": "true" });
+    const element = h("li", { class: "tile" },
+      h("a", { href: link(environment.id) },
+        h("div", { class: "tile-picture" }, canvas),
+        h("h3", {}, words(environment.name.replace(/^ALE\//, "")), " ", environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)),
+        h("p", {}, environment.description)),
+      older.length ? h("p", { class: "older" }, "older: ", older.flatMap((other, i) => [i ? ", " : "", h("a", { href: link(other.id) }, `v${other.version}`)])) : null);
+    tiles.set(element, live(canvas, environment));
+    playing.observe(element);
+    return element;
+  }
+
+  // Plays while it is seen; with reduced motion it shows one picture.
+  function live(canvas, environment) {
+    let open = null;
+    let frames = 0;
+    const start = async () => {
+      const by = environment.policy ? "good" : "random";
+      return engine.open({ id: environment.id, kwargs: {}, fit: TILE, seed: "0", by, interval: 30 }, ({ frame, pixels, error }) => {
+        if (error) return console.error(`${environment.id}: ${error}`);
+        if (!frame) return;
+        paint(canvas, frame, pixels);
+        // the picture's first pixel goes on around it
+        if (frames === 0) canvas.parentElement.style.background = `rgb(${pixels.slice(0, 3).join(" ")})`;
+        frames += 1;
+        if (still.matches && frames === 1) open?.then((env) => env && engine.handle("set", { env: env.env, paused: true }));
+      }).catch((error) => console.error(`${environment.id}: ${error.message}`));
+    };
+    return (seen) => {
+      if (seen && !open) open = start();
+      else if (!seen && open) {
+        open.then((env) => env && engine.close(env.env));
+        open = null;
+      }
+    };
+  }
+
+  const groups = families(environments);
+  const sections = [...groups].map(([family, tasks]) => {
+    const all = [...tasks.values()];
+    const lacking = all.filter(([newest]) => newest.missing);
+    // ids from before there were namespaces
+    const isOld = ([newest]) => !newest.name.includes("/") && all.some(([other]) => other.name.includes("/"));
+    const list = h("ul", { class: "tiles" }, all.filter((task) => !task[0].missing && !isOld(task)).map(([newest, ...older]) => tile(newest, older)));
+    const chips = (tasks) => h("ul", { class: "chips" }, tasks.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
+    const rest = lacking.filter((task) => !isOld(task));
+    const old = all.filter(isOld);
+    const folded = [
+      rest.length ? h("p", { class: "quiet" }, `These need ${rest[0][0].missing}, which you give on their page.`) : null,
+      rest.length ? chips(rest) : null,
+      old.length ? h("details", {}, h("summary", {}, `${old.length} older names`), chips(old)) : null,
+    ];
+    return { element: h("section", { class: "family", "aria-label": family }, h("h2", {}, family), list, folded), lists: [list, ...folded.flatMap((part) => (part ? [...(part.matches("ul") ? [part] : part.querySelectorAll("ul"))] : []))] };
+  });
+  const none = h("p", { class: "none", hidden: true }, "No environment has that in its name or description.");
+  const search = h("input", { type: "search", placeholder: "Search", "aria-label": "Search the environments" });
+  search.addEventListener("input", () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    let found = 0;
+    for (const { element, lists } of sections) {
+      let seen = 0;
+      for (const item of lists.flatMap((list) => [...list.children])) {
+        item.hidden = !words.every((word) => (element.getAttribute("aria-label") + item.textContent).toLowerCase().includes(word));
+        seen += !item.hidden;
+      }
+      element.hidden = seen === 0;
+      found += seen;
+    }
+    none.hidden = found > 0;
+  });
+  main.replaceChildren(
+    h("section", { class: "hero" },
+      h("div", {},
+        h("h1", {}, "Gymnasium's environments, live"),
+        h("p", {}, "Watch a good policy, take over with the keyboard, see what the agent sees, and train one of your own. Nothing to install.")),
+      search),
+    ...sections.map(({ element }) => element),
+    none);
+  return () => {
+    playing.disconnect();
+    for (const toggle of tiles.values()) toggle(false);
+  };
+}

@@ -1,0 +1,67 @@
+// Which keys are down, and the action that they are.
+
+// The name of a key as the registry has it: `Left`, `Space`, `A`, `Key1`.
+export function keyName({ code }) {
+  return code.replace(/^Arrow/, "").replace(/^Key(?=[A-Z]$)/, "").replace(/^Digit|^Numpad(?=\d$)/, "Key").replace(/^NumpadEnter$/, "Enter");
+}
+
+export const SYMBOLS = { Left: "←", Right: "→", Up: "↑", Down: "↓" };
+
+// Keys and their actions. `changed(action)` hears the action of the keys that are down, or null; `pressed(action)` each new key.
+export class Keys {
+  #down = new Set();
+  #actions;
+
+  constructor(actions, { changed, pressed }) {
+    this.#actions = new Map(actions);
+    Object.assign(this, { changed, pressed });
+    this.listener = new AbortController();
+    const on = (target, type, f) => target.addEventListener(type, f, { signal: this.listener.signal });
+    on(window, "keydown", (event) => {
+      const name = keyName(event);
+      if (!this.#actions.has(name) || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+      event.preventDefault();
+      if (!event.repeat) this.press(name);
+    });
+    on(window, "keyup", (event) => this.release(keyName(event)));
+    on(window, "blur", () => this.clear());
+  }
+
+  press(name) {
+    if (this.#down.has(name)) return;
+    this.#down.add(name);
+    this.pressed(this.#actions.get(name));
+    this.changed(this.action());
+  }
+
+  release(name) {
+    if (this.#down.delete(name)) this.changed(this.action());
+  }
+
+  clear() {
+    if (this.#down.size === 0) return;
+    this.#down.clear();
+    this.changed(null);
+  }
+
+  // Vectors of several keys add up; of numbers the last key counts.
+  action() {
+    const actions = [...this.#down].map((name) => this.#actions.get(name));
+    if (actions.length === 0) return null;
+    const sum = (a, b) => (Array.isArray(a) && Array.isArray(b) ? a.map((x, i) => x + b[i]) : b);
+    return actions.reduce(sum);
+  }
+
+  isDown(name) {
+    return this.#down.has(name);
+  }
+
+  end() {
+    this.listener.abort();
+  }
+}
+
+// Whether a key means something where it was pressed: text, a slider, a list, or Space and Enter on a button.
+function typing(target) {
+  return target.matches?.("input, textarea, select, [contenteditable]");
+}

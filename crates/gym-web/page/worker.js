@@ -1,0 +1,249 @@
+// Runs the environments beside the page: requests of the page one by one, and the loops of those that play.
+// A classic script without imports, so that it also starts from a Blob of a page that was opened as a file.
+"use strict";
+
+let gym = null;
+const text = new TextDecoder();
+const bytesOf = new TextEncoder();
+
+// Starts an instance of the module.
+function start(module) {
+  const { exports } = new WebAssembly.Instance(module, {});
+  exports.__wasm_call_ctors();
+  exports.start();
+  // memory may have moved: a view of it serves once
+  const view = (at, length) => new Uint8Array(exports.memory.buffer, at, length);
+  return {
+    call(request, bytes) {
+      const json = bytesOf.encode(JSON.stringify(request));
+      const length = json.length + (bytes ? bytes.length : 0);
+      const at = exports.input(length);
+      view(at, length).set(json);
+      if (bytes) view(at + json.length, bytes.length).set(bytes);
+      let answered;
+      try {
+        answered = exports.call(json.length);
+      } catch (trap) {
+        const what = text.decode(view(exports.panic_text(), exports.panic_length()));
+        throw new Error(`the module stopped: ${what || trap}`, { cause: "trap" });
+      }
+      const answer = JSON.parse(text.decode(view(exports.output(), answered)));
+      if ("error" in answer) throw new Error(answer.error);
+      const attached = exports.attachment_length();
+      const attachment = attached ? view(exports.attachment(), attached).slice() : null;
+      return { answer: answer.ok, attachment };
+    },
+  };
+}
+
+const call = (request, bytes) => gym.call(request, bytes).answer;
+
+// Environments that play by themselves, by number.
+//   by: "good", "random", "learner", "none"    idle: null (wait) or an action    held: the action of keys that are down
+//   last: whether no held action means the last one again    script: actions to take first
+const loops = new Map();
+const END = 900; // milliseconds that the end of an episode is shown
+let timer = null;
+
+function schedule() {
+  if (timer !== null) return;
+  let due = Infinity;
+  for (const loop of loops.values()) if (!loop.paused && !loop.waiting) due = Math.min(due, loop.due);
+  if (due === Infinity) return;
+  timer = setTimeout(tick, Math.max(0, due - performance.now()));
+}
+
+function tick() {
+  timer = null;
+  const now = performance.now();
+  for (const loop of loops.values()) {
+    if (loop.paused || loop.waiting || loop.due > now) continue;
+    try {
+      advance(loop, now);
+    } catch (error) {
+      loop.paused = true;
+      postMessage({ loop: loop.env, error: error.message, trap: error.cause === "trap" });
+    }
+  }
+  schedule();
+}
+
+// Takes the steps that are due, within bounds, and shows the last state.
+function advance(loop, now) {
+  const period = 1000 / (loop.fps * loop.speed);
+  if (loop.done) {
+    if (loop.resets) reset(loop, loop.nextSeed);
+    else {
+      loop.paused = true;
+      return;
+    }
+  } else {
+    const steps = Math.min(Math.floor((now - loop.due) / period) + 1, Math.max(1, Math.ceil(loop.speed * 4)));
+    // what was not reached in time is given up, not made up for
+    if (!take(loop, steps, now)) {
+      if (loop.paused) show(loop, now);
+      loop.due = now + 30;
+      return;
+    }
+  }
+  loop.due = Math.max(loop.due + period, now - period);
+  if (loop.done) loop.due = now + END;
+  // pictures no faster than a screen shows them
+  if (loop.done || now - loop.shown >= loop.interval) show(loop, now);
+}
+
+// Takes up to so many steps; says whether it took any.
+function take(loop, steps, now) {
+  const until = now + 12;
+  let taken = false;
+  while (steps > 0 && !loop.done) {
+    const at = loop.state ? loop.state.steps : 0;
+    let by = loop.by;
+    let action = null;
+    let count = steps;
+    if (loop.script && at >= loop.script.length) {
+      // what was recorded ends here; whoever plays goes on if the page says so
+      loop.script = null;
+      loop.paused = true;
+      postMessage({ loop: loop.env, scriptEnded: true });
+      return taken;
+    }
+    if (loop.held !== null) [by, action, count] = ["action", loop.held, 1];
+    else if (loop.script && at < loop.script.length) [by, action, count] = ["action", loop.script[at], 1];
+    else if (by === "none") {
+      action = loop.repeats ? loop.lastHeld : loop.idle;
+      if (action === null) return taken;
+      [by, count] = ["action", 1];
+    }
+    if (by !== "action") count = Math.min(count, 64);
+    loop.state = call({ do: "step", env: loop.env, by, action, learner: loop.learner, count });
+    loop.done = loop.state.terminated || loop.state.truncated;
+    taken = true;
+    steps -= count;
+    if (performance.now() > until) break;
+  }
+  if (loop.done && !loop.told) {
+    loop.told = true;
+    postMessage({ loop: loop.env, episode: { return: loop.state.return, length: loop.state.steps, seed: loop.seed, by: loop.by } });
+  }
+  return taken;
+}
+
+function reset(loop, seed) {
+  loop.state = call({ do: "reset", env: loop.env, seed });
+  Object.assign(loop, { seed, done: false, told: false, lastHeld: null, nextSeed: String(BigInt(seed) + 1n) });
+}
+
+// Sends picture and state; the next one waits until the page has shown this one.
+function show(loop, now = performance.now()) {
+  const { answer, attachment } = gym.call({ do: "frame", env: loop.env });
+  const message = { loop: loop.env, state: loop.state, seed: loop.seed, frame: answer, pixels: attachment };
+  const transfer = [attachment.buffer];
+  if (loop.sight) {
+    const seen = gym.call({ do: "sight", env: loop.env });
+    if (seen.answer) {
+      message.sight = seen.answer;
+      message.sightPixels = seen.attachment;
+      transfer.push(seen.attachment.buffer);
+    }
+  }
+  loop.shown = now;
+  loop.waiting = true;
+  postMessage(message, transfer);
+}
+
+const handlers = {
+  // Opens an environment, resets it and shows it; it plays unless it is paused.
+  open({ env, id, kwargs, fit = null, seed, ...options }) {
+    const description = call({ do: "make", env, id, kwargs, fit });
+    const loop = {
+      env, fps: Math.max(1, description.fps), speed: 1, by: "random", learner: null, idle: null, repeats: false, held: null,
+      lastHeld: null, script: null, paused: false, resets: true, sight: false, interval: 15, shown: 0, waiting: false,
+      ...options,
+    };
+    reset(loop, seed);
+    loops.set(env, loop);
+    loop.due = performance.now() + 1000 / loop.fps;
+    show(loop);
+    return description;
+  },
+  // Changes how it plays.
+  set({ env, ...options }) {
+    const loop = loops.get(env);
+    if (!loop) return null;
+    if ("held" in options && options.held !== null) loop.lastHeld = options.held;
+    const paused = loop.paused;
+    Object.assign(loop, options);
+    if (paused && !loop.paused) loop.due = performance.now();
+    return null;
+  },
+  // Shows the state once more.
+  show({ env }) {
+    show(loops.get(env));
+    return null;
+  },
+  // The page has shown the last picture.
+  shown({ env }) {
+    const loop = loops.get(env);
+    if (loop) loop.waiting = false;
+    return null;
+  },
+  close({ env }) {
+    loops.delete(env);
+    return call({ do: "close", env });
+  },
+  reset({ env, seed }) {
+    const loop = loops.get(env);
+    reset(loop, seed);
+    loop.due = performance.now() + 1000 / loop.fps;
+    show(loop);
+    return null;
+  },
+  // One step by itself: of an action, or of whoever plays.
+  step({ env, action = null }) {
+    const loop = loops.get(env);
+    if (loop.done) return null;
+    const held = loop.held;
+    if (action !== null) loop.held = action;
+    try {
+      take(loop, 1, performance.now());
+    } finally {
+      loop.held = held;
+    }
+    loop.due = performance.now() + (loop.done ? END : 1000 / (loop.fps * loop.speed));
+    show(loop);
+    return null;
+  },
+  turn({ env, by }) {
+    const loop = loops.get(env);
+    call({ do: "turn", env, by });
+    if (!loop.waiting) show(loop);
+    return null;
+  },
+  seek({ env, step }) {
+    const loop = loops.get(env);
+    loop.state = call({ do: "seek", env, step });
+    loop.done = loop.told = loop.state.terminated || loop.state.truncated;
+    show(loop);
+    return null;
+  },
+};
+
+onmessage = ({ data }) => {
+  if (data.module) {
+    gym = start(data.module);
+    postMessage({ id: data.id, answer: null });
+    return;
+  }
+  const { id, handler, request, bytes } = data;
+  try {
+    if (handler) postMessage({ id, answer: handlers[handler](request) });
+    else {
+      const { answer, attachment } = gym.call(request, bytes);
+      postMessage({ id, answer, attachment }, attachment ? [attachment.buffer] : []);
+    }
+  } catch (error) {
+    postMessage({ id, error: error.message, trap: error.cause === "trap" });
+  }
+  schedule();
+};

@@ -1,0 +1,116 @@
+//! What the page shows of the registry, spaces and values, as JSON.
+
+use gym::arguments::Argument;
+use gym::registry::EnvId;
+use gym::{Array, Registration, Result, Space, Value};
+use serde_json::{Value as Json, json};
+
+/// Bounds and observations of more numbers than these are told by their shape.
+const MOST_NUMBERS: usize = 512;
+
+/// One line of the list of environments.
+pub(crate) fn entry(registration: &Registration) -> Json {
+    let id: Option<EnvId> = registration.id().parse().ok();
+    json!({
+        "id": registration.id(),
+        "name": id.as_ref().map(EnvId::unversioned),
+        "version": id.and_then(|id| id.version),
+        "family": family(registration.source.package),
+        "description": registration.description,
+        "missing": missing(registration),
+        "policy": registration.policy.map(|policy| policy.description),
+    })
+}
+
+/// What this very environment needs and lacks: of all ROMs there may be one of another game.
+fn missing(registration: &Registration) -> Option<&'static str> {
+    let need = registration.needs?;
+    let is_there = need.is_met() && gym::make(registration.id()).is_ok();
+    (!is_there).then_some(need.what)
+}
+
+/// The heading of a crate's environments.
+fn family(crate_name: &str) -> &str {
+    match crate_name {
+        "gym-classic" => "Classic control",
+        "gym-toytext" => "Toy text",
+        "gym-box2d" => "Box2D",
+        "gym-mujoco" => "MuJoCo",
+        "gym-atari" => "Atari",
+        other => other,
+    }
+}
+
+/// The arguments of an environment, each with its value under this id.
+pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
+    let argument = |argument: &Argument| {
+        json!({
+            "name": argument.name,
+            "value": argument.default,
+            "kind": argument.kind,
+            "unit": argument.unit,
+            "meaning": argument.meaning,
+        })
+    };
+    Ok(registration.arguments()?.iter().map(argument).collect())
+}
+
+/// A space: its kind and what the page needs of it, with Gymnasium's text.
+pub(crate) fn space(space: &Space) -> Json {
+    let mut description = match space {
+        Space::Discrete(space) => json!({"kind": "Discrete", "n": space.n(), "start": space.start()}),
+        Space::Box(space) => json!({
+            "kind": "Box",
+            "shape": space.shape(),
+            "dtype": space.dtype().name(),
+            "low": numbers(space.low()),
+            "high": numbers(space.high()),
+        }),
+        Space::MultiBinary(space) => json!({"kind": "MultiBinary", "shape": space.shape()}),
+        Space::MultiDiscrete(space) => {
+            json!({"kind": "MultiDiscrete", "shape": space.shape(), "nvec": space.nvec(), "start": space.start()})
+        }
+        Space::Tuple(space) => {
+            json!({"kind": "Tuple", "spaces": space.spaces().iter().map(self::space).collect::<Vec<_>>()})
+        }
+        Space::Dict(space) => {
+            let spaces = space.spaces().iter().map(|(name, space)| json!([name, self::space(space)]));
+            json!({"kind": "Dict", "spaces": spaces.collect::<Vec<_>>()})
+        }
+        _ => json!({"kind": "other"}),
+    };
+    description["text"] = json!(space.to_string());
+    description
+}
+
+/// The numbers of an array, if there are not too many. What is no number of JSON becomes text.
+fn numbers(array: &Array) -> Option<Vec<Json>> {
+    let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
+    (array.len() <= MOST_NUMBERS).then(|| array.iter_f64().map(number).collect())
+}
+
+/// An observation or an action: its numbers, or the shape of a large array.
+pub(crate) fn value(value: &Value) -> Json {
+    match value {
+        Value::Array(array) if array.len() > MOST_NUMBERS => {
+            json!({"shape": array.shape(), "dtype": array.dtype().name()})
+        }
+        Value::Tuple(parts) => parts.iter().map(self::value).collect(),
+        Value::Dict(parts) => {
+            Json::Object(parts.iter().map(|(name, part)| (name.clone(), self::value(part))).collect())
+        }
+        _ => json!(value),
+    }
+}
+
+/// Writes a picture of 3 bytes or 1 byte a pixel as the 4 bytes a pixel that a canvas takes.
+pub(crate) fn to_rgba(pixels: &[u8], bytes_per_pixel: usize, rgba: &mut Vec<u8>) {
+    rgba.reserve(pixels.len() / bytes_per_pixel * 4);
+    for pixel in pixels.chunks_exact(bytes_per_pixel) {
+        match *pixel {
+            [r, g, b] => rgba.extend([r, g, b, 255]),
+            [gray] => rgba.extend([gray, gray, gray, 255]),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! The environments as a WebAssembly module without imports, for the gallery in `page/`.
+//!
+//! A call goes through two buffers. JavaScript asks [`input`] for room, writes a request there, JSON and perhaps bytes behind it,
+//! and calls [`call`]. The answer, JSON, then lies at [`output`]; what is no JSON, such as a picture, lies at [`attachment`].
+//! [`Session::call`] lists the requests. Memory may move in a call, so JavaScript makes its views of it anew after each.
+//!
+//! `cargo xtask web` builds it as a `cdylib` with link-time optimisation. Without, the linker drops the registrations of crates
+//! that nobody calls.
+//!
+//! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts another instance.
+
+mod describe;
+mod learn;
+mod linear;
+mod player;
+mod session;
+mod tabular;
+
+use std::cell::RefCell;
+
+pub use session::Session;
+
+#[derive(Default)]
+struct Buffers {
+    input: Vec<u8>,
+    output: Vec<u8>,
+    attachment: Vec<u8>,
+    session: Session,
+}
+
+thread_local! {
+    static BUFFERS: RefCell<Buffers> = RefCell::default();
+    static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Makes panics leave their text. To be called once, after `__wasm_call_ctors`.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn start() {
+    std::panic::set_hook(Box::new(|info| PANIC.with_borrow_mut(|text| *text = info.to_string())));
+}
+
+/// Room for a request of that many bytes.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn input(length: usize) -> *mut u8 {
+    BUFFERS.with_borrow_mut(|buffers| {
+        buffers.input.clear();
+        buffers.input.resize(length, 0);
+        buffers.input.as_mut_ptr()
+    })
+}
+
+/// Answers the request, whose first `json` bytes are JSON; gives the length of the answer.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn call(json: usize) -> usize {
+    BUFFERS.with_borrow_mut(|Buffers { input, output, attachment, session }| {
+        let (request, bytes) = input.split_at(json.min(input.len()));
+        attachment.clear();
+        *output = session.call(request, bytes, attachment);
+        output.len()
+    })
+}
+
+/// Where the answer lies.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn output() -> *const u8 {
+    BUFFERS.with_borrow(|buffers| buffers.output.as_ptr())
+}
+
+/// Where the bytes lie that came with the answer.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn attachment() -> *const u8 {
+    BUFFERS.with_borrow(|buffers| buffers.attachment.as_ptr())
+}
+
+/// How many bytes came with the answer.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn attachment_length() -> usize {
+    BUFFERS.with_borrow(|buffers| buffers.attachment.len())
+}
+
+/// Where the text of the last panic lies.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn panic_text() -> *const u8 {
+    PANIC.with_borrow(|text| text.as_ptr())
+}
+
+/// How long the text of the last panic is.
+#[expect(unsafe_code, reason = "JavaScript calls it by name")]
+#[unsafe(no_mangle)]
+pub extern "C" fn panic_length() -> usize {
+    PANIC.with_borrow(String::len)
+}

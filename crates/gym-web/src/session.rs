@@ -1,0 +1,228 @@
+//! The requests of the page.
+
+use std::collections::BTreeMap;
+
+use gym::trace::Trace;
+use gym::{Error, Kwargs, Result, Seed, registry};
+use serde::Deserialize;
+use serde_json::{Value as Json, json};
+
+use crate::describe;
+use crate::learn::{Learner, Lesson};
+use crate::player::{By, Player};
+
+/// Everything that is open: environments being played, and learners, each under a number that the page chooses.
+#[derive(Default)]
+pub struct Session {
+    players: BTreeMap<u32, Player>,
+    learners: BTreeMap<u32, Learner>,
+}
+
+/// A request. Where it names `env`, that is the number of an open environment; `learner` likewise.
+#[derive(Deserialize)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+enum Request {
+    /// Every environment.
+    List,
+    /// The arguments of an environment.
+    Arguments { id: String },
+    /// Opens an environment, whose pictures fit into a square of that many pixels.
+    Make { env: u32, id: String, kwargs: Kwargs, fit: Option<u32> },
+    /// Closes it.
+    Close { env: u32 },
+    /// Starts an episode from a seed, in decimal digits of any number.
+    Reset { env: u32, seed: String },
+    /// Takes up to `count` steps, which end with the episode.
+    Step { env: u32, by: Who, action: Option<Json>, learner: Option<u32>, count: u32 },
+    /// Takes these actions, one after the other, while the episode lasts.
+    Act { env: u32, actions: Vec<Json> },
+    /// Goes to the state after that many steps of the episode.
+    Seek { env: u32, step: usize },
+    /// Turns the camera: azimuth and elevation by degrees, and what the distance is multiplied by.
+    Turn { env: u32, by: [f64; 3] },
+    /// The picture, attached as RGBA.
+    Frame { env: u32 },
+    /// The observation as a picture, attached as RGBA, if it is one.
+    Sight { env: u32 },
+    /// The actions of the episode.
+    Actions { env: u32 },
+    /// The episode as a trace, attached as text: JavaScript would change the digits of its numbers.
+    Trace { env: u32 },
+    /// The episode as a GIF, attached.
+    Gif { env: u32, frames: usize },
+    /// Compares a recorded trace, whose text is attached, with what the environment answers here.
+    Replay,
+    /// Provides an Atari ROM, whose bytes are attached.
+    Rom,
+    /// Opens a learner.
+    Learn { learner: u32, id: String, kwargs: Kwargs, seed: u64, lesson: Lesson },
+    /// Changes the parameters of a learner.
+    Tune { learner: u32, lesson: Lesson },
+    /// Learns for that many episodes or steps, whichever comes first.
+    Train { learner: u32, episodes: u32, steps: u32 },
+    /// What was learned: numbers, attached as `f64`.
+    Learned { learner: u32 },
+}
+
+/// Who chooses actions.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Who {
+    Random,
+    Good,
+    Action,
+    Learner,
+}
+
+impl std::fmt::Debug for Session {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Session({} environments, {} learners)", self.players.len(), self.learners.len())
+    }
+}
+
+impl Session {
+    /// Answers a request in JSON: `{"ok": answer}` or `{"error": text}`. What is no JSON goes to `attachment`.
+    pub fn call(&mut self, request: &[u8], bytes: &[u8], attachment: &mut Vec<u8>) -> Vec<u8> {
+        let answer = serde_json::from_slice(request)
+            .map_err(|error| Error::custom(format!("not a request: {error}")))
+            .and_then(|request| self.answer(request, bytes, attachment));
+        let answer = match answer {
+            Ok(answer) => json!({"ok": answer}),
+            Err(error) => json!({"error": error.to_string()}),
+        };
+        answer.to_string().into_bytes()
+    }
+
+    fn player(&mut self, env: u32) -> Result<&mut Player> {
+        self.players.get_mut(&env).ok_or_else(|| Error::custom(format!("environment {env} is not open")))
+    }
+
+    fn learner(&mut self, learner: u32) -> Result<&mut Learner> {
+        self.learners.get_mut(&learner).ok_or_else(|| Error::custom(format!("learner {learner} is not open")))
+    }
+
+    fn answer(&mut self, request: Request, bytes: &[u8], attachment: &mut Vec<u8>) -> Result<Json> {
+        Ok(match request {
+            Request::List => registry::all().iter().map(describe::entry).collect(),
+            Request::Arguments { id } => describe::arguments(&registry::find(&id)?)?,
+            Request::Make { env, id, kwargs, fit } => {
+                let player = Player::new(&id, &kwargs, fit)?;
+                let description = player.describe();
+                self.players.insert(env, player);
+                description
+            }
+            Request::Close { env } => json!(self.players.remove(&env).is_some()),
+            Request::Reset { env, seed } => {
+                let player = self.player(env)?;
+                player.reset(seed.parse::<Seed>()?)?;
+                player.state()
+            }
+            Request::Step { env, by, action, learner, count } => {
+                for _ in 0..count {
+                    let learner = learner.and_then(|learner| self.learners.get(&learner));
+                    let player = self.players.get_mut(&env);
+                    let player =
+                        player.ok_or_else(|| Error::custom(format!("environment {env} is not open")))?;
+                    let by = match (&by, &action, learner) {
+                        (Who::Random, _, _) => By::Random,
+                        (Who::Good, _, _) => By::Good,
+                        (Who::Action, Some(action), _) => By::Action(player.action(action)?),
+                        (Who::Learner, _, Some(learner)) => By::Action(learner.act(player.observation())?),
+                        _ => return Err(Error::custom("a step needs an action or a learner")),
+                    };
+                    player.step(by)?;
+                    if player.done() {
+                        break;
+                    }
+                }
+                self.player(env)?.state()
+            }
+            Request::Act { env, actions } => {
+                let player = self.player(env)?;
+                for action in &actions {
+                    if player.done() {
+                        break;
+                    }
+                    player.step(By::Action(player.action(action)?))?;
+                }
+                player.state()
+            }
+            Request::Seek { env, step } => {
+                let player = self.player(env)?;
+                player.seek(step)?;
+                player.state()
+            }
+            Request::Turn { env, by } => {
+                self.player(env)?.turn(by);
+                Json::Null
+            }
+            Request::Frame { env } => self.player(env)?.frame(attachment)?,
+            Request::Sight { env } => self.player(env)?.sight(attachment),
+            Request::Actions { env } => self.player(env)?.actions()?,
+            Request::Trace { env } => {
+                let trace = self.player(env)?.trace()?;
+                *attachment = serde_json::to_vec(&trace).map_err(|error| Error::custom(error.to_string()))?;
+                Json::Null
+            }
+            Request::Gif { env, frames } => {
+                *attachment = self.player(env)?.gif(frames)?;
+                Json::Null
+            }
+            Request::Replay => {
+                let trace: Trace = serde_json::from_slice(bytes)
+                    .map_err(|error| Error::custom(format!("not a trace: {error}")))?;
+                let answers = trace.replay(state)?;
+                json!({"events": trace.events.len(), "difference": trace.first_difference(&answers)})
+            }
+            Request::Rom => provide(bytes)?,
+            Request::Learn { learner, id, kwargs, seed, lesson } => {
+                let opened = Learner::new(&id, kwargs, seed, lesson)?;
+                let description = opened.describe();
+                self.learners.insert(learner, opened);
+                description
+            }
+            Request::Tune { learner, lesson } => {
+                self.learner(learner)?.tune(lesson)?;
+                Json::Null
+            }
+            Request::Train { learner, episodes, steps } => {
+                json!(self.learner(learner)?.train(episodes, steps)?)
+            }
+            Request::Learned { learner } => {
+                let learner = self.learner(learner)?;
+                attachment.extend(learner.learned().iter().flat_map(|number| number.to_le_bytes()));
+                learner.describe()
+            }
+        })
+    }
+}
+
+/// Takes in a ROM; gives the name of its game.
+#[cfg(feature = "families")]
+fn provide(bytes: &[u8]) -> Result<Json> {
+    let rom = gym::atari::rom::Rom::from_bytes(bytes)?;
+    let title = rom.game().title;
+    gym::atari::rom::provide(rom);
+    Ok(json!(title))
+}
+
+#[cfg(not(feature = "families"))]
+fn provide(_: &[u8]) -> Result<Json> {
+    Err(Error::custom("this gallery has no Atari"))
+}
+
+/// What a trace may record beside the observation: of a MuJoCo task positions and velocities, of CarRacing the bodies.
+#[cfg(feature = "families")]
+fn state(env: &gym::BoxEnv) -> Option<Json> {
+    use gym::EnvExt;
+
+    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
+        return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));
+    }
+    env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+}
+
+#[cfg(not(feature = "families"))]
+fn state(_: &gym::BoxEnv) -> Option<Json> {
+    None
+}

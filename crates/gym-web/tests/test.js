@@ -1,0 +1,305 @@
+// What a person would check, in a real browser: `cargo xtask web --test` opens this and prints what is posted.
+import { Engine, docs } from "/engine.js";
+import { pack, unpack } from "/share.js";
+
+const post = (result) => fetch("/result", { method: "POST", body: JSON.stringify(result) });
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+const check = (holds, text) => {
+  if (!holds) throw new Error(text);
+};
+
+let count = 0;
+async function test(name, body) {
+  count += 1;
+  try {
+    await post({ name, note: (await body()) ?? "" });
+  } catch (error) {
+    await post({ name, error: error.stack ?? String(error) });
+  }
+}
+
+// The page itself, in a frame. What it complains about is an error of the test.
+const frame = document.getElementById("page");
+const complaints = [];
+async function open(hash, ready = "main canvas") {
+  frame.src = "about:blank";
+  await sleep(50);
+  frame.src = `/index.html?${Math.random()}${hash}`;
+  await until(() => frame.contentWindow?.location.pathname === "/index.html" && frame.contentDocument?.documentElement?.dataset.ready, `the page ${hash}`, () => {
+    const view = frame.contentWindow;
+    if (view.location.pathname === "/index.html" && !view.listened) {
+      view.listened = true;
+      view.addEventListener("error", (event) => complaints.push(event.message));
+      view.addEventListener("unhandledrejection", (event) => complaints.push(String(event.reason)));
+      view.console.error = (...parts) => complaints.push(parts.map(String).join(" "));
+    }
+  });
+  await until(() => find(ready), `${ready} of ${hash}`);
+}
+const find = (selector) => frame.contentDocument.querySelector(selector);
+const text = (selector) => find(selector)?.textContent ?? "";
+async function until(condition, what, always = () => {}) {
+  const end = performance.now() + 60_000;
+  while (performance.now() < end) {
+    always();
+    if (condition()) return;
+    await sleep(40);
+  }
+  throw new Error(`waited in vain for ${what}`);
+}
+function button(label) {
+  const found = [...frame.contentDocument.querySelectorAll("button")].find((button) => button.textContent === label || button.getAttribute("aria-label") === label);
+  check(found, `there is no button “${label}”`);
+  return found;
+}
+const colours = (pixels) => new Set(new Uint32Array(pixels.buffer)).size;
+const shown = (canvas) => new Uint8Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
+
+const engine = new Engine();
+const environments = await engine.request({ do: "list" });
+const has = (id) => environments.some((environment) => environment.id === id);
+let next = 1000;
+// An environment without a loop.
+async function make(id, seed = "0", kwargs = {}, fit = null) {
+  const env = next++;
+  const description = await engine.request({ do: "make", env, id, kwargs, fit });
+  const state = await engine.request({ do: "reset", env, seed });
+  const step = (by, count = 1, action = null) => engine.request({ do: "step", env, by, action, learner: null, count });
+  const ask = (what, more = {}) => engine.request({ do: what, env, ...more });
+  return { env, description, state, step, ask };
+}
+
+await test("every environment of the book is in the list", async () => {
+  const ids = new Set(environments.map(({ id }) => id));
+  // what no browser has: other engines, other programs
+  const others = /^rapier\//;
+  const pages = Object.values(await docs());
+  if (environments.length < 50 && has("CartPole-v1")) return `(a small module: ${ids.size} ids)`;
+  for (const page of pages) {
+    const table = page.split("\n## Ids\n")[1]?.split("\n## ")[0] ?? "";
+    for (const [, id] of table.matchAll(/^\| `([^`]+)`/gm)) check(others.test(id) || ids.has(id), `${id} is missing`);
+  }
+  return `${ids.size} ids`;
+});
+
+for (const { id, missing } of environments) {
+  if (missing) continue;
+  await test(`${id} shows a picture that changes`, async () => {
+    const env = await make(id, "0", {}, 200);
+    const first = (await env.ask("frame")).attachment;
+    check(colours(first) > 1, "the first picture is blank");
+    let changed = false;
+    for (let i = 0; i < 60 && !changed; i++) {
+      const state = await env.step("random", 4);
+      const { attachment } = await env.ask("frame");
+      changed = attachment.some((byte, at) => byte !== first[at]);
+      if (state.terminated || state.truncated) await env.ask("reset", { seed: String(i + 1) });
+    }
+    check(changed, "nothing moves");
+    await env.ask("close");
+  });
+}
+
+await test("a step back leads to the same bits again", async () => {
+  for (const id of ["CartPole-v1", "LunarLander-v3", "Humanoid-v5", "CarRacing-v3", "Taxi-v4"].filter(has)) {
+    const env = await make(id, "5", {}, 100);
+    const states = [];
+    for (let i = 0; i < 40; i++) {
+      const state = await env.step("random");
+      states.push(JSON.stringify({ ...state, known: 0 }));
+      if (state.terminated || state.truncated) break;
+    }
+    for (const step of [states.length, 3, 17, 1, 20]) {
+      if (step > states.length) continue;
+      const state = await env.ask("seek", { step });
+      check(JSON.stringify({ ...state, known: 0 }) === states[step - 1], `${id}: step ${step} differs`);
+    }
+    await env.ask("close");
+  }
+});
+
+await test("the gallery shows tiles that move", async () => {
+  await open("#/", ".tile canvas");
+  const tile = () => shown(find(".tile canvas"));
+  await until(() => colours(tile()) > 1, "the first tile");
+  const before = tile();
+  await until(() => tile().some((byte, at) => byte !== before[at]), "a movement");
+});
+
+await test("the search finds by name", async () => {
+  const search = find("input[type=search]");
+  search.value = "lake";
+  search.dispatchEvent(new Event("input"));
+  const seen = [...frame.contentDocument.querySelectorAll(".tile")].filter((tile) => tile.offsetParent).map((tile) => tile.querySelector("h3").textContent);
+  check(seen.length >= 1 && seen.every((name) => /lake/i.test(name)), `found ${seen}`);
+});
+
+await test("keys move the cart", async () => {
+  await open("#/CartPole-v1?seed=3&policy=none", ".key[data-key]");
+  const position = () => Number(text(".bar-value").replace("−", "-"));
+  await until(() => Number.isFinite(position()) && text(".bar-value") !== "", "an observation");
+  const press = (type, code) => frame.contentWindow.dispatchEvent(new KeyboardEvent(type, { code, key: code, bubbles: true, cancelable: true }));
+  const action = () => [...frame.contentDocument.querySelectorAll(".episode dd")].at(-1)?.textContent;
+  for (const [code, name] of [["ArrowLeft", "Left"], ["ArrowRight", "Right"]]) {
+    press("keydown", code);
+    await until(() => action() === name, `the action ${name}`);
+    press("keyup", code);
+  }
+});
+
+if (environments.some(({ id, policy }) => id === "LunarLander-v3" && policy)) {
+  await test("the good policy lands the lander", async () => {
+    const env = await make("LunarLander-v3", "1", {}, 100);
+    let state = env.state;
+    while (!(state.terminated || state.truncated)) state = await env.step("good", 50);
+    check(state.return > 200, `return ${state.return}`);
+    return `return ${state.return.toFixed(1)}`;
+  });
+}
+
+await test("every good policy plays an episode", async () => {
+  const good = environments.filter(({ policy, missing }) => policy && !missing);
+  for (const { id } of good) {
+    const env = await make(id, "0", {}, 50);
+    let state = env.state;
+    for (let i = 0; i < 30 && !(state.terminated || state.truncated); i++) state = await env.step("good", 10);
+    check(state.steps > 0, `${id} took no step`);
+    await env.ask("close");
+  }
+  return `${good.length} of them`;
+});
+
+await test("a GIF decodes to the pictures of the episode", async () => {
+  const env = await make("CartPole-v1", "2");
+  const { steps } = await env.step("random", 50);
+  const { attachment } = await env.ask("gif", { frames: 600 });
+  const { attachment: last } = await env.ask("frame");
+  const decoder = new ImageDecoder({ data: attachment, type: "image/gif" });
+  await decoder.tracks.ready;
+  await decoder.completed;
+  const frames = decoder.tracks.selectedTrack.frameCount;
+  // a picture that changes nothing prolongs the one before it
+  check(frames <= steps + 1 && frames > steps / 2, `${frames} frames for ${steps} steps`);
+  const { image } = await decoder.decode({ frameIndex: frames - 1 });
+  const canvas = new OffscreenCanvas(image.displayWidth, image.displayHeight);
+  canvas.getContext("2d").drawImage(image, 0, 0);
+  const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  check(pixels.every((byte, at) => byte === last[at]), "the last picture of the GIF differs from the one that is shown");
+  return `${frames} frames, ${attachment.length} bytes`;
+});
+
+await test("a link brings back an episode", async () => {
+  const env = await make("MountainCar-v0", "11", { goal_velocity: 0.01 });
+  const state = await env.step("random", 150);
+  const actions = await env.ask("actions");
+  const packed = await pack(actions);
+  check(JSON.stringify(await unpack(packed)) === JSON.stringify(actions), "the actions differ");
+  const args = encodeURIComponent(JSON.stringify({ goal_velocity: 0.01 }));
+  await open(`#/MountainCar-v0?seed=11&policy=random&speed=16&args=${args}&actions=${packed}`, ".return");
+  await until(() => /recorded ends here/.test(text(".message")), "the end of what was recorded");
+  await sleep(300);
+  const seen = [...frame.contentDocument.querySelectorAll(".bar-value")].map((value) => Number(value.textContent.replace("−", "-")));
+  check(find("#argument-goal_velocity").value === "0.01", "the form does not show the argument");
+  check(Number.parseInt(text(".facts dd")) === state.steps, `step ${text(".facts dd")} for ${state.steps}`);
+  check(Math.abs(seen[0] - state.observation[0]) < 1e-3, `position ${seen[0]} for ${state.observation[0]}`);
+});
+
+await test("arguments that are refused are told in words", async () => {
+  const input = find("#argument-goal_velocity");
+  input.value = "";
+  find(".arguments").requestSubmit();
+  await until(() => /number is missing/.test(text(".arguments [role=status]")), "the error");
+  const error = await engine.request({ do: "make", env: 1, id: "CartPole-v1", kwargs: { gravitty: 1 }, fit: null }).catch((error) => error.message);
+  check(/gravitty/.test(error), error);
+});
+
+await test("pause, steps forth and back", async () => {
+  await open("#/CartPole-v1?seed=0&policy=random", ".transport");
+  const step = () => Number(text(".steps"));
+  await until(() => step() > 2, "a step");
+  button("Pause").click();
+  await sleep(400);
+  const at = step();
+  await sleep(300);
+  check(step() === at, "it goes on while it is paused");
+  button("One step back").click();
+  await until(() => step() === at - 1, "a step back");
+  if (find(".transport button[aria-label='One step']").disabled) return;
+  button("One step").click();
+  await until(() => step() === at, "a step");
+});
+
+await test("Q-learning learns FrozenLake, and its values are drawn", async () => {
+  await open("#/learn/FrozenLake-v1", ".lesson .primary");
+  const pace = find("select[aria-label=Pace]");
+  pace.value = "Infinity";
+  pace.dispatchEvent(new Event("change"));
+  button("Learn").click();
+  const output = (i) => Number(frame.contentDocument.querySelectorAll(".numbers output")[i].textContent);
+  await until(() => output(1) > 0.8, "a mean return above 0.8");
+  check(colours(shown(find(".values"))) > 10, "no values are drawn");
+  button("Pause").click();
+  return `${output(0)} episodes`;
+});
+
+await test("the cross-entropy method balances the pole", async () => {
+  await open("#/learn/CartPole-v1", ".lesson .primary");
+  const pace = find("select[aria-label=Pace]");
+  pace.value = "Infinity";
+  pace.dispatchEvent(new Event("change"));
+  button("Learn").click();
+  const output = (i) => Number(frame.contentDocument.querySelectorAll(".numbers output")[i].textContent);
+  await until(() => output(1) > 300, "a mean return above 300");
+  button("Pause").click();
+  return `${output(2)} generations`;
+});
+
+await test("recorded traces replay equal", async () => {
+  const response = await fetch("/traces/");
+  if (!response.ok) return "(none were given)";
+  const names = await response.json();
+  let [replayed, events, other] = [0, 0, 0];
+  for (const name of names) {
+    const bytes = new Uint8Array(await (await fetch(`/traces/${encodeURIComponent(name)}`)).arrayBuffer());
+    const parsed = JSON.parse(new TextDecoder().decode(bytes));
+    if (!Array.isArray(parsed.events) || typeof parsed.id !== "string" || !has(parsed.id) || environments.find(({ id }) => id === parsed.id).missing) {
+      other += 1;
+      continue;
+    }
+    const answer = await engine.request({ do: "replay" }, bytes);
+    check(answer.difference === null, `${name}: ${answer.difference}`);
+    replayed += 1;
+    events += answer.events;
+    if (replayed % 25 === 0) await post({ name: "…", note: `${replayed} traces so far` });
+  }
+  return `${replayed} equal, ${events} events; ${other} of another form or for what is not here`;
+});
+
+await test("speed", async () => {
+  const rows = [];
+  for (const id of ["CartPole-v1", "LunarLander-v3", "CarRacing-v3", "Humanoid-v5"].filter(has)) {
+    const env = await make(id);
+    let steps = 0;
+    const start = performance.now();
+    while (performance.now() - start < 1500) {
+      const state = await env.step("random");
+      await env.ask("frame");
+      steps += 1;
+      if (state.terminated || state.truncated) await env.ask("reset", { seed: String(steps) });
+    }
+    rows.push(`${id} ${Math.round(steps / ((performance.now() - start) / 1000))} of ${env.description.fps}`);
+    await env.ask("close");
+  }
+  return `steps with pictures a second: ${rows.join(", ")}`;
+});
+
+await test("the page complained about nothing", async () => check(complaints.length === 0, complaints.join("; ")));
+
+await test("no request left for another host", async () => {
+  const urls = [...performance.getEntriesByType("resource"), ...(frame.contentWindow.performance.getEntriesByType("resource"))].map(({ name }) => name);
+  const others = urls.filter((url) => !url.startsWith(location.origin) && !/^(blob|data):/.test(url));
+  check(others.length === 0, others.join(", "));
+  return `${urls.length} of this one`;
+});
+
+await post({ done: count });

@@ -1,0 +1,296 @@
+//! `cargo xtask web`: the gallery, every environment in the browser, as a folder of static files or as one file.
+
+mod serve;
+mod test;
+
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use base64::Engine;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::{Map, Value as Json, json};
+
+use crate::plugin::Plugin;
+use crate::{cargo, root, target_dir};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+const USAGE: &str = "\
+Builds the gallery: a page that runs every environment in the browser
+
+Usage: cargo xtask web [OPTIONS]
+
+Options:
+      --out FOLDER    Where to put the files; by default target/web
+      --single        Also writes gallery.html there: the whole page in one file, which a double click opens
+      --serve         Shows the page at http://localhost:8000 until it is interrupted
+      --port NUMBER   Another port, for --serve
+      --test          Tests the page in a Chromium without display
+      --traces FOLDER Replays the recorded traces in that folder too, for --test
+      --small         Classic control and toy text alone: quick to build, for work on the page
+      --plugin PATH   A gallery of the environments of the crate in that folder
+  -h, --help          Print help";
+
+#[derive(Debug, Default, PartialEq)]
+struct Options {
+    out: Option<PathBuf>,
+    single: bool,
+    serve: bool,
+    port: Option<u16>,
+    small: bool,
+    test: bool,
+    traces: Option<PathBuf>,
+    help: bool,
+}
+
+impl Options {
+    fn parse(arguments: &[OsString]) -> Result<Self, String> {
+        let mut options = Self::default();
+        let mut arguments = arguments.iter();
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or(format!("`{}` needs a value", argument.display()));
+            match argument.to_str() {
+                Some("web") => {}
+                Some("--single") => options.single = true,
+                Some("--serve") => options.serve = true,
+                Some("--small") => options.small = true,
+                Some("--test") => options.test = true,
+                Some("--traces") => options.traces = Some(value()?.into()),
+                Some("-h" | "--help") => options.help = true,
+                Some("--out") => options.out = Some(value()?.into()),
+                Some("--port") => {
+                    let port = value()?;
+                    let number = port.to_str().and_then(|port| port.parse().ok());
+                    options.port = Some(number.ok_or(format!("`--port {}` is not a port", port.display()))?);
+                }
+                _ => return Err(format!("unexpected argument `{}`\n\n{USAGE}", argument.display())),
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// Runs the command.
+pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), String> {
+    let options = Options::parse(arguments)?;
+    if options.help {
+        println!("{USAGE}");
+        return Ok(());
+    }
+    check_target()?;
+    let module = build(plugin, options.small)?;
+    let out = options.out.unwrap_or_else(|| target_dir().join("web"));
+    let page = Page::read(&module, plugin.is_none())?;
+    page.write(&out)?;
+    println!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000);
+    if options.single {
+        let path = out.join("gallery.html");
+        let text = page.in_one_file()?;
+        write(&path, text.as_bytes())?;
+        println!("{}: {} kB", path.display(), text.len() / 1000);
+    }
+    if options.test {
+        test::test(&out, options.traces.as_deref())?;
+    }
+    if options.serve {
+        let (listener, port) = serve::listen(options.port.unwrap_or(8000))?;
+        println!("http://localhost:{port}/ (Ctrl+C ends it)");
+        serve::serve(&listener, &serve::Site { page: out, folders: Vec::new(), posts: None });
+    }
+    Ok(())
+}
+
+/// Says what to do where the compiler has no standard library for the target.
+fn check_target() -> Result<(), String> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(&rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
+    let output = output.map_err(|error| format!("{} cannot be run: {error}", rustc.display()))?;
+    let folder = String::from_utf8_lossy(&output.stdout);
+    if output.status.success() && Path::new(folder.trim()).is_dir() {
+        return Ok(());
+    }
+    Err(format!(
+        "the compiler has no standard library for {TARGET}. With rustup: `rustup target add {TARGET}`. Without, install your \
+         system's package of it (Fedora: rust-std-static-{TARGET}; Arch: rust-wasm); on Debian run .ci/web-setup, which says more"
+    ))
+}
+
+/// Builds the module; gives its path.
+fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
+    let mut cargo = Command::new(cargo());
+    // not a crate type of the manifest: Cargo optimises at link time only what is nothing else beside
+    cargo.args(["rustc", "--profile", "web", "--target", TARGET, "--lib", "--crate-type", "cdylib"]);
+    cargo.arg("--target-dir").arg(target_dir());
+    let file = match plugin {
+        None => {
+            cargo.args(["--package", "gym-web", "--manifest-path"]).arg(root().join("Cargo.toml"));
+            if small {
+                cargo.args(["--no-default-features", "--features", "small"]);
+            }
+            "gym_web.wasm".to_owned()
+        }
+        Some(folder) => {
+            let plugin = Plugin::read(folder)?;
+            let program = target_dir().join("plugins").join(format!("{}-gallery", plugin.name));
+            plugin.write_gallery(&program)?;
+            cargo.arg("--manifest-path").arg(program.join("Cargo.toml"));
+            format!("gallery_of_{}.wasm", plugin.name.replace('-', "_"))
+        }
+    };
+    // Exported, the constructors that register the environments run once, when the page calls them. Otherwise the linker puts
+    // a call of all of them into each function that it exports.
+    cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
+    let status = cargo.status().map_err(|error| format!("cargo cannot be run: {error}"))?;
+    if !status.success() {
+        return Err("the module could not be built".into());
+    }
+    Ok(target_dir().join(TARGET).join("web").join(file))
+}
+
+/// The files of the page, by name.
+struct Page {
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Page {
+    /// The page's own files, the module and, with `docs`, the book's pages on the environments.
+    fn read(module: &Path, docs: bool) -> Result<Self, String> {
+        let mut files = Vec::new();
+        for path in list(&root().join("crates/gym-web/page"))? {
+            files.push((file_name(&path), read(&path)?));
+        }
+        let mut texts = Map::new();
+        if docs {
+            for path in list(&root().join("docs/environments"))? {
+                if path.extension() == Some(OsStr::new("md"))
+                    && path.file_stem() != Some(OsStr::new("README"))
+                {
+                    let text = String::from_utf8_lossy(&read(&path)?).into_owned();
+                    texts.insert(file_name(&path).trim_end_matches(".md").to_owned(), text.into());
+                }
+            }
+        }
+        files.push(("docs.json.gz".into(), gzip(Json::Object(texts).to_string().as_bytes())?));
+        files.push(("gym.wasm.gz".into(), gzip(&read(module)?)?));
+        Ok(Self { files })
+    }
+
+    fn size(&self) -> usize {
+        self.files.iter().map(|(_, bytes)| bytes.len()).sum()
+    }
+
+    fn write(&self, folder: &Path) -> Result<(), String> {
+        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        self.files.iter().try_for_each(|(name, bytes)| write(&folder.join(name), bytes))
+    }
+
+    fn text(&self, name: &str) -> Result<&str, String> {
+        let file = self.files.iter().find(|(other, _)| other == name);
+        let (_, bytes) = file.ok_or_else(|| format!("the page has no {name}"))?;
+        std::str::from_utf8(bytes).map_err(|error| format!("{name}: {error}"))
+    }
+
+    /// The page with everything in it. A page that was opened as a file may load none beside it, so scripts become Blobs.
+    fn in_one_file(&self) -> Result<String, String> {
+        const START: &str = r##"<script type="module">
+const sources = GYM_SINGLE.scripts;
+const urls = {};
+const url = (name) => (urls[name] ??= URL.createObjectURL(new Blob(
+  [sources[name].replace(/from "\.\/([\w.]+)"/g, (_, other) => `from "${url(other)}"`)], { type: "text/javascript" })));
+await import(url("app.js"));
+</script>"##;
+        let mut scripts = Map::new();
+        let mut single = Map::new();
+        for (name, bytes) in &self.files {
+            if name == "worker.js" {
+                single.insert(name.clone(), self.text(name)?.into());
+            } else if name.ends_with(".js") {
+                scripts.insert(name.clone(), self.text(name)?.into());
+            } else if name.ends_with(".gz") {
+                single.insert(name.clone(), base64::prelude::BASE64_STANDARD.encode(bytes).into());
+            }
+        }
+        single.insert("scripts".into(), scripts.into());
+        // a script element ends where its text says so
+        let data = json!(single).to_string().replace("</", "<\\/");
+        let parts = [
+            (
+                r#"<link rel="stylesheet" href="style.css">"#,
+                format!("<style>\n{}</style>", self.text("style.css")?),
+            ),
+            (
+                r#"<script type="module" src="app.js"></script>"#,
+                format!("<script>globalThis.GYM_SINGLE = {data};</script>\n{START}"),
+            ),
+        ];
+        let mut text = self.text("index.html")?.to_owned();
+        for (part, own) in parts {
+            if !text.contains(part) {
+                return Err(format!("index.html has no `{part}`"));
+            }
+            text = text.replacen(part, &own, 1);
+        }
+        Ok(text)
+    }
+}
+
+fn gzip(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|error| error.to_string())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The files in a folder, in the order of their names.
+fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let entries = fs::read_dir(folder).map_err(wrong)?;
+    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    paths.retain(|path| path.is_file());
+    paths.sort();
+    Ok(paths)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, String> {
+    fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(line: &str) -> Result<Options, String> {
+        Options::parse(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn options_are_read() {
+        let expected = Options { serve: true, port: Some(9000), single: true, ..Options::default() };
+        assert_eq!(parse("web --serve --port 9000 --single").unwrap(), expected);
+        assert!(parse("web --port many").unwrap_err().contains("not a port"));
+        assert!(parse("web --out").unwrap_err().contains("needs a value"));
+        assert!(parse("web --fast").unwrap_err().contains("unexpected argument `--fast`"));
+    }
+
+    #[test]
+    fn one_file_holds_every_script_of_the_page() {
+        let module = std::env::temp_dir().join(format!("module-{}.wasm", std::process::id()));
+        fs::write(&module, "</script>").unwrap();
+        let page = Page::read(&module, true).unwrap();
+        fs::remove_file(&module).unwrap();
+        let text = page.in_one_file().unwrap();
+        for script in ["app.js", "engine.js", "worker.js", "gallery.js", "play.js"] {
+            assert!(text.contains(&format!("\"{script}\":")), "{script}");
+        }
+        assert!(!text.contains("src=\"app.js\"") && !text.contains("href=\"style.css\""));
+    }
+}

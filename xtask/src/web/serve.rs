@@ -1,0 +1,130 @@
+//! A server of files in a folder, for this machine alone.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::Sender;
+use std::thread;
+
+/// What is served.
+#[derive(Clone, Debug)]
+pub(super) struct Site {
+    /// The files of the page.
+    pub(super) page: PathBuf,
+    /// Other folders, by the first part of the path: `("traces", "/somewhere")`.
+    pub(super) folders: Vec<(&'static str, PathBuf)>,
+    /// Takes what a browser posts.
+    pub(super) posts: Option<Sender<String>>,
+}
+
+/// A listener on a port, and the port; 0 takes a free one.
+pub(super) fn listen(port: u16) -> Result<(TcpListener, u16), String> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+    let listener = listener.map_err(|error| format!("port {port}: {error}; take another with `--port`"))?;
+    let port = listener.local_addr().map_err(|error| error.to_string())?.port();
+    Ok((listener, port))
+}
+
+/// Serves the site until the program ends.
+pub(super) fn serve(listener: &TcpListener, site: &Site) {
+    for stream in listener.incoming().flatten() {
+        let site = site.clone();
+        // a browser that goes away is not an error of the server
+        thread::spawn(move || answer(stream, &site).ok());
+    }
+}
+
+fn answer(mut stream: TcpStream, site: &Site) -> std::io::Result<()> {
+    const LONGEST: u64 = 16 << 20;
+    let mut request = BufReader::new(stream.try_clone()?.take(LONGEST));
+    let mut line = String::new();
+    request.read_line(&mut line)?;
+    let mut length = 0;
+    let mut header = String::new();
+    while request.read_line(&mut header)? > 2 {
+        if let Some((name, value)) = header.split_once(':')
+            && name.eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse().unwrap_or(0);
+        }
+        header.clear();
+    }
+    let (status, kind, body) = match &site.posts {
+        Some(posts) if line.starts_with("POST ") => {
+            let mut text = vec![0; length.min(LONGEST as usize)];
+            request.read_exact(&mut text)?;
+            // who waited for it may have gone
+            let _ = posts.send(String::from_utf8_lossy(&text).into_owned());
+            ("200 OK", "text/plain", Vec::new())
+        }
+        _ => match file(&line, site) {
+            Some((kind, body)) => ("200 OK", kind, body),
+            None => ("404 Not Found", "text/plain", b"not found\n".to_vec()),
+        },
+    };
+    write!(
+        stream,
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nCache-Control: no-cache\r\nConnection: close\r\n\r\n",
+        body.len()
+    )?;
+    stream.write_all(&body)
+}
+
+/// The file that a request line asks for, or the names in a folder beside the page, as JSON.
+fn file(line: &str, site: &Site) -> Option<(&'static str, Vec<u8>)> {
+    let path = line.strip_prefix("GET /")?.split([' ', '?']).next()?;
+    let (folder, name) = match path.split_once('/') {
+        Some((first, name)) => {
+            let folder = site.folders.iter().find(|(other, _)| *other == first);
+            (&folder?.1, name)
+        }
+        None => (&site.page, path),
+    };
+    if name.is_empty() && path.ends_with('/') {
+        let mut names: Vec<String> =
+            super::list(folder).ok()?.iter().map(|path| super::file_name(path)).collect();
+        names.sort();
+        return Some(("application/json", serde_json::json!(names).to_string().into_bytes()));
+    }
+    let name = if name.is_empty() { "index.html" } else { name };
+    let name = name.replace("%3D", "=").replace("%2C", ",");
+    if name.starts_with('.') || name.contains(['/', '\\', '%']) {
+        return None;
+    }
+    let kind = match Path::new(&name).extension().and_then(|extension| extension.to_str()) {
+        Some("html") => "text/html; charset=utf-8",
+        Some("js") => "text/javascript",
+        Some("css") => "text/css",
+        Some("json") => "application/json",
+        _ => "application/octet-stream",
+    };
+    Some((kind, fs::read(folder.join(name)).ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_of_the_folders_are_served() {
+        let own = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+        let site = Site { page: own.clone(), folders: vec![("code", own.join("src"))], posts: None };
+        for path in ["Cargo.toml?x", "code/main.rs", "code/"] {
+            assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_some(), "{path}");
+        }
+        let hidden = [
+            "../Cargo.toml",
+            "src/main.rs",
+            "..",
+            "%2e%2e",
+            "code/../Cargo.toml",
+            "code/web/serve.rs",
+            "none.html",
+        ];
+        for path in hidden {
+            assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_none(), "{path}");
+        }
+        assert!(file("POST /Cargo.toml HTTP/1.1\r\n", &site).is_none());
+    }
+}

@@ -1,0 +1,99 @@
+//! Tests of the page in a real browser, without display.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+
+use super::serve::{Site, listen, serve};
+use crate::root;
+
+/// Longer than that the tests take on no machine.
+const LONGEST: Duration = Duration::from_secs(1800);
+/// Longer than that no single test takes.
+const SILENCE: Duration = Duration::from_secs(300);
+
+/// Opens the test page in Chromium; it posts each result, and `{"done": ...}` at the end.
+pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
+    let (posts, results) = mpsc::channel();
+    let mut folders = vec![("test", root().join("crates/gym-web/tests"))];
+    folders.extend(traces.map(|folder| ("traces", folder.to_owned())));
+    let site = Site { page: page.to_owned(), folders, posts: Some(posts) };
+    let (listener, port) = listen(0)?;
+    thread::spawn(move || serve(&listener, &site));
+    let profile = std::env::temp_dir().join(format!("gym-web-test-{}", std::process::id()));
+    let browser = Browser::start(&format!("http://localhost:{port}/test/test.html"), &profile)?;
+    let end = Instant::now() + LONGEST;
+    let mut failed = 0;
+    let outcome = loop {
+        match results.recv_timeout(SILENCE) {
+            Ok(text) => {
+                let result: Json = serde_json::from_str(&text).map_err(|error| format!("{text}: {error}"))?;
+                if let Some(count) = result["done"].as_u64() {
+                    break match failed {
+                        0 => {
+                            println!("{count} tests passed");
+                            Ok(())
+                        }
+                        _ => Err(format!("{failed} of {count} tests of the page failed")),
+                    };
+                }
+                let name = result["name"].as_str().unwrap_or_default();
+                match result["error"].as_str() {
+                    None => println!("ok      {name} {}", result["note"].as_str().unwrap_or_default()),
+                    Some(error) => {
+                        println!("FAILED  {name}: {error}");
+                        failed += 1;
+                    }
+                }
+            }
+            Err(RecvTimeoutError::Timeout) => break Err("the page says nothing any more".into()),
+            Err(RecvTimeoutError::Disconnected) => break Err("the server ended".into()),
+        }
+        if Instant::now() > end {
+            break Err("the tests take too long".into());
+        }
+    };
+    drop(browser);
+    let _ = std::fs::remove_dir_all(profile);
+    outcome
+}
+
+/// A browser without display, which ends with this value.
+struct Browser(Child);
+
+impl Browser {
+    fn start(url: &str, profile: &Path) -> Result<Self, String> {
+        let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+        for name in names {
+            let child = Command::new(name)
+                .args([
+                    "--headless",
+                    "--no-sandbox",
+                    "--disable-gpu",
+                    "--no-first-run",
+                    "--window-size=1280,900",
+                ])
+                .arg(format!("--user-data-dir={}", profile.display()))
+                .arg(url)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn();
+            if let Ok(child) = child {
+                return Ok(Self(child));
+            }
+        }
+        Err(format!("no browser was found: install one of {}", names.join(", ")))
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // it may have ended by itself
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

@@ -2,12 +2,8 @@
 
 mod columns;
 mod ext;
-<<<<<<< HEAD
 pub(crate) mod infos;
-=======
-mod infos;
 pub mod lockstep;
->>>>>>> main
 pub mod native;
 mod pool;
 mod reset;

@@ -3,9 +3,7 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
-use gym_core::{
-    BoxEnv, DType, Element, Env, EnvExt, Error, Outcome, Reset, Result, Space, Value, WrapperSpec,
-};
+use gym_core::{BoxEnv, DType, Element, Env, EnvExt, Error, Result, Space, Value, WrapperSpec};
 
 use crate::filter_observation::{dict_like, entries};
 

@@ -1,9 +1,6 @@
 //! The last few observations at once.
 
-use gym_core::{
-    BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
-    registry::WrapperConfig,
-};
+use gym_core::{BoxEnv, Element, Env, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig};
 use serde_json::Value as Json;
 
 use crate::ring::Ring;

@@ -6,7 +6,7 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
-use gym_core::{BoxEnv, Env, Error, Generator, Outcome, Result, WrapperSpec};
+use gym_core::{BoxEnv, Env, Error, Generator, Outcome, Result};
 
 use crate::within::lend;
 

@@ -2,11 +2,8 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
-use gym_core::vector::{Columns, Progress, VectorReset};
-use gym_core::{
-    BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
-    WrapperSpec,
-};
+use gym_core::vector::{Columns, Progress};
+use gym_core::{BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
 
 use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};

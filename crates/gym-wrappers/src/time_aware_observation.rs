@@ -2,9 +2,7 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
-use gym_core::{
-    Array, BoxEnv, DType, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
-};
+use gym_core::{Array, BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, WrapperSpec};
 
 use crate::filter_observation::dict_like;
 

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gym_core::vector::{Columns, VectorReset};
+use gym_core::vector::Columns;
 use gym_core::{Element, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv};
 
 use crate::map::{Seen, Within};

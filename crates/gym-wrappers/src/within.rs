@@ -137,8 +137,8 @@ macro_rules! observes {
             reset: &gym_core::Reset,
             observation: &mut gym_core::Value,
         ) -> gym_core::Result<()> {
-            let Self { inner, $seen, .. } = self;
-            $inner::Observation::fill(&mut $seen$(.$part)?, |seen| inner.reset_into(reset, seen))?;
+            let inner = &mut self.inner;
+            $inner::Observation::fill(&mut self.$seen$(.$part)?, |seen| inner.reset_into(reset, seen))?;
             self.observe(true, observation)
         }
 
@@ -147,9 +147,9 @@ macro_rules! observes {
             action: &$inner::Action,
             observation: &mut gym_core::Value,
         ) -> gym_core::Result<gym_core::Outcome> {
-            let Self { inner, $seen, .. } = self;
+            let inner = &mut self.inner;
             let outcome =
-                $inner::Observation::fill(&mut $seen$(.$part)?, |seen| inner.step_into(action, seen))?;
+                $inner::Observation::fill(&mut self.$seen$(.$part)?, |seen| inner.step_into(action, seen))?;
             self.observe(false, observation)?;
             Ok(outcome)
         }

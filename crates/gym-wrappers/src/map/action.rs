@@ -3,7 +3,7 @@ use std::fmt;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
 use gym_core::vector::Columns;
-use gym_core::{Element, Env, Error, Outcome, Result, Space, Value, VectorEnv, WrapperSpec};
+use gym_core::{Element, Env, Error, Outcome, Result, Space, Value, VectorEnv};
 
 use super::Within;
 use crate::within::act;

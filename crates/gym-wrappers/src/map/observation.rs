@@ -2,8 +2,8 @@ use std::fmt;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
-use gym_core::vector::{Columns, VectorReset};
-use gym_core::{Element, Env, Outcome, Reset, Result, Space, Value, VectorEnv, WrapperSpec};
+use gym_core::vector::Columns;
+use gym_core::{Element, Env, Result, Space, Value, VectorEnv};
 
 use super::Within;
 

@@ -2,7 +2,7 @@ use std::fmt;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::{Columns, Progress};
-use gym_core::{Env, Outcome, Result, Value, VectorEnv, WrapperSpec};
+use gym_core::{Env, Outcome, Result, Value, VectorEnv};
 
 /// A change of rewards, without state.
 pub trait RewardMap: Clone + fmt::Debug + Send + 'static {

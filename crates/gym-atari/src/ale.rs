@@ -19,8 +19,10 @@ const LOADING_TIMER: u8 = 0x33;
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
 const IDLE_FRAMES: u8 = 60;
-/// The frames that RESET is pressed for: after power-on, after a mode was chosen in games that have several, and once more.
+/// The frames that RESET is pressed for after a mode was chosen, in games that have several, and once more.
 const RESET_FRAMES: u8 = 4;
+/// After so many presses of SELECT the mode is what it is; ale-py goes on for ever.
+const MOST_PRESSES: u32 = 256;
 
 /// The pictures that there are, drawn in turn.
 const PICTURES: u32 = 2;
@@ -30,10 +32,16 @@ const PICTURES: u32 = 2;
 pub struct Ale {
     game: &'static Game,
     console: Console,
-    /// What loading the ROM leaves in RAM.
-    loaded: [u8; 128],
+    loaded: Loaded,
     settings: Settings,
     progress: Progress,
+}
+
+/// What loading the ROM leaves behind: it starts the game once.
+#[derive(Clone, Debug)]
+struct Loaded {
+    ram: [u8; 128],
+    frame_number: u32,
 }
 
 /// How episodes are played.
@@ -85,7 +93,7 @@ impl Ale {
         let mut ale = Self {
             game,
             console: Console::new(cartridge, game.display, *POWER_ON_RAM, LOADING_TIMER),
-            loaded: *POWER_ON_RAM,
+            loaded: Loaded { ram: *POWER_ON_RAM, frame_number: 0 },
             settings: Settings::default(),
             progress: Progress {
                 power_ons: 0,
@@ -101,7 +109,7 @@ impl Ale {
         };
         ale.hold(switch::IDLE, IDLE_FRAMES);
         ale.reset();
-        ale.loaded = *ale.console.ram();
+        ale.loaded = Loaded { ram: *ale.console.ram(), frame_number: ale.progress.frame_number };
         ale
     }
 
@@ -109,8 +117,11 @@ impl Ale {
     pub fn reload(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
-        self.progress.frame_number = 0;
-        self.restart(self.loaded);
+        for _ in 0..self.game.idle {
+            self.progress.generator.random();
+        }
+        self.progress.frame_number = self.loaded.frame_number;
+        self.restart(self.loaded.ram);
     }
 
     /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
@@ -127,10 +138,15 @@ impl Ale {
         self.progress.previous = Action::Noop.into();
         self.progress.paddle = Paddle::default();
         self.hold(switch::IDLE, IDLE_FRAMES);
-        self.press_reset();
+        self.hold(switch::IDLE & !switch::RESET, self.game.first_reset);
         self.progress.episode_frame_number = 0;
-        if self.game.modes.len() > 1 {
-            self.choose_mode();
+        for _ in 0..self.game.idle {
+            self.progress.generator.random();
+            self.frame(Action::Noop.into(), switch::IDLE, true);
+            self.count_frame();
+        }
+        if let Some(index) = self.game.mode_at {
+            self.choose_mode(index);
             self.press_reset();
         }
         self.press_reset();
@@ -152,17 +168,26 @@ impl Ale {
         }
     }
 
-    /// Presses SELECT as often as the mode needs, of which ale-py counts a frame each.
-    fn choose_mode(&mut self) {
-        let Game { modes, select_frames, .. } = self.game;
-        let chosen = modes.iter().find(|(number, _)| self.settings.mode == Some(*number));
-        let presses = chosen.map_or(0, |(_, presses)| *presses);
-        for _ in 0..presses {
-            self.hold(switch::IDLE & !switch::SELECT, *select_frames);
+    /// Presses SELECT until RAM shows the mode; ale-py counts a frame for each press.
+    fn choose_mode(&mut self, index: usize) {
+        let game = self.game;
+        let chosen = game.modes.iter().find(|(mode, _)| self.settings.mode == Some(*mode));
+        let &(mode, value) = chosen.unwrap_or(&game.modes[0]);
+        for press in 0..MOST_PRESSES {
+            let shown = self.console.ram()[index];
+            let is_shown = shown == value || shown == value | game.mode_bits;
+            if is_shown && (game.mode_also)(&self.ram(), mode) && (press > 0 || !game.press_first) {
+                break;
+            }
+            self.hold(switch::IDLE & !switch::SELECT, game.select_frames);
             self.hold(switch::IDLE, 1);
+            self.count_frame();
         }
-        self.progress.frame_number += u32::from(presses);
-        self.progress.episode_frame_number += u32::from(presses);
+    }
+
+    fn count_frame(&mut self) {
+        self.progress.frame_number += 1;
+        self.progress.episode_frame_number += 1;
     }
 
     /// Plays a frame; gives its reward. The command before it is repeated instead with probability
@@ -188,8 +213,7 @@ impl Ale {
             return 0;
         }
         self.frame(command, switch::IDLE, seen);
-        self.progress.frame_number += 1;
-        self.progress.episode_frame_number += 1;
+        self.count_frame();
         let (before, after) = (self.progress.score, (self.game.score)(&self.ram()));
         self.progress.score = after;
         self.observe();
@@ -254,6 +278,10 @@ impl Ale {
         let input = match self.game.controller {
             Controller::Joystick => {
                 Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
+            }
+            Controller::RightJoystick => {
+                let port_a = action.port_a() >> 4 | 0xf0;
+                Input { port_a, port_b, fire: [false, action.fire()], ..Input::default() }
             }
             Controller::Paddle(paddle) => {
                 self.progress.paddle.turn(action.horizontal(), paddle_strength);

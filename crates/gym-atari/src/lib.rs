@@ -5,6 +5,7 @@ mod action;
 pub mod ale;
 mod bytes;
 pub mod cartridge;
+pub mod check;
 pub mod console;
 pub mod cpu;
 mod dpc;

@@ -16,7 +16,8 @@ pub(crate) type Row = [u8; WIDTH];
 /// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was two frames ago.
 #[derive(Clone, Debug)]
 pub(crate) struct Screen {
-    pictures: [[Row; HEIGHT]; 2],
+    /// The rows of the first picture, and then those of the second.
+    rows: Box<[Row]>,
     pub(crate) current: usize,
     /// Whether colours are left out.
     pub(crate) unseen: bool,
@@ -24,15 +25,15 @@ pub(crate) struct Screen {
 
 impl Screen {
     pub(crate) fn new() -> Self {
-        Self { pictures: [[[0; WIDTH]; HEIGHT]; 2], current: 0, unseen: false }
+        Self { rows: vec![[0; WIDTH]; 2 * HEIGHT].into(), current: 0, unseen: false }
     }
 
     pub(crate) fn swap(&mut self) {
         self.current = 1 - self.current;
     }
 
-    pub(crate) fn picture(&self) -> &[Row; HEIGHT] {
-        &self.pictures[self.current]
+    pub(crate) fn picture(&self) -> &[Row] {
+        &self.rows[self.current * HEIGHT..][..HEIGHT]
     }
 
     /// Makes pixels of a row black.
@@ -45,13 +46,13 @@ impl Screen {
     /// Gives a row the colours of the one above it.
     pub(crate) fn repeat_row(&mut self, row: usize) {
         if !self.unseen {
-            let picture = &mut self.pictures[self.current];
-            picture[row] = picture[row - 1];
+            let at = self.current * HEIGHT + row;
+            self.rows[at] = self.rows[at - 1];
         }
     }
 
     pub(crate) fn row(&mut self, row: usize) -> &mut Row {
-        &mut self.pictures[self.current][row]
+        &mut self.rows[self.current * HEIGHT + row]
     }
 }
 
@@ -65,7 +66,7 @@ pub struct Pictures {
 
 impl Pictures {
     pub(crate) fn of(screen: &Screen) -> Self {
-        let pixels = screen.pictures.as_flattened().as_flattened();
+        let pixels = screen.rows.as_flattened();
         let runs = pixels.chunk_by(|a, b| a == b).map(|run| (run.len() as u32, run[0])).collect();
         Self { current: screen.current, runs }
     }
@@ -73,7 +74,7 @@ impl Pictures {
     /// The pictures, unless they were damaged.
     pub(crate) fn screen(&self) -> Option<Screen> {
         let mut screen = Screen { current: (self.current < 2).then_some(self.current)?, ..Screen::new() };
-        let mut rest = screen.pictures.as_flattened_mut().as_flattened_mut();
+        let mut rest = screen.rows.as_flattened_mut();
         for &(length, color) in &self.runs {
             let run;
             (run, rest) = rest.split_at_mut_checked(length as usize)?;

@@ -88,7 +88,7 @@ impl<S: ReadWrite> Bus for Wires<'_, S> {
             self.chips.riot.write(address, value, cycle);
         } else {
             let ready = self.chips.write_tia(address, value, cycle);
-            if ready == Ready::Return {
+            if matches!(ready, Ready::Return(_)) {
                 self.chips.frame_ended = true;
             }
             return ready;

@@ -280,3 +280,16 @@ fn missing_and_wrong_roms_are_named() {
     assert!(error.contains(game.md5), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+/// Pictures are large; a thread whose stack is a quarter of the usual one has room for an environment.
+#[test]
+fn an_environment_fits_on_a_small_stack() {
+    let play = || {
+        let mut env = env(Config::default());
+        env.reset(1).unwrap();
+        env.step(&0.into()).unwrap();
+        let snapshot = env.snapshot().unwrap();
+        env.restore(&snapshot).unwrap();
+    };
+    std::thread::Builder::new().stack_size(512 << 10).spawn(play).unwrap().join().unwrap();
+}

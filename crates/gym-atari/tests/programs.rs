@@ -61,31 +61,37 @@ fn memory_outlasts_a_reset() {
     assert_eq!(starts(&ale), 188);
 }
 
-/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four idle ones, then RESET, SELECT as often as
-/// the mode needs, and RESET again.
+/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four idle ones, then RESET, SELECT
+/// until a byte of RAM shows the mode, and RESET again. The program raises that byte each time that SELECT goes down.
 #[test]
 fn switches_are_pressed_as_by_ale_py() {
-    let code = [
-        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
-        0xfb, // clears RAM
-        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
-        0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, // inc $ff: frames; lda $ff; sec; sbc #56
-        0x90, 0x0a, 0xc9, 0x70, 0xb0, 0x06, // bcc and bcs behind the sta, unless 0 to 111
-        0xaa, 0xad, 0x82, 0x02, 0x95, 0x80, // tax; lda SWCHB; sta $80,x
-        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
-        0x4c, 0x0e, 0xf0,
-    ];
-    for (game, mode, expected) in [
-        ("seaquest", 0, "....RRRRRRRR"),
-        ("chopper_command", 0, "....RRRRRRRRRRRR"),
-        ("chopper_command", 2, "....RRRRSS.SS.RRRRRRRR"),
-        ("bank_heist", 16, "....RRRRS.S.S.S.RRRRRRRR"),
-        ("jamesbond", 1, "....RRRRSSSSSSSSSSSSSSSSSSSS.RRRRRRRR"),
+    let program = |shows: u8| {
+        rom(&[
+            0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
+            0xfb, // clears RAM
+            0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+            0xad, 0x82, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, // lda SWCHB; tay; eor $fe; sty $fe
+            0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0, 0x02, // unless it fell: over the inc
+            0xe6, shows, // inc
+            0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, // inc $ff: frames; lda $ff; sec; sbc #56
+            0x90, 0x08, 0xc9, 0x40, 0xb0, 0x04, // bcc and bcs behind the sta, unless 0 to 63
+            0xaa, 0x98, 0x95, 0xa0, // tax; tya; sta $a0,x
+            0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+            0x4c, 0x0e, 0xf0,
+        ])
+    };
+    for (game, shows, mode, expected) in [
+        ("seaquest", 0xfd, 0, "....RRRRRRRR"),
+        ("tennis", 0x80, 0, "....RRRRRRRRRRRR"),
+        ("tennis", 0x80, 2, "....RRRRSS.SS.RRRRRRRR"),
+        ("alien", 0x81, 3, "....RRRRS.S.S.RRRRRRRR"),
+        ("gopher", 0xd3, 2, "....RRRRRRRRSSSSS.SSSSS.RRRRRRRR."),
+        ("berzerk", 0x80, 2, "....RRRR....................SS.SS.RRRRRRRR"),
     ] {
-        let mut ale = Ale::new(games::by_name(game).unwrap(), &rom(&code).repeat(2), 0);
+        let mut ale = Ale::new(games::by_name(game).unwrap(), &program(shows), 0);
         ale.configure(Settings { mode: Some(mode), ..Settings::default() });
         ale.reset();
-        let written = ale.ram().0[..112].iter().take_while(|&&switches| switches != 0);
+        let written = ale.ram().0[0x20..0x60].iter().take_while(|&&switches| switches != 0);
         let switches = written.map(|switches| match *switches {
             switch::IDLE => '.',
             0x3e => 'R',
@@ -94,6 +100,17 @@ fn switches_are_pressed_as_by_ale_py() {
         });
         assert_eq!(switches.collect::<String>(), expected, "{game}, mode {mode}");
     }
+}
+
+/// Where RAM never shows the mode, SELECT is not pressed for ever.
+#[test]
+fn a_program_without_modes_starts_as_well() {
+    let ale = Ale::new(
+        games::by_name("alien").unwrap(),
+        &rom(&[0xe6, 0x81, 0xa9, 0x55, 0x85, 0x81, 0x4c, 0x02, 0xf0]),
+        0,
+    );
+    assert_eq!(ale.ram().0[0x01], 0x55);
 }
 
 /// Each frame writes 330 random numbers to random registers, at random times.
@@ -158,6 +175,69 @@ fn writes_show_when_they_do_in_ale_py() {
             ale.act(Action::Noop, 0.0);
             assert_eq!(checksum(&ale), expected, "registers {registers:?}, seed {seed}");
         }
+    }
+}
+
+/// Instructions that take so many cycles: none, or at least two.
+fn delay(cycles: usize) -> Vec<u8> {
+    let bit: &[u8] = if cycles % 2 == 1 { &[0x24, 0x80] } else { &[] };
+    [bit, &vec![0xea; (cycles - 3 * (cycles % 2)) / 2]].concat()
+}
+
+/// Objects that start anew while an `HMOVE` of the same line goes on, in the six cases where that moves them.
+#[test]
+fn a_move_still_moves_what_starts_anew() {
+    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    code.extend([
+        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x4e, 0x85, 0x07, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x00, 0x85, 0x09,
+    ]);
+    let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
+    code.extend([0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([0xa2, 0x24, 0x85, 0x02, 0xca, 0xd0, 0xfb]); // 36 lines
+    for (object, hmove, reset, before) in
+        [(2, 3, 23, 46), (3, 3, 6, 53), (4, 3, 6, 53), (4, 3, 9, 54), (4, 3, 10, 67), (4, 5, 23, 60)]
+    {
+        let (resx, enable) = (0x10 + object, 0x1b + object);
+        code.extend([0xa9, 0x00, 0x85, 0x20 + object]); // HMxx
+        code.extend(if object < 4 { [0xa9, 0x00, 0x85, 0x04 + (object & 1)].to_vec() } else { delay(5) });
+        code.extend([0xa9, 0x02, 0x85, enable]);
+        code.extend(delay(before - 18));
+        code.extend([0x85, resx, 0x85, 0x02]);
+        code.extend(delay(hmove - 3));
+        code.extend([0x85, 0x2a]); // HMOVE
+        code.extend(delay(reset - hmove - 3));
+        code.extend([0x85, resx, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, enable, 0x85, 0x02]);
+    }
+    code.extend([0xa2, 0x1e, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]);
+    let mut ale = played(&rom(&code));
+    ale.act(Action::Noop, 0.0);
+    assert_eq!(checksum(&ale), 0xe63a_2174);
+}
+
+/// The 70th frame is so long that a write to `WSYNC` ends it, which waits all the same: the next one starts with the next line.
+#[test]
+fn wsync_waits_where_it_ends_a_frame() {
+    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    code.extend([
+        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x02, 0x85, 0x1f, 0xa9, 0x80, 0x85, 0x1b,
+    ]);
+    code.extend([0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([0xe6, 0x80, 0xa5, 0x80, 0xc9, 70, 0xf0, 0x0a]); // inc $80; lda $80; cmp #70; beq over the jmp
+    code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x1c, 0xf0]); // 255 lines
+    code.extend([0xa2, 0xfa, 0x85, 0x02, 0xca, 0xd0, 0xfb]); // 250 lines
+    code.extend([0xa2, 0x00, 0xca, 0xd0, 0xfd].repeat(3)); // 50 more without a write
+    code.extend([0xea, 0xa9, 0x44, 0x85, 0x02]);
+    code.extend(delay(20));
+    code.extend([0x85, 0x10]); // RESP0
+    code.extend(delay(11));
+    code.extend([0x85, 0x14]); // RESBL
+    code.extend([0xa2, 0xc8, 0x85, 0x02, 0x8a, 0x85, 0x09, 0xca, 0xd0, 0xf8, 0x4c, 0x1c, 0xf0]); // a colour a line
+    let mut ale = played(&rom(&code));
+    ale.act(Action::Noop, 0.0);
+    ale.act(Action::Noop, 0.0);
+    for expected in [0xb284_7573, 0xac22_ec2f, 0xb7d9_283f] {
+        ale.act(Action::Noop, 0.0);
+        assert_eq!(checksum(&ale), expected);
     }
 }
 

@@ -264,13 +264,14 @@ impl Env {
         Ok(peek::arguments(&core.env).map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
     }
 
-    /// Sets an argument to a value in JSON.
-    fn set_argument(&self, py: Python<'_>, name: &str, value: &str) -> PyResult<()> {
-        let value = serde_json::from_str(value)
-            .map_err(|error| Error::argument(name, error.to_string()))
+    /// Sets an argument: a JSON object of its name and value.
+    fn set_argument(&self, py: Python<'_>, argument: &str) -> PyResult<()> {
+        let argument: Kwargs = serde_json::from_str(argument)
+            .map_err(|error| Error::argument(&self.id, error.to_string()))
             .or_raise()?;
         let mut core = self.lock(py)?;
-        guard(|| peek::set_argument(&mut core.env, name, value).or_raise())
+        let mut set = |(name, value): (String, Json)| peek::set_argument(&mut core.env, &name, value);
+        guard(|| argument.into_iter().try_for_each(&mut set).or_raise())
     }
 
     /// `P` and `initial_state_distrib`, for environments that have them.

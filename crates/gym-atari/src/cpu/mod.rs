@@ -48,8 +48,8 @@ pub enum Ready {
     Now,
     /// After so many cycles: the line `RDY` holds it.
     After(u32),
-    /// At once, but [`Cpu::run`] returns when the instruction is complete.
-    Return,
+    /// After so many cycles, and [`Cpu::run`] returns then.
+    Return(u32),
 }
 
 /// Flags of the status register, by their bit.

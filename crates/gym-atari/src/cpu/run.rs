@@ -86,7 +86,10 @@ impl<B: Bus> Core<B> {
         match self.bus.write(address, value, self.cpu.cycle) {
             Ready::Now => {}
             Ready::After(cycles) => self.cpu.cycle += u64::from(cycles),
-            Ready::Return => self.left = 0,
+            Ready::Return(cycles) => {
+                self.cpu.cycle += u64::from(cycles);
+                self.left = 0;
+            }
         }
     }
 

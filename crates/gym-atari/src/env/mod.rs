@@ -92,7 +92,7 @@ impl AtariEnv {
 
     /// The actions by index.
     pub fn actions(&self) -> &'static [Action] {
-        if self.config.full_action_space { &Action::ALL } else { self.game().minimal }
+        if self.config.full_action_space { self.game().legal } else { self.game().minimal }
     }
 
     fn game(&self) -> &'static Game {

@@ -31,8 +31,22 @@ pub struct Game {
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
-    /// The modes that there are, under ale-py's numbers, and how often SELECT is pressed for each; the first is the default.
-    pub modes: &'static [(u16, u16)],
+    /// The full action set, which lacks the button where a game does not know it.
+    pub legal: &'static [Action],
+    /// The frames of nothing behind the first RESET; ale-py counts them as frames of the episode.
+    pub idle: u8,
+    /// For how many frames RESET is pressed first.
+    pub first_reset: u8,
+    /// The modes that there are, under ale-py's numbers, and what RAM shows in each; the first is the default.
+    pub modes: &'static [(u16, u8)],
+    /// The byte of RAM that shows the mode, by index: SELECT is pressed until it does. `None` where SELECT is never pressed.
+    pub mode_at: Option<usize>,
+    /// What RAM must show beside that, for a mode.
+    pub mode_also: fn(&Ram<'_>, u16) -> bool,
+    /// Bits that may be added to what RAM shows.
+    pub mode_bits: u8,
+    /// Whether SELECT is pressed at least once.
+    pub press_first: bool,
     /// For how many frames SELECT is held each time.
     pub select_frames: u8,
     /// The difficulties that there are.
@@ -59,7 +73,14 @@ const DEFAULT: Game = Game {
     controller: Controller::Joystick,
     start: &[],
     minimal: &Action::ALL,
+    legal: &Action::ALL,
+    idle: 0,
+    first_reset: 4,
     modes: &[(0, 0)],
+    mode_at: None,
+    mode_also: |_, _| true,
+    mode_bits: 0,
+    press_first: false,
     select_frames: 2,
     difficulties: &[0],
     score: |_| 0,
@@ -78,6 +99,9 @@ pub enum Rewards {
     Wrap(i32),
     /// A counter that falls gives 0.
     NeverNegative,
+    /// The score is [`GAME_WON`] for each game that is won, and points within the game. A frame that ends a game gives the
+    /// change in games, any other the change in points.
+    Games,
 }
 
 impl Rewards {
@@ -86,10 +110,21 @@ impl Rewards {
         match (self, after - before) {
             (Self::Wrap(limit), fall @ ..0) => fall + limit,
             (Self::NeverNegative, ..0) => 0,
+            (Self::Games, _) => {
+                let games = |score: i32| (score + GAME_WON / 2).div_euclid(GAME_WON);
+                let points = |score: i32| score - GAME_WON * games(score);
+                match games(after) - games(before) {
+                    0 => points(after) - points(before),
+                    games => games,
+                }
+            }
             (_, difference) => difference,
         }
     }
 }
+
+/// What a won game counts in the score of [`Rewards::Games`]: more than twice the points of any.
+pub const GAME_WON: i32 = 1024;
 
 /// What the player holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +132,8 @@ impl Rewards {
 pub enum Controller {
     /// A joystick in the left port.
     Joystick,
+    /// A joystick in the right port.
+    RightJoystick,
     /// Paddles in the left port; the agent turns this one.
     Paddle(usize),
 }
@@ -136,6 +173,16 @@ impl Ram<'_> {
         indices.iter().fold(0, |number, &index| 10 * number + digit(self.low(index)))
     }
 
+    /// One decimal digit in the lower four bits of each byte, the most significant byte first; 10 is a blank.
+    pub fn ten_digits(&self, indices: &[usize]) -> i32 {
+        indices.iter().fold(0, |number, &index| 10 * number + ten(self.low(index)))
+    }
+
+    /// One decimal digit in the upper four bits of a byte; 10 is a blank.
+    pub fn ten_high(&self, index: usize) -> i32 {
+        ten(self.high(index))
+    }
+
     /// Two decimal digits in each byte, of which those above 9 are blank.
     pub fn blank_decimal(&self, indices: &[usize]) -> i32 {
         indices
@@ -160,6 +207,11 @@ impl Ram<'_> {
             10 * number + digit
         })
     }
+}
+
+/// A digit; 10 shows as a blank.
+fn ten(value: i32) -> i32 {
+    if value == 10 { 0 } else { value }
 }
 
 /// A digit; what is above 9 shows as a blank.

@@ -2,7 +2,7 @@
 //!
 //! `r` is the RAM by index: `$80` of the processor is index `0x00`.
 
-use super::{Controller, DEFAULT, Game, Rewards};
+use super::{Controller, DEFAULT, GAME_WON, Game, Rewards};
 use crate::action::Action;
 use crate::action::Action::*;
 use crate::cartridge::Scheme::*;
@@ -22,6 +22,16 @@ macro_rules! games {
 }
 
 games! {
+    alien "Alien" 4 {
+        md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
+        minimal: &Action::ALL,
+        select_frames: 1,
+        mode_at: Some(0x01), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| 10 * r.pictures(&[0x03, 0x05, 0x07, 0x09, 0x0b], 0x80),
+        lives: |r| r.low(0x40),
+        over: |r| r.low(0x40) == 0,
+    }
     amidar "Amidar" 4 {
         md5: "acb7750b4d0c4bd34969802a7deb2990", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
@@ -50,22 +60,37 @@ games! {
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
         display: Display { comb: false, ..Display::NTSC },
         rewards: Rewards::Wrap(100_000),
-        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10),
-            (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21),
-            (22, 22), (23, 23), (24, 24), (25, 25), (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 32)],
+        mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21), (22, 22), (23, 23), (24, 24), (25, 25), (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 128)],
         difficulties: &[0, 3],
         score: |r| 10 * r.decimal(&[0x3d, 0x3e]),
         lives: |r| r.high(0x3c),
         over: |r| r.high(0x3c) == 0,
     }
+    atlantis "Atlantis" 4 {
+        md5: "9ad36e699ef6f45d9eb6c4cf90475c9f", scheme: Rom4K,
+        minimal: &[Noop, Fire, RightFire, LeftFire],
+        mode_at: Some(0x0d), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)],
+        score: |r| 100 * r.decimal(&[0x21, 0x23, 0x22]),
+        lives: |r| r.at(0x71),
+        over: |r| r.at(0x71) == 0xff,
+    }
     bank_heist "BankHeist" 4 {
         md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
-        select_frames: 1, modes: &[(0, 0), (4, 1), (8, 2), (12, 3), (16, 4), (20, 5), (24, 6), (28, 7)],
+        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28)],
         difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
         over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
+    }
+    battle_zone "BattleZone" 4 {
+        md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
+        minimal: &Action::ALL,
+        display: Display { comb: false, ..Display::NTSC },
+        mode_at: Some(0x21), modes: &[(1, 1), (2, 2), (3, 3)],
+        score: |r| 1000 * r.ten_high(0x1d) + 10_000 * r.ten_digits(&[0x1e]) + 100_000 * r.ten_high(0x1e),
+        lives: |r| r.low(0x3a),
+        over: |r| r.low(0x3a) == 0,
     }
     beam_rider "BeamRider" 4 {
         md5: "79ab4123a83dc11d468fb2108ea09e2e", scheme: F8,
@@ -76,10 +101,19 @@ games! {
         lives_count: |r| r.at(0x0c) == 1,
         over: |r| r.at(0x05) == 0xff,
     }
+    berzerk "Berzerk" 4 {
+        md5: "136f75c4dd02c29283752b7e5799f978", scheme: Rom4K,
+        minimal: &Action::ALL,
+        idle: 20,
+        mode_at: Some(0x00), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16), (17, 17), (18, 18)],
+        score: |r| r.decimal(&[0x5d, 0x5e, 0x5f]),
+        lives: |r| r.at(0x5a) + 1,
+        over: |r| r.at(0x5a) == 0xff,
+    }
     bowling "Bowling" 4 {
         md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
         minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
-        modes: &[(0, 0), (2, 2), (4, 4)], difficulties: &[0, 1],
+        mode_at: Some(0x02), modes: &[(0, 0), (2, 2), (4, 4)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x26, 0x21]),
         over: |r| r.at(0x24) > 0x10,
     }
@@ -94,7 +128,7 @@ games! {
         md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         controller: Controller::Paddle(0),
-        select_frames: 1, modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
+        select_frames: 1, mode_at: Some(0x32), modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
         lives: |r| r.at(0x39),
@@ -110,7 +144,7 @@ games! {
     centipede "Centipede" 4 {
         md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
         minimal: &Action::ALL,
-        rewards: Rewards::NeverNegative, modes: &[(22, 0), (86, 1)],
+        rewards: Rewards::NeverNegative, mode_at: Some(0x27), modes: &[(22, 22), (86, 86)],
         score: |r| r.decimal(&[0x74, 0x75, 0x76]),
         lives: |r| (r.high(0x6d) & 7) + 1,
         over: |r| r.at(0x26) & 0x40 != 0,
@@ -118,7 +152,7 @@ games! {
     chopper_command "ChopperCommand" 4 {
         md5: "c1cb228470a87beb5f36e90ac745da26", scheme: Rom4K,
         minimal: &Action::ALL,
-        modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
+        mode_at: Some(0x60), modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
         score: |r| 100 * r.decimal(&[0x6c, 0x6e]),
         lives: |r| r.low(0x64),
         over: |r| r.low(0x64) == 0,
@@ -126,15 +160,24 @@ games! {
     crazy_climber "CrazyClimber" 4 {
         md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        modes: &[(0, 0), (1, 16), (2, 32), (3, 48)], difficulties: &[0, 1],
+        mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)], difficulties: &[0, 1],
         score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
     }
+    defender "Defender" 4 {
+        md5: "0f643c34e40e3f1daafd9c524d3ffe64", scheme: Rom4K,
+        minimal: &Action::ALL,
+        mode_at: Some(0x1b), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16)],
+        difficulties: &[0, 1],
+        score: |r| r.ten_digits(&[0x21, 0x20, 0x1f, 0x1e, 0x1d, 0x1c]),
+        lives: |r| r.at(0x42),
+        over: |r| r.at(0x42) == 0,
+    }
     demon_attack "DemonAttack" 4 {
         md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        select_frames: 1, modes: &[(1, 0), (3, 3), (5, 13), (7, 19)], difficulties: &[0, 1],
+        select_frames: 1, mode_at: Some(0x6a), modes: &[(1, 1), (3, 3), (5, 5), (7, 7)], difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
@@ -156,7 +199,7 @@ games! {
     freeway "Freeway" 4 {
         md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
         minimal: &[Noop, Up, Down],
-        select_frames: 1, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
+        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x67),
         over: |r| r.at(0x16) == 1,
@@ -164,7 +207,7 @@ games! {
     frogger "Frogger" v5 {
         md5: "081e2c114c9c20b61acf25fc95c71bf4", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down],
-        modes: &[(0, 0), (1, 3), (2, 7)], difficulties: &[0, 1],
+        mode_at: Some(0x5d), modes: &[(0, 1), (1, 3), (2, 5)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x4c, 0x4e]),
         lives: |r| r.at(0x50),
         over: |r| r.at(0x50) == 0xff,
@@ -172,7 +215,7 @@ games! {
     frostbite "Frostbite" 4 {
         md5: "4ca73eb959299471788f0b685c3ba0b5", scheme: Rom4K,
         minimal: &Action::ALL,
-        select_frames: 1, modes: &[(0, 0), (2, 2)],
+        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (2, 2)],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         lives: |r| r.low(0x4c) + 1,
         over: |r| r.low(0x4c) == 0 && r.at(0x71) == 0x80,
@@ -181,16 +224,37 @@ games! {
         md5: "211774f4c5739042618be8ff67351177", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         rewards: Rewards::Wrap(1_000_000),
-        select_frames: 1, modes: &[(1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (6, 5), (7, 6), (8, 7), (9, 8)],
+        select_frames: 1, mode_at: Some(0x33), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9)],
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
         lives: |r| r.at(0x39) + 1,
         over: |r| r.at(0x3f) & 0x80 != 0,
     }
+    gopher "Gopher" 4 {
+        md5: "c16c79aad6272baffb8aae9a7fff0864", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, UpFire, RightFire, LeftFire],
+        first_reset: 8, start: &[Fire],
+        select_frames: 5,
+        mode_at: Some(0x53), modes: &[(0, 0), (2, 2)],
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x30, 0x31, 0x32]),
+        lives: |r| (r.at(0x34) & 7).count_ones() as i32,
+        over: |r| r.at(0x34) & 7 == 0,
+    }
+    gravitar "Gravitar" 4 {
+        md5: "8ac18076d01a6b63acf6e2cab4968940", scheme: F8,
+        minimal: &Action::ALL,
+        start: &[Fire; 16],
+        select_frames: 10,
+        mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
+        score: |r| r.decimal(&[0x07, 0x08, 0x09]),
+        lives: |r| r.at(0x04) + 1,
+        over: |r| r.at(0x01) == 1,
+    }
     hero "Hero" 4 {
         md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
-        select_frames: 1, modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
+        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
         score: |r| r.decimal(&[0x37, 0x38, 0x39]),
         lives: |r| r.at(0x33),
         over: |r| r.at(0x33) == 0,
@@ -198,14 +262,14 @@ games! {
     ice_hockey "IceHockey" 4 {
         md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
         minimal: &Action::ALL,
-        modes: &[(0, 0), (2, 3)], difficulties: &[0, 1, 2, 3],
+        mode_at: Some(0x00), modes: &[(0, 0), (2, 2)], difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x0a) - r.bcd(0x0b),
         over: |r| r.at(0x06) | r.at(0x07) == 0,
     }
     jamesbond "Jamesbond" 4 {
         md5: "e51030251e440cffaab1ac63438b44ae", scheme: E0,
         minimal: &Action::ALL,
-        select_frames: 20, modes: &[(0, 0), (1, 1)],
+        select_frames: 20, mode_at: Some(0x0c), mode_bits: 0x48, modes: &[(0, 0), (1, 1)],
         score: |r| r.decimal(&[0x5e, 0x5d, 0x5c]),
         lives: |r| r.low(0x06) + 1,
         over: |r| r.at(0x0c) == 0x68 && r.low(0x06) == 0,
@@ -221,7 +285,7 @@ games! {
     kangaroo "Kangaroo" 4 {
         md5: "4326edb70ff20d0ee5ba58fa5cb09d60", scheme: F8,
         minimal: &Action::ALL,
-        modes: &[(0, 0), (1, 2)],
+        mode_at: Some(0x3a), mode_bits: 0x80, modes: &[(0, 0), (1, 1)],
         score: |r| 100 * r.decimal(&[0x27, 0x28]),
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
@@ -232,6 +296,13 @@ games! {
         score: |r| r.decimal(&[0x1c, 0x1d, 0x1e]),
         lives: |r| (r.at(0x1f) & 7) + 1,
         over: |r| r.at(0x00) == 0x80 && r.at(0x1f) & 7 == 0 && r.at(0x22) == 0x03,
+    }
+    kung_fu_master "KungFuMaster" 4 {
+        md5: "5b92a93b23523ff16e2789b820e2a4c5", scheme: F8,
+        minimal: &[Noop, Up, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
+        score: |r| r.decimal(&[0x18, 0x19, 0x1a]),
+        lives: |r| (r.at(0x1d) & 7) + 1,
+        over: |r| r.at(0x1d) == 0xff,
     }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
@@ -244,10 +315,20 @@ games! {
         md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
         display: Display { comb: false, ..Display::NTSC },
-        select_frames: 10, modes: &[(0, 0), (1, 1), (2, 2), (3, 4)],
+        select_frames: 10, mode_at: Some(0x19), modes: &[(0, 1), (1, 1), (2, 2), (3, 3)],
+        mode_also: |r, mode| r.at(0x00) == 0 && (r.at(0x21) != 0) == (mode == 0),
         score: |r| r.decimal(&[0x7a, 0x79, 0x78]),
         lives: |r| (r.at(0x7b) & 7) + 1,
         over: |r| r.low(0x7b) == 0 && r.at(0x27) == 0x53,
+    }
+    name_this_game "NameThisGame" 4 {
+        md5: "36306070f0c90a72461551a7a4f3a209", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        mode_at: Some(0x5e), modes: &[(8, 8), (24, 24), (40, 40)],
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x44, 0x45, 0x46]),
+        lives: |r| r.at(0x47) & 7,
+        over: |r| r.at(0x47) & 7 == 0,
     }
     phoenix "Phoenix" 4 {
         md5: "7e52a95074a66640fcfde124fffd491a", scheme: F8,
@@ -267,7 +348,7 @@ games! {
     pong "Pong" 4 {
         md5: "60e0ea3cbe0913d39803477945e9e5ec", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        controller: Controller::Paddle(1), modes: &[(0, 0), (1, 1)],
+        controller: Controller::Paddle(1), mode_at: Some(0x16), modes: &[(0, 0), (1, 1)],
         difficulties: &[0, 1, 2, 3],
         score: |r| r.at(0x0e) - r.at(0x0d),
         over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
@@ -275,7 +356,7 @@ games! {
     private_eye "PrivateEye" 4 {
         md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
         minimal: &Action::ALL,
-        start: &[Up], modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
+        start: &[Up], mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
         difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x48, 0x49, 0x4a]),
         over: |r| r.at(0x42) > 1,
@@ -303,6 +384,13 @@ games! {
         lives: |r| (r.at(0x44) & 7) + 1,
         over: |r| r.at(0x44) & 7 == 0 && (r.at(0x39) > 1 || r.at(0x3d) != 0),
     }
+    robotank "Robotank" 4 {
+        md5: "4f618c2429138e0280969193ed6c107e", scheme: FE,
+        minimal: &Action::ALL,
+        score: |r| 12 * r.at(0x36) + r.at(0x35),
+        lives: |r| r.low(0x28) + 1,
+        over: |r| r.at(0x28) == 0 && r.at(0x34) == 0xff,
+    }
     seaquest "Seaquest" 4 {
         md5: "240bfbac5163af4df5ae713985386f92", scheme: Rom4K,
         minimal: &Action::ALL,
@@ -311,22 +399,70 @@ games! {
         lives: |r| r.at(0x3b) + 1,
         over: |r| r.at(0x23) != 0,
     }
+    skiing "Skiing" 4 {
+        md5: "b76fbadc8ffb1f83e2ca08b6fb4d6c9f", scheme: Rom2K,
+        minimal: &[Noop, Right, Left],
+        legal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        start: &[Down; 16],
+        score: |r| -(6000 * r.at(0x68) + 100 * r.bcd(0x69) + r.bcd(0x6a)),
+        over: |r| r.at(0x11) == 0xff,
+    }
+    solaris "Solaris" 4 {
+        md5: "e72eb8d4410152bdcb69e7fba327b420", scheme: F6,
+        minimal: &Action::ALL,
+        score: |r| 10 * r.decimal(&[0x5e, 0x5d, 0x5c]),
+        lives: |r| r.low(0x59),
+        over: |r| r.at(0x59) == 0,
+    }
     space_invaders "SpaceInvaders" 3 {
         md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        modes: &[
-            (0, 0), (1, 2), (2, 3), (3, 5), (4, 7), (5, 9), (6, 11), (7, 13), (8, 15), (9, 17), (10, 19), (11, 21),
-            (12, 23), (13, 25), (14, 27), (15, 29),
-        ], difficulties: &[0, 1],
+        mode_at: Some(0x5c), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15)], difficulties: &[0, 1],
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
+    }
+    star_gunner "StarGunner" 4 {
+        md5: "a3c1c70024d7aabb41381adbfb6d3b25", scheme: Rom4K,
+        minimal: &Action::ALL,
+        select_frames: 15,
+        mode_at: Some(0x74), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)],
+        score: |r| 100 * r.ten_digits(&[0x06, 0x05, 0x04, 0x03]),
+        lives: |r| r.low(0x07).min(5),
+        over: |r| r.at(0x07) == 0,
+    }
+    surround "Surround" v5 {
+        md5: "4d7517ae69f95cfbc053be01312b7dba", scheme: Rom2K,
+        minimal: &[Noop, Up, Right, Left, Down],
+        controller: Controller::RightJoystick,
+        mode_at: Some(0x79), modes: &[(0, 1), (2, 3)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.bcd(0x77) - r.bcd(0x76),
+        lives: |_| 1,
+        over: |r| r.bcd(0x76) == 10 || r.bcd(0x77) == 10,
+    }
+    tennis "Tennis" 4 {
+        md5: "42cdd6a9e42a3639e190722b8ea3fc51", scheme: Rom2K,
+        minimal: &Action::ALL,
+        rewards: Rewards::Games,
+        mode_at: Some(0x00), modes: &[(0, 0), (2, 2)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| GAME_WON * (r.at(0x47) - r.at(0x48)) + r.at(0x45) - r.at(0x46),
+        over: |r| (r.at(0x47) >= 6 && r.at(0x47) - r.at(0x48) >= 2) || (r.at(0x48) >= 6 && r.at(0x48) - r.at(0x47) >= 2) || r.at(0x47) == 7 || r.at(0x48) == 7,
     }
     tetris "Tetris" v5 {
         md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left, Down],
         score: |r| r.decimal(&[0x72, 0x71]),
         over: |r| r.at(0x73) & 0x80 != 0,
+    }
+    time_pilot "TimePilot" 4 {
+        md5: "fc2104dd2dadf9a6176c1c1c8f87ced9", scheme: F8,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
+        difficulties: &[0, 1, 2],
+        score: |r| 100 * r.decimal(&[0x0f, 0x0d]),
+        lives: |r| ((r.at(0x0b) & 7) + 1).min(5),
+        over: |r| r.at(0x20) != 0,
     }
     trondead "Trondead" v5 {
         md5: "fb27afe896e7c928089307b32e5642ee", scheme: Rom4K,
@@ -336,12 +472,64 @@ games! {
         lives: |r| 5 - r.at(0x48),
         over: |r| r.at(0x48) == 5,
     }
+    tutankham "Tutankham" 4 {
+        md5: "085322bae40d904f53bdcc56df0593fc", scheme: E0,
+        minimal: &[Noop, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
+        mode_at: Some(0x2b), modes: &[(0, 0), (4, 4), (8, 8), (12, 12)],
+        score: |r| r.decimal(&[0x1a, 0x1c]),
+        lives: |r| r.at(0x1e) & 3,
+        over: |r| r.at(0x1e) == 0 && r.at(0x01) != 0x84,
+    }
+    up_n_down "UpNDown" 4 {
+        md5: "a499d720e7ee35c62424de882a3351b6", scheme: F8,
+        minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
+        start: &[Fire], display: Display { first_line: 30, ..Display::NTSC },
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.decimal(&[0x00, 0x01, 0x02]),
+        lives: |r| r.low(0x06) + 1,
+        over: |r| r.low(0x06) == 0 && r.at(0x14) > 0x40,
+    }
+    venture "Venture" 4 {
+        md5: "3e899eba0ca8cd2972da1ae5479b4f0d", scheme: Rom4K,
+        minimal: &Action::ALL,
+        difficulties: &[0, 1, 2, 3],
+        score: |r| 100 * r.decimal(&[0x47, 0x48]),
+        lives: |r| (r.at(0x46) & 7) + 1,
+        over: |r| r.at(0x46) == 0 && r.at(0x4d) == 0xff && r.at(0x3f) & 0x80 != 0,
+    }
     video_pinball "VideoPinball" 4 {
         md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire],
-        modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
+        mode_at: Some(0x41), modes: &[(0, 0), (2, 2)], difficulties: &[0, 1],
         score: |r| r.decimal(&[0x34, 0x32, 0x30]),
         lives: |r| 4 - (r.at(0x19) & 7) + (r.at(0x28) & 1),
         over: |r| r.at(0x2f) & 1 != 0,
+    }
+    wizard_of_wor "WizardOfWor" 4 {
+        md5: "7e8aa18bc9502eb57daaf5e7c1e94da7", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
+        controller: Controller::RightJoystick,
+        difficulties: &[0, 1],
+        score: |r| 100 * r.bcd(0x06) + 10_000 * (10 * (r.high(0x08) & 7) + r.low(0x08)),
+        lives: |r| r.low(0x0d) + i32::from(r.at(0x57) == 1),
+        over: |r| r.low(0x0d) == 0 && r.at(0x74) == 0xf8,
+    }
+    yars_revenge "YarsRevenge" 4 {
+        md5: "c5930d0e8cdae3e037349bfa08e871be", scheme: Rom4K,
+        minimal: &Action::ALL,
+        start: &[Fire],
+        select_frames: 1, press_first: true, mode_at: Some(0x63), modes: &[(0, 0), (32, 32), (64, 64), (96, 96)],
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x60, 0x61, 0x62]),
+        lives: |r| r.high(0x1e),
+        over: |r| r.high(0x1e) == 0,
+    }
+    zaxxon "Zaxxon" 4 {
+        md5: "eea0da9b987d661264cce69a7c13c3bd", scheme: F8,
+        minimal: &Action::ALL,
+        select_frames: 10, mode_at: Some(0x02), modes: &[(0, 0), (8, 8), (16, 16), (24, 24)],
+        score: |r| 100 * r.decimal(&[0x68, 0x69]),
+        lives: |r| r.at(0x6a) & 7,
+        over: |r| r.at(0x6a) & 7 == 0,
     }
 }

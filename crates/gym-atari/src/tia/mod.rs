@@ -109,6 +109,8 @@ pub(crate) struct Tia {
     line: u32,
     line_start: u64,
     vsync_since: u64,
+    /// The cycle of the last `HMOVE`.
+    moved: u64,
     /// The line that is being drawn, at most one ahead of the beam's.
     drawn_line: u32,
     /// How many pixels of it are painted.
@@ -165,6 +167,7 @@ impl Tia {
             line: 0,
             line_start: 0,
             vsync_since: 0,
+            moved: 0,
             drawn_line: 0,
             painted: 0,
             comb: false,
@@ -258,14 +261,16 @@ impl Tia {
         self.register(address, value, c, screen)
     }
 
-    /// A write that ends the frame first.
+    /// A write that ends the frame first; `WSYNC` ends it when its line is over.
     #[cold]
     #[inline(never)]
     fn write_late(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
-        self.end_frame(cycle, screen);
         let c = self.beam(cycle);
+        let wait = if address & 0x3f == 0x02 && c > 0 { CYCLES_PER_LINE - c } else { 0 };
+        self.end_frame(cycle + u64::from(wait), screen);
+        let c = self.beam(cycle + u64::from(wait));
         self.register(address, value, c, screen);
-        Ready::Return
+        Ready::Return(wait)
     }
 
     #[inline(always)]
@@ -409,7 +414,15 @@ impl Tia {
         self.change(1 << object, if object == BL { clock } else { clock + 8 }, screen);
         // objects wait for the end of the blank in the same place
         let beam = (clock as i32 - BLANK).max(-2);
-        self.x[object] = ((beam + 4) % 160) as u8;
+        self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
+            // an `HMOVE` at the start of the line still moves some objects: measured for all objects and times
+            (M1 | BL, Some(3), 6) => 3,
+            (BL, Some(3), 9) => 5,
+            (BL, Some(3), 10) => 6,
+            (M0, Some(3), 23) => 8,
+            (BL, Some(5), 23) => 10,
+            _ => ((beam + 4) % 160) as u8,
+        };
     }
 
     #[inline(never)]
@@ -447,12 +460,11 @@ impl Tia {
         let cycle = self.line_start + u64::from(c);
         let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
         self.vsync = value;
-        if is && !was {
+        if is {
             self.vsync_since = cycle;
-        }
-        if was && !is && cycle - self.vsync_since >= u64::from(CYCLES_PER_LINE) {
+        } else if was && cycle - self.vsync_since >= u64::from(CYCLES_PER_LINE) {
             self.end_frame(cycle, screen);
-            return Ready::Return;
+            return Ready::Return(0);
         }
         Ready::Now
     }
@@ -544,6 +556,7 @@ impl Tia {
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
         self.reach(clock, screen);
+        self.moved = self.line_start + u64::from(c);
         let c = c as i32;
         let shift = |m: i32| match c {
             ..=20 => 8 - m.min((70 - 3 * c) / 4),

@@ -36,7 +36,7 @@ class ClassicControlEnv(ClassEnv):
     def __setattr__(self, name: str, value: Any) -> None:
         """Sets a constant of the equations, which takes effect at once; spaces stay as they are."""
         if name in self.__dict__.get("arguments", ()):
-            self._native.set_argument(name, to_json(self._names.get(name, lambda value: value)(value)))
+            self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
             self.__dict__[name] = value
         else:
             super().__setattr__(name, value)

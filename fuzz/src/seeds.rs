@@ -1,6 +1,6 @@
 //! Inputs to start from: what the library itself writes.
 
-use gym::traces::{Event, Trace};
+use gym::trace::{Event, Trace};
 use gym::{Env, EnvExt, Reset, registry};
 use serde_json::{Value as Json, json};
 

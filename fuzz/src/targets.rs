@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
-use gym::traces::Trace;
+use gym::trace::Trace;
 use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
 use serde_json::Value as Json;
 

@@ -5,7 +5,7 @@ use gym::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, Selection,
     SequenceSpace, TextSpace, TupleSpace,
 };
-use gym::traces::Trace;
+use gym::trace::Trace;
 use gym::vector::VectorKind;
 use gym::{BoxEnv, DType, Env, EnvExt, Generator, Seed, Space, VectorEnv, VectorEnvExt};
 use gym_tests::{Reference, references};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use gym::render::{Frame, RenderMode};
 use gym::rendering::VideoWriter;
 use gym::rendering::file;
-use gym::traces::{Event, Trace};
+use gym::trace::{Event, Trace};
 use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
 use serde_json::{Value as Json, json};
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gym::rendering::file;
-use gym::traces::Trace;
+use gym::trace::Trace;
 use gym::{BoxEnv, Error, Result};
 use serde_json::{Map, Value as Json};
 

@@ -4,7 +4,7 @@ import { paint } from "./engine.js";
 import { families, link, words } from "./gallery.js";
 import { Keys, SYMBOLS } from "./keys.js";
 import { observationView } from "./observation.js";
-import { actions as namedActions, markdown, names as observationNames, page, section } from "./pages.js";
+import { actions as namedActions, markdown, names as observationNames, page, plain, section } from "./pages.js";
 import { plot } from "./plot.js";
 import { pack, unpack } from "./share.js";
 import { argumentsForm, snippets } from "./arguments.js";
@@ -177,7 +177,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     keys?.end();
     keys = new Keys(list, { changed: hold, pressed: press });
     const text = (action) => {
-      if (typeof action === "number") return actionNames.get(action)?.name ?? `action ${action}`;
+      if (typeof action === "number") return actionNames.get(action)?.name ?? (list.length ? "" : `action ${action}`);
       return JSON.stringify(action);
     };
     if (list.length) {
@@ -187,7 +187,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     } else if (space.kind === "Box" && space.shape.length === 1 && space.low && space.shape[0] <= 24) {
       pad.append(sliders(space));
     }
-    if (asked.by === "good") pad.append(h("p", { class: "hint" }, `The good policy ${environment.policy}.`));
+    if (asked.by === "good") pad.append(h("p", { class: "hint" }, `The good policy ${plain(environment.policy)}.`));
     pad.append(h("p", { class: "hint" }, hint(list, waits)));
   }
   function hint(list, waits) {
@@ -196,7 +196,8 @@ export async function play(main, engine, environments, id, parameters, refresh) 
     return waits ? "Press a key to take one step yourself." : "Hold a key to take over; let go to hand back.";
   }
   function keyButton(name, meaning) {
-    const button = h("button", { type: "button", class: "key", "data-key": name }, h("kbd", {}, SYMBOLS[name] ?? name.replace(/^Key(?=\d)/, "")), h("span", {}, meaning));
+    const button = h("button", { type: "button", class: "key", "data-key": name }, h("kbd", {}, SYMBOLS[name] ?? name.replace(/^Key(?=\d)/, "")), meaning && h("span", {}, meaning));
+    button.setAttribute("aria-label", `${name} ${meaning}`);
     button.addEventListener("pointerdown", (event) => {
       event.preventDefault();
       button.setPointerCapture(event.pointerId);

@@ -105,11 +105,11 @@ pub(crate) fn value(value: &Value) -> Json {
 
 /// Writes a picture of 3 bytes or 1 byte a pixel as the 4 bytes a pixel that a canvas takes.
 pub(crate) fn to_rgba(pixels: &[u8], bytes_per_pixel: usize, rgba: &mut Vec<u8>) {
-    rgba.reserve(pixels.len() / bytes_per_pixel * 4);
-    for pixel in pixels.chunks_exact(bytes_per_pixel) {
+    rgba.resize(pixels.len() / bytes_per_pixel * 4, 255);
+    for (pixel, rgba) in pixels.chunks_exact(bytes_per_pixel).zip(rgba.chunks_exact_mut(4)) {
         match *pixel {
-            [r, g, b] => rgba.extend([r, g, b, 255]),
-            [gray] => rgba.extend([gray, gray, gray, 255]),
+            [r, g, b] => rgba[..3].copy_from_slice(&[r, g, b]),
+            [gray] => rgba[..3].fill(gray),
             _ => {}
         }
     }

@@ -8,7 +8,7 @@ use crate::linear::{self, CrossEntropy};
 use crate::tabular::{self, Tabular};
 
 /// What is learned how, with its parameters.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "method", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Lesson {
     /// A table of action values.

@@ -41,7 +41,7 @@ fn cases() -> Vec<(EnvSpec, Json)> {
         ),
         (
             plain("Pendulum-v1"),
-            json!([["DiscretizeAction", {"bins": 5}], ["ClipReward", {"max_reward": -0.5}]]),
+            json!([["DiscretizeAction", {"bins": 5}], ["ClipReward", {"min_reward": -0.5}]]),
         ),
         (plain("Pendulum-v1"), json!([["DiscretizeAction", {"bins": [5], "multidiscrete": true}]])),
     ]

@@ -327,7 +327,7 @@ fn statistics_of_fewer_environments_are_refused() {
         envs.reset_into(&0.into(), &mut Columns::default()).unwrap();
         let now = envs.snapshot().unwrap();
         let mut fewer = json!(now);
-        let running = fewer[1].as_array_mut().expect("one entry for each sub-environment");
+        let running = fewer[1]["running"].as_array_mut().expect("one entry for each sub-environment");
         assert_eq!(running.len(), N);
         running.pop();
         let error = envs.restore(&serde_json::from_value(fewer).unwrap()).unwrap_err().to_string();

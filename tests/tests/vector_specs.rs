@@ -265,7 +265,7 @@ fn without_a_kind_the_vector_is_one_that_works() {
         assert!(vector.kind(VectorKind::Native).build().is_err());
     }
     // what no kind can do says why
-    let error = builder("CartPole-v1").arg("gravity", 1).vector(2).build().unwrap_err().to_string();
+    let error = builder("CartPole-v1").arg("colour", 1).vector(2).build().unwrap_err().to_string();
     assert!(error.contains("sutton_barto_reward"), "{error}");
     assert!(builder("CartPole-v1").max_episode_steps(0).vector(2).build().is_err());
     assert!(make_vec("Nowhere-v0", 2, None).is_err());

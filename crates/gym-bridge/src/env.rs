@@ -1,7 +1,5 @@
 use std::sync::{Mutex, PoisonError};
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD as BASE64;
 use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
 use gym_core::{Configure, Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space, Value};
 use serde::{Deserialize, Serialize};
@@ -9,7 +7,7 @@ use serde_json::json;
 
 use crate::Config;
 use crate::spaces;
-use crate::wire::{Reader, write};
+use crate::wire::Reader;
 use crate::worker::{Request, Worker, malformed};
 
 /// An environment that runs in Python.
@@ -40,10 +38,10 @@ enum State {
 #[derive(Serialize, Deserialize)]
 struct Stored {
     config: Config,
-    /// The environment, pickled, in base64.
-    pickle: String,
-    /// The last `info` as the worker wrote it, in base64.
-    info: String,
+    /// The environment, pickled.
+    pickle: Value,
+    /// The last `info`.
+    info: Value,
     has_reset: bool,
 }
 
@@ -255,10 +253,8 @@ impl Env for PythonEnv {
             return Err(refused(&self.name));
         }
         let pickle = self.dump()?;
-        let (mut info, has_reset) = (Vec::new(), self.has_reset);
-        write(&self.info, &mut info);
-        let pickle = BASE64.encode(pickle.as_slice::<u8>().unwrap_or_default());
-        Snapshot::of(&Stored { config: self.config.clone(), pickle, info: BASE64.encode(info), has_reset })
+        let (config, info) = (self.config.clone(), self.info.clone());
+        Snapshot::of(&Stored { config, pickle, info, has_reset: self.has_reset })
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -272,11 +268,6 @@ impl Env for PythonEnv {
         if config != self.config {
             return Err(Error::Snapshot(format!("it was taken from a `{}` with other arguments", self.name)));
         }
-        let decode = |text: &str| BASE64.decode(text).map_err(|error| Error::Snapshot(error.to_string()));
-        let info = Reader::new(&decode(&info)?)
-            .value()
-            .ok_or_else(|| Error::Snapshot("its info is damaged".into()))?;
-        let pickle = Value::Array(decode(&pickle)?.into());
         let restored = Self::load(config, self.render_mode, &pickle)
             .map_err(|error| Error::Snapshot(error.to_string()))?;
         *self = Self { info, has_reset, ..restored };

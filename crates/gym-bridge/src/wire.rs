@@ -1,6 +1,6 @@
 //! Values as bytes: a tag, then little-endian numbers.
 
-use gym_core::{Array, DType, Data, GraphInstance, Value};
+use gym_core::{Array, DType, GraphInstance, Value};
 
 const NULL: u8 = 0;
 const FALSE: u8 = 1;
@@ -13,38 +13,6 @@ const TUPLE: u8 = 7;
 const DICT: u8 = 8;
 const GRAPH: u8 = 9;
 const ONE_OF: u8 = 10;
-
-/// The types of arrays, in the order of their codes.
-const DTYPES: [DType; 10] = [
-    DType::I8,
-    DType::I16,
-    DType::I32,
-    DType::I64,
-    DType::U8,
-    DType::U16,
-    DType::U32,
-    DType::U64,
-    DType::F32,
-    DType::F64,
-];
-
-/// Evaluates an expression for each type of numbers, with the numbers under a name.
-macro_rules! with_numbers {
-    ($data:expr, $numbers:ident => $body:expr) => {
-        match $data {
-            Data::I8($numbers) => $body,
-            Data::I16($numbers) => $body,
-            Data::I32($numbers) => $body,
-            Data::I64($numbers) => $body,
-            Data::U8($numbers) => $body,
-            Data::U16($numbers) => $body,
-            Data::U32($numbers) => $body,
-            Data::U64($numbers) => $body,
-            Data::F32($numbers) => $body,
-            Data::F64($numbers) => $body,
-        }
-    };
-}
 
 pub(crate) fn write(value: &Value, out: &mut Vec<u8>) {
     match value {
@@ -105,10 +73,10 @@ fn write_text(text: &str, out: &mut Vec<u8>) {
 }
 
 fn write_array(array: &Array, out: &mut Vec<u8>) {
-    let code = DTYPES.iter().position(|dtype| *dtype == array.dtype()).unwrap_or_default();
+    let code = DType::ALL.iter().position(|dtype| *dtype == array.dtype()).unwrap_or_default();
     out.extend([ARRAY, code as u8, array.shape().len() as u8]);
     array.shape().iter().for_each(|length| write_length(*length, out));
-    with_numbers!(array.data(), numbers => numbers.iter().for_each(|number| out.extend(number.to_le_bytes())));
+    out.extend(array.to_bytes());
 }
 
 /// Reads values, one after the other. `None` stands for bytes that no worker of ours writes.
@@ -221,51 +189,26 @@ impl<'a> Reader<'a> {
 
     /// The type, the shape and the bytes of an array.
     fn array_parts(&mut self) -> Option<(DType, Vec<usize>, &'a [u8])> {
-        let dtype = *DTYPES.get(usize::from(self.byte()?))?;
+        let dtype = *DType::ALL.get(usize::from(self.byte()?))?;
         let shape: Vec<usize> = (0..self.byte()?).map(|_| self.length()).collect::<Option<_>>()?;
         let count = shape.iter().try_fold(1usize, |count, length| count.checked_mul(*length))?;
-        let bytes = self.take(count.checked_mul(size_of_dtype(dtype))?)?;
+        let bytes = self.take(count.checked_mul(dtype.size())?)?;
         Some((dtype, shape, bytes))
     }
 
     fn array(&mut self) -> Option<Array> {
         let (dtype, shape, bytes) = self.array_parts()?;
-        let mut array = Array::zeros(dtype, shape);
-        fill(&mut array, bytes);
-        Some(array)
+        Array::from_bytes(dtype, shape, bytes)
     }
 
     fn array_into(&mut self, array: &mut Array) -> Option<()> {
         let (dtype, shape, bytes) = self.array_parts()?;
-        if array.dtype() != dtype || array.shape() != shape {
-            *array = Array::zeros(dtype, shape);
+        if array.dtype() == dtype && array.shape() == shape {
+            return array.fill_bytes(bytes).then_some(());
         }
-        fill(array, bytes);
+        *array = Array::from_bytes(dtype, shape, bytes)?;
         Some(())
     }
-}
-
-fn size_of_dtype(dtype: DType) -> usize {
-    match dtype {
-        DType::I8 | DType::U8 => 1,
-        DType::I16 | DType::U16 => 2,
-        DType::I32 | DType::U32 | DType::F32 => 4,
-        DType::I64 | DType::U64 | DType::F64 => 8,
-    }
-}
-
-/// Overwrites the numbers of an array with as many from their bytes.
-fn fill(array: &mut Array, bytes: &[u8]) {
-    macro_rules! fill {
-        ($($type:ty),*) => {$(
-            if let Some(numbers) = array.as_mut_slice::<$type>() {
-                let (chunks, _) = bytes.as_chunks::<{ size_of::<$type>() }>();
-                numbers.iter_mut().zip(chunks).for_each(|(number, chunk)| *number = <$type>::from_le_bytes(*chunk));
-                return;
-            }
-        )*};
-    }
-    fill!(u8, f32, f64, i64, i8, i16, i32, u16, u32, u64);
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ import threading
 
 NULL, FALSE, TRUE, INT, FLOAT, TEXT, ARRAY, TUPLE, DICT, GRAPH, ONE_OF = range(11)
 MAKE, RESET, STEP, RENDER, DUMP, LOAD, CLOSE = range(7)
-DTYPES = ["int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float32", "float64"]
+DTYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
 U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 

@@ -29,7 +29,9 @@ use serde_json::{Number, Value as Json, json, value::RawValue};
 use gym_core::registry::EnvBuilder;
 use gym_core::render::{RenderMode, Rendered};
 use gym_core::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
-use gym_core::{BoxEnv, DType, Env, EnvExt, Error, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder};
+use gym_core::{
+    BoxEnv, DType, Env, EnvExt, Error, Info, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder,
+};
 
 /// The resets and steps of one environment, or of one vector.
 ///
@@ -351,7 +353,7 @@ impl Event {
         };
         answer.reset.clone_from(&self.reset);
         answer.step.clone_from(&self.step);
-        answer.info = Some(json!(env.info_map()));
+        answer.info = Some(plain(env.info_map()));
         if self.state.is_some() {
             answer.state = state(env);
         }
@@ -384,7 +386,7 @@ impl Event {
                 let crc32 = format!("{:08x}", crc32fast::hash(bytes));
                 json!({"crc32": crc32, "shape": array.shape(), "dtype": array.dtype().name()})
             }
-            _ => json!(observation),
+            _ => observation.to_json(),
         }
     }
 
@@ -400,10 +402,14 @@ impl Event {
             }
             _ => return Err(not_an_event()),
         }
-        answer.observation = Some(json!(columns.observations));
-        answer.info = Some(json!(envs.infos(columns)));
+        answer.observation = Some(columns.observations.to_json());
+        answer.info = Some(plain(envs.infos(columns)));
         Ok(answer)
     }
+}
+
+fn plain(info: Info) -> Json {
+    info.into_iter().map(|(key, value)| (key, value.to_json())).collect()
 }
 
 /// The checksum of a picture of 3 bytes a pixel whose rectangles are blackened, if there are any.

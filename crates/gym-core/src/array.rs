@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use serde::{Serialize, Serializer, ser::SerializeSeq};
-
 pub use crate::data::{DType, Data, Scalar};
 use crate::spaces::number::{Number, Numeric, with_type};
 use crate::{Error, Result};
@@ -65,6 +63,27 @@ impl Array {
         let shape = shape.into();
         let len = shape.iter().product();
         Self { data: Data::from_i64(dtype, std::iter::repeat_n(0, len)), shape }
+    }
+
+    /// The array of as many bytes, little-endian, as the shape asks for; `None` for other numbers of bytes.
+    pub fn from_bytes(dtype: DType, shape: impl Into<Vec<usize>>, bytes: &[u8]) -> Option<Self> {
+        let shape = shape.into();
+        let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n))?;
+        if len.checked_mul(dtype.size()) != Some(bytes.len()) {
+            return None;
+        }
+        let mut array = Self::zeros(dtype, shape);
+        array.fill_bytes(bytes).then_some(array)
+    }
+
+    /// The bytes of the numbers, little-endian, in row-major order.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.data.to_bytes()
+    }
+
+    /// Overwrites the numbers with those of as many bytes; `false` for other numbers of bytes, which change nothing.
+    pub fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
+        self.data.fill_bytes(bytes)
     }
 
     /// The length of each axis.
@@ -258,38 +277,5 @@ impl fmt::Display for Array {
             f.write_str("]")
         }
         rows(self, 0, 0, f)
-    }
-}
-
-/// Nested lists; a single number where the shape is `[]`.
-impl Serialize for Array {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        struct Rows<'a> {
-            array: &'a Array,
-            axis: usize,
-            start: usize,
-        }
-
-        impl Serialize for Rows<'_> {
-            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                let Self { array, axis, start } = *self;
-                let inner = &array.shape[axis + 1..];
-                let stride: usize = inner.iter().product();
-                let mut seq = serializer.serialize_seq(Some(array.shape[axis]))?;
-                for i in 0..array.shape[axis] {
-                    if inner.is_empty() {
-                        array.data.serialize_item(start + i, &mut seq)?;
-                    } else {
-                        seq.serialize_element(&Rows { array, axis: axis + 1, start: start + i * stride })?;
-                    }
-                }
-                seq.end()
-            }
-        }
-
-        if self.shape.is_empty() {
-            return self.data.serialize_scalar(serializer);
-        }
-        Rows { array: self, axis: 0, start: 0 }.serialize(serializer)
     }
 }

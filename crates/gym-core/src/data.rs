@@ -2,12 +2,10 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize, Serializer, ser::SerializeSeq};
-
-use crate::Result;
+use serde::{Deserialize, Serialize};
 
 /// A number type that an [`Array`](crate::Array) can hold.
-pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + Serialize + 'static {
+pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + 'static {
     /// Its tag.
     const DTYPE: DType;
     /// Wraps numbers of this type.
@@ -32,9 +30,17 @@ macro_rules! dtypes {
         }
 
         impl DType {
+            /// Every type.
+            pub const ALL: [Self; 10] = [$(Self::$variant),*];
+
             /// numpy's name, as in `float32`.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),* }
+            }
+
+            /// How many bytes a number takes.
+            pub const fn size(self) -> usize {
+                match self { $(Self::$variant => size_of::<$type>()),* }
             }
 
             /// The smallest and the largest finite number of the type, as `f64`.
@@ -93,12 +99,21 @@ macro_rules! dtypes {
                 match self { $(Self::$variant(values) => dtypes!(@write $kind, f, values[index])),* }
             }
 
-            pub(crate) fn serialize_item<S: SerializeSeq>(&self, index: usize, seq: &mut S) -> Result<(), S::Error> {
-                match self { $(Self::$variant(values) => dtypes!(@item $kind, seq, values[index])),* }
+            /// The bytes of the numbers, little-endian.
+            pub(crate) fn to_bytes(&self) -> Vec<u8> {
+                match self { $(Self::$variant(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect()),* }
             }
 
-            pub(crate) fn serialize_scalar<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                match self { $(Self::$variant(values) => dtypes!(@scalar $kind, serializer, values[0])),* }
+            /// Overwrites the numbers with those of as many bytes, or returns `false`.
+            pub(crate) fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
+                match self { $(Self::$variant(values) => {
+                    let (numbers, rest) = bytes.as_chunks();
+                    let fits = rest.is_empty() && numbers.len() == values.len();
+                    if fits {
+                        values.iter_mut().zip(numbers).for_each(|(x, bytes)| *x = <$type>::from_le_bytes(*bytes));
+                    }
+                    fits
+                }),* }
             }
 
             /// Overwrites `self` with `source`, keeping the allocation where the types agree.
@@ -128,11 +143,6 @@ macro_rules! dtypes {
     };
     (@write float, $f:ident, $x:expr) => { write!($f, "{:?}", $x) };
     (@write integer, $f:ident, $x:expr) => { write!($f, "{}", $x) };
-    // JSON knows one kind of number: float32 is written as the float64 of the same value.
-    (@item float, $seq:ident, $x:expr) => { $seq.serialize_element(&f64::from($x)) };
-    (@scalar float, $serializer:ident, $x:expr) => { f64::from($x).serialize($serializer) };
-    (@scalar integer, $serializer:ident, $x:expr) => { $x.serialize($serializer) };
-    (@item integer, $seq:ident, $x:expr) => { $seq.serialize_element(&$x) };
 }
 
 dtypes! {

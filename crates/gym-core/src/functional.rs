@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
+use crate::arguments;
 use crate::canvas::Canvas;
 use crate::render::Metadata;
 use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
@@ -270,12 +271,8 @@ impl<D: Dynamics> Stateful<D> {
     /// # Errors
     /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let invalid = |error: serde_json::Error| Error::argument(D::NAME, error.to_string());
-        let mut arguments = serde_json::to_value(self.dynamics.config()).map_err(invalid)?;
-        if let Json::Object(arguments) = &mut arguments {
-            arguments.insert(name.to_owned(), value);
-        }
-        self.dynamics.assign(serde_json::from_value(arguments).map_err(invalid)?)
+        let given = [(name.to_owned(), value)].into_iter().collect();
+        self.dynamics.assign(arguments::read(self.dynamics.config(), u32::MAX, &given, D::NAME)?)
     }
 
     /// The current state; `None` before the first reset.

@@ -3,12 +3,14 @@
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
-use crate::{Error, Result, snapshot_json};
+use crate::stored::exact;
+use crate::{Error, Result};
 
 /// The whole state of an environment and its wrappers, as JSON data, with every float it had.
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "$json")]
 pub struct Snapshot(Json);
 
 impl Snapshot {
@@ -17,7 +19,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if the state holds a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
-        snapshot_json::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
+        exact::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }
 
     /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
@@ -95,7 +97,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if this is the snapshot of something else.
     pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
-        snapshot_json::read(&self.0).map_err(|error| {
+        exact::read(&self.0).map_err(|error| {
             Error::Snapshot(match self.env() {
                 Some(env) => format!("this is a snapshot of {env}, or of other wrappers around it: {error}"),
                 None => error.to_string(),

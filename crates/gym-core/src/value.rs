@@ -5,8 +5,6 @@
 
 use std::fmt;
 
-use serde::{Serialize, Serializer, ser::SerializeMap};
-
 use crate::array::{Array, Scalar};
 
 /// One dynamic value: an observation, an action, or an entry of `info`.
@@ -257,31 +255,6 @@ impl fmt::Display for Value {
             }
             Self::Graph(graph) => write!(f, "Graph(nodes={})", graph.nodes),
             Self::OneOf(index, value) => write!(f, "({index}, {value})"),
-        }
-    }
-}
-
-/// Plain JSON data: arrays as nested lists, tuples as lists, `OneOf` as `[index, value]`. A number
-/// that is not finite has no form in JSON and becomes `null`.
-impl Serialize for Value {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Null => serializer.serialize_unit(),
-            Self::Bool(b) => serializer.serialize_bool(*b),
-            Self::Int(i) => serializer.serialize_i64(*i),
-            Self::Float(x) => serializer.serialize_f64(*x),
-            Self::Text(text) => serializer.serialize_str(text),
-            Self::Array(array) => array.serialize(serializer),
-            Self::Tuple(items) => items.serialize(serializer),
-            Self::Dict(entries) => serializer.collect_map(entries.iter().map(|(k, v)| (k, v))),
-            Self::Graph(graph) => {
-                let mut map = serializer.serialize_map(Some(3))?;
-                map.serialize_entry("nodes", &graph.nodes)?;
-                map.serialize_entry("edges", &graph.edges)?;
-                map.serialize_entry("edge_links", &graph.edge_links)?;
-                map.end()
-            }
-            Self::OneOf(index, value) => (index, value).serialize(serializer),
         }
     }
 }

@@ -99,7 +99,7 @@ pub(crate) fn value(value: &Value) -> Json {
         Value::Dict(parts) => {
             Json::Object(parts.iter().map(|(name, part)| (name.clone(), self::value(part))).collect())
         }
-        _ => json!(value),
+        _ => value.to_json(),
     }
 }
 

@@ -3,11 +3,11 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::vector::{Columns, Progress};
-use gym_core::{BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
+use gym_core::{Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
 
 use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
-use crate::within::not_an_array;
+use crate::within::{not_an_array, numbers};
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`, to the
 /// bit as Gymnasium's does.
@@ -136,15 +136,12 @@ impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
 
     fn snapshot(&self) -> Result<Snapshot> {
         let Normalizer { statistics, updates, .. } = &self.normalizer;
-        Snapshot::of(&(self.inner.snapshot()?, statistics, updates, &self.shown))
+        Snapshot::of(&(self.inner.snapshot()?, statistics, updates, Array::from(self.shown.clone())))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Vec<f32>) = snapshot.get()?;
-        if shown.len() != self.shown.len() {
-            let [there, here] = [shown.len(), self.shown.len()];
-            return Err(Error::Snapshot(format!("it holds observations of {there} numbers, not of {here}")));
-        }
+        let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Array) = snapshot.get()?;
+        let shown = numbers(&shown, self.shown.len())?;
         self.normalizer.check(&statistics)?;
         self.inner.restore(&inner)?;
         (self.normalizer.statistics, self.normalizer.updates, self.shown) = (statistics, updates, shown);

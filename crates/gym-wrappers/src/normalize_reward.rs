@@ -2,10 +2,11 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
-use gym_core::{BoxEnv, DType, Env, Error, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
+use gym_core::{Array, BoxEnv, DType, Env, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
 
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
+use crate::within::numbers;
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the bit as
 /// Gymnasium's does; around a vector, over all sub-environments.
@@ -66,8 +67,8 @@ impl<T> NormalizeReward<T> {
     }
 
     /// What a snapshot holds beside that of what is within.
-    fn state(&self) -> (&RunningMeanStd, bool, &[f64]) {
-        (&self.normalizer.statistics, self.normalizer.updates, &self.returns)
+    fn state(&self) -> (&RunningMeanStd, bool, Array) {
+        (&self.normalizer.statistics, self.normalizer.updates, self.returns.clone().into())
     }
 
     /// Continues from a snapshot, once `restore` has restored what is within.
@@ -76,13 +77,9 @@ impl<T> NormalizeReward<T> {
         snapshot: &Snapshot,
         restore: impl FnOnce(&mut T, &Snapshot) -> Result<()>,
     ) -> Result<()> {
-        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Vec<f64>)) =
-            snapshot.get()?;
+        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Array)) = snapshot.get()?;
         self.normalizer.check(&statistics)?;
-        if returns.len() != self.returns.len() {
-            let [there, here] = [returns.len(), self.returns.len()];
-            return Err(Error::Snapshot(format!("it holds {there} discounted returns, not {here}")));
-        }
+        let returns = numbers(&returns, self.returns.len())?;
         restore(&mut self.inner, &inner)?;
         (self.normalizer.statistics, self.normalizer.updates, self.returns) = (statistics, updates, returns);
         Ok(())

@@ -1,8 +1,9 @@
 //! What wrappers have in common: the environment or vector within, and typed actions.
 
+use gym_core::array::Scalar;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
-use gym_core::{Element, Env, Error, Generator, Outcome, Result, Space, Value, VectorEnv};
+use gym_core::{Array, Element, Env, Error, Generator, Outcome, Result, Space, Value, VectorEnv};
 use serde_json::Value as Json;
 
 use crate::map::Seen;
@@ -273,6 +274,14 @@ pub(crate) fn lend<'a, C: WrapperConfig>(env: &'a mut impl Env) -> Result<&'a mu
             "{name} draws from the environment's own generator: reset it first, and implement \
              `Env::generator` where it is not"
         ))
+    })
+}
+
+/// The numbers of an array that was stored, if there are so many.
+pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> Result<Vec<T>> {
+    let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
+    numbers.map(<[T]>::to_vec).ok_or_else(|| {
+        Error::Snapshot(format!("expected {len} numbers of type {}, and it holds {array}", T::DTYPE))
     })
 }
 

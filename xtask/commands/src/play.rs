@@ -127,7 +127,11 @@ impl Session {
         let observation = self.env.reset(reset)?;
         (self.steps, self.score) = (0, 0.0);
         self.episode += 1;
-        self.record(Event { reset: Some(request), observation: Some(json!(observation)), ..Event::default() })
+        self.record(Event {
+            reset: Some(request),
+            observation: Some(observation.to_json()),
+            ..Event::default()
+        })
     }
 
     /// Takes a step; gives whether the episode is over.
@@ -138,7 +142,7 @@ impl Session {
         let done = step.done();
         self.record(Event {
             step: Some(action.clone()),
-            observation: Some(json!(step.observation)),
+            observation: Some(step.observation.to_json()),
             reward: Some(json!(step.reward)),
             terminated: Some(json!(step.terminated)),
             truncated: Some(json!(step.truncated)),
@@ -151,7 +155,8 @@ impl Session {
     }
 
     fn record(&mut self, event: Event) -> Result<()> {
-        self.trace.events.push(Event { info: Some(json!(self.env.info_map())), ..event });
+        let info = self.env.info_map().into_iter().map(|(key, value)| (key, value.to_json())).collect();
+        self.trace.events.push(Event { info: Some(info), ..event });
         let frame = self.env.render()?.into_frame();
         self.frame = frame.ok_or_else(|| Error::Contract("`rgb_array` rendered no frame".into()))?;
         self.video.as_mut().map_or(Ok(()), |video| video.write(&self.frame))

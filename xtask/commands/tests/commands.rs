@@ -131,9 +131,9 @@ fn the_book_is_up_to_date() {
 
 /// Each has a controller, and one that is better than chance.
 #[test]
-fn heuristics_beat_chance() {
+fn good_policies_beat_chance() {
     let mean = |id: &str, policy: &str| {
-        let file = folder(&format!("heuristic-{id}-{policy}")).join("episodes.json");
+        let file = folder(&format!("policy-{id}-{policy}")).join("episodes.json");
         prints(&["run", id, "--policy", policy, "--seeds", "0..20", "--json", file.to_str().unwrap()]);
         let episodes = json(&file);
         let returns = episodes.as_array().unwrap().iter().map(|episode| episode["return"].as_f64().unwrap());
@@ -150,12 +150,11 @@ fn heuristics_beat_chance() {
         ("Taxi-v4", 7.0),
         ("LunarLander-v3", 200.0),
     ] {
-        let (good, random) = (mean(id, "heuristic"), mean(id, "random"));
+        let (good, random) = (mean(id, "good"), mean(id, "random"));
         assert!(good >= least && good > random, "{id}: {good}, at random {random}");
     }
-    let error =
-        fails(&["run", "CarRacing-v3", "--policy", "heuristic", "--kwargs", r#"{"continuous": false}"#]);
-    assert!(error.contains("has no heuristic"), "{error}");
+    let error = fails(&["run", "CarRacing-v3", "--policy", "good", "--kwargs", r#"{"continuous": false}"#]);
+    assert!(error.contains("has no good policy"), "{error}");
 }
 
 #[test]
@@ -260,9 +259,7 @@ fn gif_follows_its_options() {
     let (frames, plain) = record("plain.gif", &[]);
     assert_eq!(frames, length + 1, "a frame after the reset and after each step, the last one too");
     assert_eq!(record("cut.gif", &["--max-frames", "3"]).0, 3);
-    for options in
-        [["--seed", "1"], ["--policy", "heuristic"], ["--kwargs", r#"{"sutton_barto_reward": true}"#]]
-    {
+    for options in [["--seed", "1"], ["--policy", "good"], ["--kwargs", r#"{"sutton_barto_reward": true}"#]] {
         let (_, other) = record("other.gif", &options);
         // the reward is in no picture
         assert_eq!(other == plain, options[0] == "--kwargs", "{options:?}");

@@ -297,7 +297,7 @@ mod tests {
             let mut sampler = batch.sampler(17);
             for sample in samples.as_array().unwrap() {
                 let drawn = sampler.sample();
-                assert_eq!(&json!(drawn), sample, "{space}");
+                assert_eq!(&drawn.to_json(), sample, "{space}");
                 let singles: Vec<Value> = space.iterate(&drawn).unwrap().collect();
                 assert_eq!(space.concatenate(&singles).unwrap(), drawn, "{space}");
                 assert!(singles.iter().all(|single| space.contains(single)), "{space}");

@@ -10,19 +10,19 @@ use super::numpy_fmt;
 
 /// What is wrong with a value or a description, and where in it.
 #[derive(Debug, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     /// `["x"][1]`; empty at the top.
     path: String,
     reason: String,
 }
 
 impl Fault {
-    pub(super) fn new(reason: impl Into<String>) -> Self {
+    pub(crate) fn new(reason: impl Into<String>) -> Self {
         Self { path: String::new(), reason: reason.into() }
     }
 
     /// The value is of another kind.
-    pub(super) fn kind(expected: &str, value: &Value) -> Self {
+    pub(crate) fn kind(expected: &str, value: &Value) -> Self {
         let actual = match value {
             Value::Null => "nothing",
             Value::Bool(_) => "a truth value",
@@ -40,13 +40,13 @@ impl Fault {
 
     /// The fault lies in the member under a key.
     #[must_use]
-    pub(super) fn under(self, key: &str) -> Self {
+    pub(crate) fn under(self, key: &str) -> Self {
         self.within(format_args!("[{key:?}]"))
     }
 
     /// The fault lies in the member of an index.
     #[must_use]
-    pub(super) fn at(self, index: usize) -> Self {
+    pub(crate) fn at(self, index: usize) -> Self {
         self.within(format_args!("[{index}]"))
     }
 

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::array::Array;
-use crate::{DType, GraphInstance, Result, Value};
+use crate::{DType, GraphInstance, Result, Value, stored};
 
 use super::batch::{concatenate, iterate_array};
 use super::fault::{Fault, expect_array};
@@ -13,7 +13,7 @@ use super::{DictSpace, MultiBinary, Space, TupleSpace};
 impl Space {
     /// An element as JSON: arrays as nested lists, tuples and sequences as lists, dicts as objects,
     /// `OneOf` as `[index, value]`, graphs as an object of `nodes`, `edges` and `edge_links`.
-    /// Infinity is written as `"inf"` and `"-inf"`.
+    /// Infinities and NaN are written as `"inf"`, `"-inf"` and `"NaN"`.
     ///
     /// ```
     /// use gym_core::{Space, Value};
@@ -26,10 +26,10 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the value is not of the kind, type and
-    /// shape of the space's elements, or contains NaN. It may be out of bounds.
+    /// shape of the space's elements. It may be out of bounds.
     pub fn to_json(&self, value: &Value) -> Result<Json> {
-        let json = self.check_form(value).and_then(|()| write(value));
-        json.map_err(|fault| self.refuse(value, &fault))
+        self.check_form(value).map_err(|fault| self.refuse(value, &fault))?;
+        Ok(value.to_json())
     }
 
     /// The element that [`to_json`](Self::to_json) wrote. Numbers are rounded to the precision of the
@@ -176,7 +176,7 @@ fn read_dict(space: &DictSpace, json: &Json, read: Read) -> Result<Value, Fault>
     entries.collect::<Result<_, _>>().map(Value::Dict)
 }
 
-fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
+pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
     let mut numbers = Vec::new();
     read_numbers(json, shape, dtype, &mut numbers)?;
     Array::new(shape, collect(dtype, numbers)).map_err(|error| Fault::new(error.to_string()))
@@ -198,14 +198,14 @@ fn read_numbers(json: &Json, shape: &[usize], dtype: DType, out: &mut Vec<Number
 /// A number that the type has, rounded to its precision.
 fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
     let number = parse_number(json)?;
-    if number.fits(dtype) {
+    if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
         Ok(number)
     } else {
         Err(Fault::new(format!("{number} is no number of type {dtype}")))
     }
 }
 
-fn list(json: &Json) -> Result<&Vec<Json>, Fault> {
+pub(crate) fn list(json: &Json) -> Result<&Vec<Json>, Fault> {
     json.as_array().ok_or_else(|| Fault::new("expected a list"))
 }
 
@@ -221,7 +221,7 @@ fn check_length(items: &[Json], expected: usize) -> Result<(), Fault> {
     Err(Fault::new(format!("the list has {actual} items and should have {expected}")))
 }
 
-/// A number; infinity as a string.
+/// A number; one that JSON lacks as a text.
 pub(super) fn parse_number(json: &Json) -> Result<Number, Fault> {
     let number = match json {
         Json::Number(number) => match (number.as_i64(), number.as_u64()) {
@@ -229,27 +229,22 @@ pub(super) fn parse_number(json: &Json) -> Result<Number, Fault> {
             (_, Some(i)) => Some(Number::Int(i.into())),
             _ => number.as_f64().map(Number::Float),
         },
-        Json::String(text) if text == "inf" => Some(Number::Float(f64::INFINITY)),
-        Json::String(text) if text == "-inf" => Some(Number::Float(f64::NEG_INFINITY)),
+        Json::String(text) => stored::parse_float(text).map(Number::Float),
         _ => None,
     };
-    number.ok_or_else(|| Fault::new(format!("expected a number, \"inf\" or \"-inf\", not {json}")))
+    number.ok_or_else(|| Fault::new(format!("expected a number, \"inf\", \"-inf\" or \"NaN\", not {json}")))
 }
 
-/// The form that [`parse_number`] reads; NaN has none and becomes `null`.
+/// The form that [`parse_number`] reads.
 pub(super) fn write_number(number: Number) -> Json {
     match number {
-        Number::Int(i) => match i64::try_from(i) {
-            Ok(i) => i.into(),
-            Err(_) => u64::try_from(i).map_or(Json::Null, Json::from),
-        },
-        Number::Float(x) if x == f64::INFINITY => "inf".into(),
-        Number::Float(x) if x == f64::NEG_INFINITY => "-inf".into(),
-        Number::Float(x) => x.into(),
+        Number::Int(i) => i64::try_from(i).map_or_else(|_| Json::from(i as u64), Json::from),
+        Number::Float(x) => stored::float_text(x).map_or_else(|| x.into(), Json::from),
     }
 }
 
-fn write_array(array: &Array) -> Result<Json, Fault> {
+/// The numbers of an array as nested lists; a single number where the shape is `[]`.
+pub(crate) fn rows(array: &Array) -> Json {
     fn rows(array: &Array, axis: usize, start: usize) -> Json {
         match array.shape()[axis..].split_first() {
             None => write_number(Number::at(array.data(), start)),
@@ -259,33 +254,32 @@ fn write_array(array: &Array) -> Result<Json, Fault> {
             }
         }
     }
-    match array.iter_f64().position(f64::is_nan) {
-        None => Ok(rows(array, 0, 0)),
-        Some(i) => Err(Fault::new("NaN has no form in JSON").at_element(i, array.shape())),
-    }
+    rows(array, 0, 0)
 }
 
-/// The plain form of a value.
-fn write(value: &Value) -> Result<Json, Fault> {
-    let list = |items: &[Value]| items.iter().map(write).collect::<Result<_, _>>().map(Json::Array);
-    Ok(match value {
-        Value::Array(array) => write_array(array)?,
-        Value::Tuple(items) => list(items)?,
-        Value::Dict(entries) => {
-            let entries = entries.iter().map(|(key, value)| Ok((key.clone(), write(value)?)));
-            Json::Object(entries.collect::<Result<_, _>>()?)
+impl Value {
+    /// Plain JSON for people, without the types that the [stored form](Self#impl-Serialize-for-Value) keeps: arrays as nested
+    /// lists, tuples as lists, dicts as objects, `OneOf` as `[index, value]`, infinities and NaN as `"inf"`, `"-inf"` and
+    /// `"NaN"`. [`Space::from_json`] reads it again.
+    pub fn to_json(&self) -> Json {
+        match self {
+            Self::Null => Json::Null,
+            Self::Bool(b) => Json::from(*b),
+            Self::Int(i) => Json::from(*i),
+            Self::Float(x) => write_number(Number::Float(*x)),
+            Self::Text(text) => Json::from(text.as_str()),
+            Self::Array(array) => rows(array),
+            Self::Tuple(items) => items.iter().map(Self::to_json).collect(),
+            Self::Dict(entries) => {
+                entries.iter().map(|(key, value)| (key.clone(), value.to_json())).collect()
+            }
+            Self::Graph(graph) => {
+                let part = |array: &Option<Array>| array.as_ref().map(rows);
+                json!({ "nodes": rows(&graph.nodes), "edges": part(&graph.edges), "edge_links": part(&graph.edge_links) })
+            }
+            Self::OneOf(index, value) => json!([index, value.to_json()]),
         }
-        Value::Graph(graph) => {
-            let part = |array: &Option<Array>| array.as_ref().map_or(Ok(Json::Null), write_array);
-            json!({
-                "nodes": write_array(&graph.nodes)?,
-                "edges": part(&graph.edges)?,
-                "edge_links": part(&graph.edge_links)?,
-            })
-        }
-        Value::OneOf(index, value) => json!([index, write(value)?]),
-        Value::Null | Value::Bool(_) | Value::Int(_) | Value::Float(_) | Value::Text(_) => json!(value),
-    })
+    }
 }
 
 #[cfg(test)]
@@ -322,7 +316,7 @@ mod tests {
             let value = space.from_json(&json).unwrap();
             assert!(space.contains(&value), "{value}");
             assert_eq!(space.to_json(&value).unwrap(), json);
-            assert_eq!(serde_json::to_value(&value).unwrap(), json);
+            assert_eq!(value.to_json(), json);
         }
     }
 
@@ -355,15 +349,18 @@ mod tests {
     }
 
     #[test]
-    fn infinity_survives_and_nan_does_not() {
+    fn infinity_and_nan_survive() {
         let space =
             Space::from(BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [2], DType::F32).unwrap());
         let value = Value::Array([f32::INFINITY, f32::NEG_INFINITY].into());
         let json = space.to_json(&value).unwrap();
         assert_eq!(json, json!(["inf", "-inf"]));
         assert_eq!(space.from_json(&json).unwrap(), value);
-        let text = space.to_json(&Value::Array([0.0, f32::NAN].into())).unwrap_err().to_string();
-        assert!(text.starts_with("[1]: NaN has no form in JSON"));
+        let json = space.to_json(&Value::Array([-0.0, f32::NAN].into())).unwrap();
+        assert_eq!(json.to_string(), r#"[-0.0,"NaN"]"#);
+        assert_eq!(format!("{:?}", space.from_json(&json).unwrap().as_slice::<f32>()), "Some([-0.0, NaN])");
+        let whole = BoxSpace::uniform(0.0, 9.0, [1], DType::U8).unwrap();
+        assert!(refused(whole, json!(["NaN"])).contains("is no number of type uint8"));
     }
 
     #[test]

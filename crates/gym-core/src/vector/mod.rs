@@ -9,7 +9,6 @@ mod pool;
 mod reset;
 pub(crate) mod size;
 pub(crate) mod slot;
-mod stored;
 mod sync;
 pub(crate) mod wrapper;
 

@@ -5,7 +5,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
-use super::stored::Kept;
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
 use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
@@ -51,7 +50,7 @@ pub(super) struct StoredSlot {
     stage: Stage,
     /// Whether [`info`](Slot::info) tells something.
     progress: Progress,
-    observation: Kept,
+    observation: Value,
 }
 
 /// The error of a step that only a reset can help.
@@ -236,7 +235,7 @@ impl<E: Env> Slot<E> {
             env: env.snapshot()?,
             stage: *stage,
             progress: *progress,
-            observation: Kept(observation.clone()),
+            observation: observation.clone(),
         })
     }
 
@@ -249,8 +248,8 @@ impl<E: Env> Slot<E> {
             return Err(Error::Snapshot("it was taken after `close`".into()));
         }
         let mut batch = spaces.observation.empty_batch(1)?;
-        spaces.observation.write_row(&mut batch, 0, &stored.observation.0).map_err(|_| {
-            Error::Snapshot(format!("its observation {} has another form", stored.observation.0))
+        spaces.observation.write_row(&mut batch, 0, &stored.observation).map_err(|_| {
+            Error::Snapshot(format!("its observation {} has another form", stored.observation))
         })?;
         self.env.clone().restore(&stored.env)
     }
@@ -260,7 +259,7 @@ impl<E: Env> Slot<E> {
         self.env.restore(&stored.env)?;
         self.clear();
         (self.stage, self.progress) = (stored.stage, stored.progress);
-        self.observation = stored.observation.0;
+        self.observation = stored.observation;
         Ok(())
     }
 

@@ -36,7 +36,8 @@ pub use stream::{Stream, WordStream};
 /// It is a [`rand::Rng`] as well, so rand's distributions work with it; rand's own `random` needs
 /// its full name, `rand::RngExt::random`, because this type's method comes first. The stored form
 /// holds the position in the stream: a restored generator continues where the stored one was.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(into = "[u64; 5]", try_from = "[u64; 5]")]
 pub struct Generator {
     pcg: Pcg64,
     /// The high half of the last word drawn for 32 bits, if not used yet: numpy's `has_uint32` and

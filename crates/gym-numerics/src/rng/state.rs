@@ -1,73 +1,64 @@
-//! The stored form of a generator. JSON cannot hold PCG64's 128-bit numbers: there they are hex strings. In
-//! a binary format they are numbers.
+//! The stored form of a generator: five words.
 
 use rand_pcg::Pcg64;
-use serde::de::value::SeqDeserializer;
-use serde::de::{DeserializeOwned, Deserializer, Error as _};
-use serde::ser::Error as _;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::Deserialize;
+use serde::de::value::{Error as SerdeError, SeqDeserializer};
 
 use super::Generator;
 
-#[derive(Serialize, Deserialize)]
-struct Stored {
-    state: String,
-    increment: String,
-    half: Option<u32>,
-}
+/// The bit of the last word that says that half a word is left, in the bits below.
+const HAS_HALF: u64 = 1 << 32;
 
-/// The fields of [`Pcg64`], which shows them through serde alone.
-#[derive(Serialize, Deserialize)]
-struct Fields {
-    state: u128,
-    increment: u128,
-}
-
-fn through_json<T: DeserializeOwned>(from: &impl Serialize) -> serde_json::Result<T> {
-    serde_json::from_str(&serde_json::to_string(from)?)
-}
-
-fn to_hex(number: u128) -> String {
-    format!("{number:#x}")
-}
-
-fn from_hex(text: &str) -> Result<u128, String> {
-    text.strip_prefix("0x").and_then(|digits| u128::from_str_radix(digits, 16).ok()).ok_or_else(|| {
-        format!("`{text}` is no generator state: expected `0x` and 1 to 32 hexadecimal digits")
-    })
-}
-
-impl Serialize for Generator {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if !serializer.is_human_readable() {
-            return (&self.pcg, self.half).serialize(serializer);
+impl Generator {
+    /// The whole state: PCG64's state and its increment, each in two words, the higher one first, and half a word that was not
+    /// drawn yet (2^32 and it, or 0). serde stores a generator so.
+    pub fn words(&self) -> [u64; 5] {
+        /// The fields of [`Pcg64`], which shows them through serde alone.
+        #[derive(Deserialize)]
+        struct Fields {
+            state: u128,
+            increment: u128,
         }
-        let Fields { state, increment } = through_json(&self.pcg).map_err(S::Error::custom)?;
-        Stored { state: to_hex(state), increment: to_hex(increment), half: self.half }.serialize(serializer)
+
+        let fields = serde_json::to_string(&self.pcg).and_then(|json| serde_json::from_str(&json));
+        let Fields { state, increment } = fields.expect("a generator has these fields");
+        let half = self.half.map_or(0, |half| HAS_HALF | u64::from(half));
+        [(state >> 64) as u64, state as u64, (increment >> 64) as u64, increment as u64, half]
+    }
+
+    /// The generator of such [`words`](Self::words).
+    ///
+    /// # Errors
+    /// What is wrong with them: an increment must be odd, and the last word below 2^33.
+    pub fn from_words(
+        [state_high, state, increment_high, increment, half]: [u64; 5],
+    ) -> Result<Self, String> {
+        if increment % 2 == 0 {
+            return Err(format!("{increment} ends no increment of a generator: it must be odd"));
+        }
+        let half = match half {
+            0 => None,
+            HAS_HALF..0x2_0000_0000 => Some(half as u32),
+            _ => return Err(format!("{half} is no half of a word: it must be 0, or between 2^32 and 2^33")),
+        };
+        let join = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
+        let fields = [join(state_high, state), join(increment_high, increment)];
+        let pcg = Pcg64::deserialize(SeqDeserializer::<_, SerdeError>::new(fields.into_iter()));
+        Ok(Self { pcg: pcg.map_err(|error| error.to_string())?, half })
     }
 }
 
-impl<'de> Deserialize<'de> for Generator {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        if !deserializer.is_human_readable() {
-            let (state, increment, half) = <(u128, u128, Option<u32>)>::deserialize(deserializer)?;
-            if increment % 2 == 0 {
-                return Err(D::Error::custom("an increment of a generator must be odd"));
-            }
-            let fields = SeqDeserializer::<_, D::Error>::new([state, increment].into_iter());
-            return Ok(Self { pcg: Pcg64::deserialize(fields)?, half });
-        }
-        let stored = Stored::deserialize(deserializer)?;
-        let state = from_hex(&stored.state).map_err(D::Error::custom)?;
-        let increment = from_hex(&stored.increment).map_err(D::Error::custom)?;
-        if increment % 2 == 0 {
-            return Err(D::Error::custom(format!(
-                "`{}` is no generator increment: it must be odd",
-                stored.increment
-            )));
-        }
-        let pcg: Pcg64 = through_json(&Fields { state, increment }).map_err(D::Error::custom)?;
-        Ok(Self { pcg, half: stored.half })
+impl From<Generator> for [u64; 5] {
+    fn from(generator: Generator) -> Self {
+        generator.words()
+    }
+}
+
+impl TryFrom<[u64; 5]> for Generator {
+    type Error = String;
+
+    fn try_from(words: [u64; 5]) -> Result<Self, String> {
+        Self::from_words(words)
     }
 }
 
@@ -80,12 +71,13 @@ mod tests {
     #[test]
     fn a_fresh_generator_has_numpys_state() {
         for (seed, state, increment) in [
-            (0, "0x1aa1b5345996452d09585eb7a69561e3", "0x418ddadb3af71a82588133bc447873a9"),
-            (42, "0xcea44f6798798f2aacbc7c9d68860ac8", "0xfa505436c9a8416e66caf2e28d25abff"),
-            (123, "0x786df8ae32b3fe645bee00f1ac1e7b4d", "0xd4e48fee886333a26dbcfc7823f9c3b"),
+            (0, 0x1aa1b534_5996452d_09585eb7_a69561e3_u128, 0x418ddadb_3af71a82_588133bc_447873a9_u128),
+            (42, 0xcea44f67_98798f2a_acbc7c9d_68860ac8, 0xfa505436_c9a8416e_66caf2e2_8d25abff),
+            (123, 0x786df8ae_32b3fe64_5bee00f1_ac1e7b4d, 0x0d4e48fe_e886333a_26dbcfc7_823f9c3b),
         ] {
+            let words = [state, increment].map(|number| [(number >> 64) as u64, number as u64]);
             let stored = serde_json::to_value(Generator::from(seed)).unwrap();
-            assert_eq!(stored, json!({"state": state, "increment": increment, "half": null}));
+            assert_eq!(stored, json!([words[0][0], words[0][1], words[1][0], words[1][1], 0]));
         }
     }
 
@@ -109,14 +101,12 @@ mod tests {
 
     #[test]
     fn a_damaged_state_is_refused() {
-        let stored = |state: &str, increment: &str| {
-            let json = json!({"state": state, "increment": increment, "half": null});
-            serde_json::from_value::<Generator>(json).map_err(|error| error.to_string())
-        };
-        assert!(stored("0x0", "0x1").is_ok());
-        assert!(stored("0x0", "0x10").unwrap_err().contains("must be odd"));
-        for state in ["", "12", "0x", "0xg", "0x100000000000000000000000000000000"] {
-            assert!(stored(state, "0x1").unwrap_err().contains("hexadecimal"));
+        let read = |json| serde_json::from_value::<Generator>(json).map_err(|error| error.to_string());
+        assert!(read(json!([0, 0, 0, 1, 0])).is_ok());
+        assert!(read(json!([0, 0, 1, 16, 0])).unwrap_err().contains("must be odd"));
+        for half in [1, 1_u64 << 33, u64::MAX] {
+            assert!(read(json!([0, 0, 0, 1, half])).unwrap_err().contains("half of a word"));
         }
+        assert!(read(json!([0, 0, 0, 1])).is_err() && read(json!([0, 0, 0, 1, 0, 0])).is_err());
     }
 }

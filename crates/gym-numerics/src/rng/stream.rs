@@ -4,19 +4,28 @@ use std::fmt;
 
 use rand::Rng;
 use rand_pcg::Pcg64;
-use serde::de::{DeserializeOwned, Deserializer};
-use serde::{Deserialize, Serialize, Serializer};
 
 use super::Generator;
 
 /// A stream of random numbers that is kept for each of many environments: a [`Generator`], or what
 /// is needed to go on from one.
-pub trait Stream: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static {
+pub trait Stream: Clone + fmt::Debug + Send + 'static {
     /// The stream that continues where a generator is.
     fn new(generator: Generator) -> Self;
 
     /// Lets `f` draw from it.
     fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R;
+
+    /// [`Generator::words`].
+    fn words(&self) -> [u64; 5];
+
+    /// The stream of a [`Generator::from_words`].
+    ///
+    /// # Errors
+    /// As there.
+    fn from_words(words: [u64; 5]) -> Result<Self, String> {
+        Generator::from_words(words).map(Self::new)
+    }
 
     /// [`Generator::random`].
     #[inline(always)]
@@ -40,6 +49,10 @@ impl Stream for Generator {
     fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R {
         f(self)
     }
+
+    fn words(&self) -> [u64; 5] {
+        self.words()
+    }
 }
 
 /// The [`Stream`] of an environment that draws whole words alone, such as
@@ -61,18 +74,9 @@ impl Stream for WordStream {
         self.0 = generator.pcg;
         result
     }
-}
 
-/// As a [`Generator`].
-impl Serialize for WordStream {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Generator { pcg: self.0.clone(), half: None }.serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for WordStream {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Generator::deserialize(deserializer).map(Self::new)
+    fn words(&self) -> [u64; 5] {
+        Generator { pcg: self.0.clone(), half: None }.words()
     }
 }
 

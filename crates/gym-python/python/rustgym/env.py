@@ -286,13 +286,12 @@ class Env(gymnasium.Env[Any, Any]):
         """Brings the generator that somebody holds to where the environment's is."""
         if self._generator is None or (state := self._native.generator()) is None:
             return
-        words = json.loads(state)
-        half = words["half"]
+        state_high, state, inc_high, inc, half = json.loads(state)
         self._generator.bit_generator.state = {
             "bit_generator": "PCG64",
-            "state": {"state": int(words["state"], 16), "inc": int(words["increment"], 16)},
-            "has_uint32": int(half is not None),
-            "uinteger": half or 0,
+            "state": {"state": state_high << 64 | state, "inc": inc_high << 64 | inc},
+            "has_uint32": half >> 32,
+            "uinteger": half & 0xFFFF_FFFF,
         }
 
     def _push_generator(self) -> None:
@@ -300,11 +299,9 @@ class Env(gymnasium.Env[Any, Any]):
         if self._generator is None or self._native is None:
             return
         state = self._generator.bit_generator.state
-        words = {
-            "state": hex(state["state"]["state"]),
-            "increment": hex(state["state"]["inc"]),
-            "half": int(state["uinteger"]) if state["has_uint32"] else None,
-        }
+        half = 1 << 32 | int(state["uinteger"]) if state["has_uint32"] else 0
+        parts = [state["state"]["state"], state["state"]["inc"]]
+        words = [word for part in parts for word in (part >> 64, part & 0xFFFF_FFFF_FFFF_FFFF)] + [half]
         self._native.set_generator(json.dumps(words))
 
     # -- copies

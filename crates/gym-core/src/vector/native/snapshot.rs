@@ -6,38 +6,47 @@ use serde_json::Value as Json;
 use super::step::NO_LIMIT;
 use super::varied::Varied;
 use super::{LANES, Native, NativeVectorEnv, Packed};
+use crate::rng::Stream;
+use crate::stored::{row, words};
 use crate::vector::Autoreset;
-use crate::vector::stored::{pack, unpack};
 use crate::{Error, Result, Snapshot};
 
 /// What the vector was built with, which is compared, and what it has come to.
 #[derive(Serialize, Deserialize)]
-struct Stored {
+#[serde(bound = "")]
+struct Stored<S: Stream> {
     name: String,
     config: Json,
     num_envs: usize,
     autoreset: Autoreset,
     limit: u16,
-    /// [`Numbers`] in binary form; none before the first reset.
-    numbers: Option<String>,
+    /// None before the first reset.
+    numbers: Option<Numbers<S>>,
 }
 
 /// All that changes from step to step.
 #[derive(Serialize, Deserialize)]
-struct Numbers<S> {
+#[serde(bound = "")]
+struct Numbers<S: Stream> {
     /// As [`Packed::put`] writes them, one after the other.
+    #[serde(with = "row")]
     states: Vec<u8>,
+    #[serde(with = "words")]
     streams: Vec<S>,
+    #[serde(with = "row")]
     steps: Vec<u16>,
+    #[serde(with = "row")]
     due: Vec<u32>,
+    #[serde(with = "row")]
     unset: Vec<u32>,
     left_out: Vec<bool>,
     /// The values of arguments that are ranges.
+    #[serde(with = "row")]
     drawn: Vec<f64>,
 }
 
 impl<D: Native> NativeVectorEnv<D> {
-    fn stored(&self, numbers: Option<String>) -> Result<Stored> {
+    fn stored(&self, numbers: Option<Numbers<D::Stream>>) -> Result<Stored<D::Stream>> {
         let config = serde_json::to_value(self.dynamics.config());
         Ok(Stored {
             name: D::NAME.into(),
@@ -68,12 +77,13 @@ impl<D: Native> NativeVectorEnv<D> {
             left_out: self.left_out.clone(),
             drawn: self.varied.as_ref().map(|varied| varied.drawn().to_vec()).unwrap_or_default(),
         };
-        Snapshot::of(&self.stored(Some(pack(&numbers)?))?)
+        Snapshot::of(&self.stored(Some(numbers))?)
     }
 
     pub(super) fn read(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.check_open("restore")?;
-        let Stored { name, config, num_envs, autoreset, limit, numbers } = snapshot.get()?;
+        let Stored { name, config, num_envs, autoreset, limit, numbers } =
+            snapshot.get::<Stored<D::Stream>>()?;
         let own = self.stored(None)?;
         if (&name, &config) != (&own.name, &own.config) {
             let reason =
@@ -92,7 +102,6 @@ impl<D: Native> NativeVectorEnv<D> {
             self.left_out.clear();
             return Ok(());
         };
-        let numbers: Numbers<D::Stream> = unpack(&numbers)?;
         let mut varied = self.varied.clone();
         match &mut varied {
             Some(varied) => varied.restore(&self.dynamics, &numbers.drawn, num_envs)?,

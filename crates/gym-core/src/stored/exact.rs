@@ -1,16 +1,13 @@
-//! State as JSON that keeps every float.
-//!
-//! JSON has no infinities and no NaN, and serde_json stores them as `null`, which is no number when it is read. Here such a
-//! number is the object `{"$float": "inf"}`, with `inf`, `-inf` or `NaN`, wherever a number may stand.
+//! The state of any type, with the floats that JSON lacks: serde_json stores those as `null`, which is no number when it is
+//! read. Here such a float is written as the [stored form](super) says, wherever a number may stand.
 
 use serde::Serialize;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{DeserializeOwned, Deserializer, Error as _, IntoDeserializer, Unexpected, Visitor};
 use serde::ser::{self, Serializer};
-use serde_json::{Error, Value as Json, json};
+use serde_json::{Error, Value as Json};
 
-/// The key of a number that is not finite.
-const FLOAT: &str = "$float";
+use super::{FLOAT, float_text, parse_float, tagged};
 
 /// State as JSON.
 ///
@@ -40,137 +37,88 @@ impl<T: Serialize + ?Sized> Serialize for Exact<'_, T> {
 /// A serializer, or a part of one, that hands on everything but the floats that JSON lacks.
 struct Writer<S>(S);
 
+/// Methods that hand on their arguments, and the parts of something larger behind them.
 macro_rules! hand_on {
-    ($($method:ident($type:ty)),* $(,)?) => {$(
-        fn $method(self, value: $type) -> Result<S::Ok, S::Error> {
-            self.0.$method(value)
-        }
-    )*};
+    (values { $($value:ident($($arg:ident: $type:ty),*);)* } around { $($around:ident($($name:ident: $of:ty),*);)* }
+     parts { $($part:ident($($about:ident: $kind:ty),*) -> $whole:ident;)* }) => {
+        $(fn $value(self, $($arg: $type),*) -> Result<S::Ok, S::Error> {
+            self.0.$value($($arg),*)
+        })*
+        $(fn $around<T: Serialize + ?Sized>(self, $($name: $of,)* value: &T) -> Result<S::Ok, S::Error> {
+            self.0.$around($($name,)* &Exact(value))
+        })*
+        $(
+            type $whole = Writer<S::$whole>;
+
+            fn $part(self, $($about: $kind),*) -> Result<Self::$whole, S::Error> {
+                self.0.$part($($about),*).map(Writer)
+            }
+        )*
+    };
 }
 
 impl<S: Serializer> Serializer for Writer<S> {
     type Ok = S::Ok;
     type Error = S::Error;
-    type SerializeSeq = Writer<S::SerializeSeq>;
-    type SerializeTuple = Writer<S::SerializeTuple>;
-    type SerializeTupleStruct = Writer<S::SerializeTupleStruct>;
-    type SerializeTupleVariant = Writer<S::SerializeTupleVariant>;
-    type SerializeMap = Writer<S::SerializeMap>;
-    type SerializeStruct = Writer<S::SerializeStruct>;
-    type SerializeStructVariant = Writer<S::SerializeStructVariant>;
 
     fn serialize_f32(self, value: f32) -> Result<S::Ok, S::Error> {
         if value.is_finite() { self.0.serialize_f32(value) } else { self.serialize_f64(value.into()) }
     }
 
     fn serialize_f64(self, value: f64) -> Result<S::Ok, S::Error> {
-        if value.is_finite() {
-            self.0.serialize_f64(value)
-        } else {
-            json!({ FLOAT: value.to_string() }).serialize(self.0)
+        match float_text(value) {
+            Some(text) => tagged(self.0, FLOAT, &text),
+            None => self.0.serialize_f64(value),
         }
     }
 
     hand_on! {
-        serialize_bool(bool), serialize_i8(i8), serialize_i16(i16), serialize_i32(i32), serialize_i64(i64),
-        serialize_i128(i128), serialize_u8(u8), serialize_u16(u16), serialize_u32(u32), serialize_u64(u64),
-        serialize_u128(u128), serialize_char(char), serialize_str(&str), serialize_bytes(&[u8]),
-        serialize_unit_struct(&'static str),
-    }
-
-    fn serialize_unit(self) -> Result<S::Ok, S::Error> {
-        self.0.serialize_unit()
-    }
-
-    fn serialize_none(self) -> Result<S::Ok, S::Error> {
-        self.0.serialize_none()
-    }
-
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<S::Ok, S::Error> {
-        self.0.serialize_some(&Exact(value))
-    }
-
-    fn serialize_unit_variant(
-        self,
-        name: &'static str,
-        i: u32,
-        variant: &'static str,
-    ) -> Result<S::Ok, S::Error> {
-        self.0.serialize_unit_variant(name, i, variant)
-    }
-
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(
-        self,
-        name: &'static str,
-        value: &T,
-    ) -> Result<S::Ok, S::Error> {
-        self.0.serialize_newtype_struct(name, &Exact(value))
-    }
-
-    fn serialize_newtype_variant<T: Serialize + ?Sized>(
-        self,
-        name: &'static str,
-        i: u32,
-        variant: &'static str,
-        value: &T,
-    ) -> Result<S::Ok, S::Error> {
-        self.0.serialize_newtype_variant(name, i, variant, &Exact(value))
-    }
-
-    fn serialize_seq(self, len: Option<usize>) -> Result<Self::SerializeSeq, S::Error> {
-        self.0.serialize_seq(len).map(Writer)
-    }
-
-    fn serialize_tuple(self, len: usize) -> Result<Self::SerializeTuple, S::Error> {
-        self.0.serialize_tuple(len).map(Writer)
-    }
-
-    fn serialize_tuple_struct(
-        self,
-        name: &'static str,
-        len: usize,
-    ) -> Result<Self::SerializeTupleStruct, S::Error> {
-        self.0.serialize_tuple_struct(name, len).map(Writer)
-    }
-
-    fn serialize_tuple_variant(
-        self,
-        name: &'static str,
-        i: u32,
-        variant: &'static str,
-        len: usize,
-    ) -> Result<Self::SerializeTupleVariant, S::Error> {
-        self.0.serialize_tuple_variant(name, i, variant, len).map(Writer)
-    }
-
-    fn serialize_map(self, len: Option<usize>) -> Result<Self::SerializeMap, S::Error> {
-        self.0.serialize_map(len).map(Writer)
-    }
-
-    fn serialize_struct(self, name: &'static str, len: usize) -> Result<Self::SerializeStruct, S::Error> {
-        self.0.serialize_struct(name, len).map(Writer)
-    }
-
-    fn serialize_struct_variant(
-        self,
-        name: &'static str,
-        i: u32,
-        variant: &'static str,
-        len: usize,
-    ) -> Result<Self::SerializeStructVariant, S::Error> {
-        self.0.serialize_struct_variant(name, i, variant, len).map(Writer)
+        values {
+            serialize_bool(value: bool);
+            serialize_i8(value: i8);
+            serialize_i16(value: i16);
+            serialize_i32(value: i32);
+            serialize_i64(value: i64);
+            serialize_i128(value: i128);
+            serialize_u8(value: u8);
+            serialize_u16(value: u16);
+            serialize_u32(value: u32);
+            serialize_u64(value: u64);
+            serialize_u128(value: u128);
+            serialize_char(value: char);
+            serialize_str(value: &str);
+            serialize_bytes(value: &[u8]);
+            serialize_unit();
+            serialize_none();
+            serialize_unit_struct(name: &'static str);
+            serialize_unit_variant(name: &'static str, i: u32, variant: &'static str);
+        }
+        around {
+            serialize_some();
+            serialize_newtype_struct(name: &'static str);
+            serialize_newtype_variant(name: &'static str, i: u32, variant: &'static str);
+        }
+        parts {
+            serialize_seq(len: Option<usize>) -> SerializeSeq;
+            serialize_tuple(len: usize) -> SerializeTuple;
+            serialize_tuple_struct(name: &'static str, len: usize) -> SerializeTupleStruct;
+            serialize_tuple_variant(name: &'static str, i: u32, variant: &'static str, len: usize) -> SerializeTupleVariant;
+            serialize_map(len: Option<usize>) -> SerializeMap;
+            serialize_struct(name: &'static str, len: usize) -> SerializeStruct;
+            serialize_struct_variant(name: &'static str, i: u32, variant: &'static str, len: usize) -> SerializeStructVariant;
+        }
     }
 }
 
 macro_rules! hand_on_items {
-    ($($part:ident::$method:ident($($key:ident)?)),* $(,)?) => {$(
+    ($($part:ident { $($method:ident($($key:ident)?))* })*) => {$(
         impl<S: ser::$part> ser::$part for Writer<S> {
             type Ok = S::Ok;
             type Error = S::Error;
 
-            fn $method<T: Serialize + ?Sized>(&mut self, $($key: &'static str,)? value: &T) -> Result<(), S::Error> {
+            $(fn $method<T: Serialize + ?Sized>(&mut self, $($key: &'static str,)? value: &T) -> Result<(), S::Error> {
                 self.0.$method($($key,)? &Exact(value))
-            }
+            })*
 
             fn end(self) -> Result<S::Ok, S::Error> {
                 self.0.end()
@@ -180,29 +128,14 @@ macro_rules! hand_on_items {
 }
 
 hand_on_items! {
-    SerializeSeq::serialize_element(),
-    SerializeTuple::serialize_element(),
-    SerializeTupleStruct::serialize_field(),
-    SerializeTupleVariant::serialize_field(),
-    SerializeStruct::serialize_field(key),
-    SerializeStructVariant::serialize_field(key),
-}
-
-impl<S: ser::SerializeMap> ser::SerializeMap for Writer<S> {
-    type Ok = S::Ok;
-    type Error = S::Error;
-
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Result<(), S::Error> {
-        self.0.serialize_key(key)
-    }
-
-    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), S::Error> {
-        self.0.serialize_value(&Exact(value))
-    }
-
-    fn end(self) -> Result<S::Ok, S::Error> {
-        self.0.end()
-    }
+    SerializeSeq { serialize_element() }
+    SerializeTuple { serialize_element() }
+    SerializeTupleStruct { serialize_field() }
+    SerializeTupleVariant { serialize_field() }
+    SerializeStruct { serialize_field(key) }
+    SerializeStructVariant { serialize_field(key) }
+    // a float as a key is refused
+    SerializeMap { serialize_key() serialize_value() }
 }
 
 /// JSON that is read with all its floats.
@@ -215,10 +148,10 @@ impl Stored<'_> {
         let Some((text, 1)) = self.0.as_object().and_then(|map| Some((map.get(FLOAT)?, map.len()))) else {
             return Ok(None);
         };
-        match text.as_str().and_then(|text| text.parse().ok()) {
-            Some(x) => Ok(Some(x)),
-            None => Err(Error::custom(format!("`{text}` is no float"))),
-        }
+        let x = text.as_str().and_then(parse_float);
+        x.map(Some).ok_or_else(|| {
+            Error::custom(format!("expected \"inf\", \"-inf\" or \"NaN\" under `{FLOAT}`, not {text}"))
+        })
     }
 }
 
@@ -257,8 +190,8 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         visitor: V,
     ) -> Result<V::Value, Error> {
         match name {
-            // the snapshot within a wrapper's is JSON, and stays as it is stored
-            "Snapshot" => visitor.visit_newtype_struct(self.0),
+            // a value, or the snapshot within a wrapper's: it stays as it is stored
+            super::AS_IT_IS => visitor.visit_newtype_struct(self.0),
             _ => visitor.visit_newtype_struct(self),
         }
     }
@@ -300,6 +233,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use serde::Deserialize;
+    use serde_json::json;
 
     use super::*;
 
@@ -353,7 +287,10 @@ mod tests {
         json["numbers"][0] = Json::Null;
         assert!(read::<State>(&json).is_err());
         json["numbers"][0] = json!({ FLOAT: "many" });
-        assert_eq!(read::<State>(&json).unwrap_err().to_string(), "`\"many\"` is no float");
+        assert_eq!(
+            read::<State>(&json).unwrap_err().to_string(),
+            "expected \"inf\", \"-inf\" or \"NaN\" under `$float`, not \"many\""
+        );
         json["numbers"][0] = json!(0.0);
         assert!(read::<State>(&json).is_ok());
         json["pair"] = json!([1, 2.0, 3.0]);

@@ -77,7 +77,7 @@ fn steps_of_sync_vectors_do_not_allocate() {
     };
     assert_eq!(vector_allocations(cartpoles(Autoreset::SameStep)), 0);
     let envs = cartpoles(Autoreset::NextStep).record_episode_statistics().normalize_observation().unwrap();
-    assert_eq!(vector_allocations(envs.normalize_reward(0.99).unwrap().clip_reward(-1.0, 1.0).unwrap()), 0);
+    assert_eq!(vector_allocations(envs.normalize_reward(0.99).unwrap().clip_reward((-1.0, 1.0)).unwrap()), 0);
     // only where an episode ends: a reset builds a new world, which no step does
     let lander = gym::builder("LunarLander-v3").max_episode_steps(None).vector(1).kind(VectorKind::Sync);
     let mut lander = lander.build().unwrap();

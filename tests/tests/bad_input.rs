@@ -196,7 +196,8 @@ fn sizes_beyond_any_memory() {
         &["do not fit in memory"],
     );
     let envs = gym::make_vec("Taxi-v4", 2, None).unwrap();
-    let statistics = gym::vector::wrappers::RecordEpisodeStatistics::new(envs);
-    says(statistics.with_buffer_length(usize::MAX), &["do not fit in memory"]);
+    let most =
+        serde_json::from_value(json!({"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": most}}));
+    says(most.map(|wrapper: gym::WrapperSpec| wrapper.wrap_vector(envs)).unwrap(), &["do not fit in memory"]);
     says(wrap("Acrobot-v1", "DiscretizeObservation", json!({"bins": u32::MAX})), &["at most"]);
 }

@@ -40,7 +40,7 @@ fn drawings_are_as_kept() {
         }
         let path = folder.join(format!("{}.txt", id.replace('/', "_")));
         if update {
-            gym::file::write(&path, drawn.as_bytes()).unwrap();
+            gym::rendering::file::write(&path, drawn.as_bytes()).unwrap();
         }
         let kept = std::fs::read_to_string(&path).unwrap_or_default();
         for (line, (kept, drawn)) in kept.lines().zip(drawn.lines()).enumerate() {

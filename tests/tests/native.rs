@@ -475,7 +475,7 @@ fn arguments_of_classic_environments_work() {
 fn what_only_scalar_environments_can_do_is_refused() {
     let plain = |id: &str| spec(id, json!({}));
     let wrapped = builder("CartPole-v1").build().unwrap();
-    let wrapped = gym::Wrap::clip_reward(wrapped, -1.0, 1.0).unwrap().spec().unwrap();
+    let wrapped = gym::Wrap::clip_reward(wrapped, (-1.0, 1.0)).unwrap().spec().unwrap();
     let rendered = EnvSpec { render_mode: Some(gym::render::RenderMode::RgbArray), ..plain("CartPole-v1") };
     for (spec, reason) in [
         (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),

@@ -1,11 +1,10 @@
 //! Vectors against their sub-environments stepped by hand, and what goes wrong in them.
 
 use gym::registry::VectorBuilder;
-use gym::vector::wrappers::ClipReward;
 use gym::vector::{
     AsyncVectorEnv, Autoreset, Columns, ObservationMode, SyncVectorEnv, VectorKind, VectorReset,
 };
-use gym::wrappers::TimeLimit;
+use gym::wrappers::{ClipReward, TimeLimit};
 use gym::{
     BoxEnv, Env, EnvExt, Error, Info, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
     VectorEnvExt, WrapperSpec, builder, make_vec, registry,
@@ -302,7 +301,7 @@ fn observations_may_have_other_bounds() {
         Box::new(AsyncVectorEnv::with_observation_mode(lakes(), mode).unwrap()),
     ];
     for vector in vectors {
-        let mut envs = ClipReward::new(vector, None, 0.5).unwrap();
+        let mut envs = ClipReward::new(vector, (None, 0.5)).unwrap();
         let space = envs.observation_space().unwrap();
         assert_eq!(space.to_string(), "MultiDiscrete([16 64])");
         assert_eq!(envs.single_observation_space(), Space::discrete(16));

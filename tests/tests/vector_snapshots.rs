@@ -3,11 +3,11 @@
 
 use std::process::Command;
 
-use gym::vector::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
+use gym::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::{
-    BoxEnv, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder,
-    make_vec,
+    BoxEnv, BoxVector, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, Wrap,
+    WrapperSpec, builder, make_vec,
 };
 use serde_json::{Value as Json, json};
 
@@ -327,7 +327,7 @@ fn statistics_of_fewer_environments_are_refused() {
         envs.reset_into(&0.into(), &mut Columns::default()).unwrap();
         let now = envs.snapshot().unwrap();
         let mut fewer = json!(now);
-        let running = fewer[1].as_array_mut().expect("one entry for each sub-environment");
+        let running = fewer[1]["running"].as_array_mut().expect("one entry for each sub-environment");
         assert_eq!(running.len(), N);
         running.pop();
         let error = envs.restore(&serde_json::from_value(fewer).unwrap()).unwrap_err().to_string();
@@ -400,29 +400,29 @@ fn statistics_are_reached_and_frozen() {
     let mut actions = envs.action_sampler(0).unwrap();
     let mut columns = envs.reset(0).unwrap();
     play(&mut *envs, &mut columns, &mut actions, 50);
-    assert!(envs.wrapper::<RecordEpisodeStatistics>().unwrap().episode_count() > 10);
-    let statistics = envs.wrapper::<NormalizeObservation>().unwrap().statistics().clone();
+    assert!(envs.wrapper::<RecordEpisodeStatistics<BoxVector>>().unwrap().episode_count() > 10);
+    let statistics = envs.wrapper::<NormalizeObservation<BoxVector>>().unwrap().statistics().clone();
     assert!(statistics.count() > 200.0);
-    envs.wrapper_mut::<NormalizeObservation>().unwrap().update_running_mean(false);
+    envs.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap().update_running_mean(false);
     play(&mut *envs, &mut columns, &mut actions, 5);
-    assert_eq!(envs.wrapper::<NormalizeObservation>().unwrap().statistics(), &statistics);
+    assert_eq!(envs.wrapper::<NormalizeObservation<BoxVector>>().unwrap().statistics(), &statistics);
     let spec = envs.spec().unwrap();
     assert_eq!(spec.vector_wrappers[0].kwargs["update_running_mean"], false);
 
-    let mut single = gym::wrappers::NormalizeObservation::new(gym::make("Pendulum-v1").unwrap()).unwrap();
+    let mut single = gym::make("Pendulum-v1").unwrap().normalize_observation().unwrap();
     single.set_statistics(statistics.clone()).unwrap();
     single.update_running_mean(false);
     let mut one = make_vec("Pendulum-v1", 1, VectorKind::Sync).unwrap();
     one = WrapperSpec::new("NormalizeObservation").wrap_vector(one).unwrap();
-    let normalizer = one.wrapper_mut::<NormalizeObservation>().unwrap();
+    let normalizer = one.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap();
     normalizer.set_statistics(statistics).unwrap();
     normalizer.update_running_mean(false);
     assert_eq!(
         one.reset(4).unwrap().observations.as_slice::<f32>(),
         single.reset(4).unwrap().as_slice::<f32>()
     );
-    let other = gym::statistics::RunningMeanStd::new(7);
-    assert!(one.wrapper_mut::<NormalizeObservation>().unwrap().set_statistics(other).is_err());
+    let other = gym::wrappers::RunningMeanStd::new(7);
+    assert!(one.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap().set_statistics(other).is_err());
     assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 

@@ -1,8 +1,8 @@
 //! A vector's spec tells the truth: the vector that it makes steps identically, or there is no spec. And what
 //! a vector is asked for is made, or refused before memory runs out.
 
-use gym::vector::wrappers::*;
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
+use gym::wrappers::*;
 use gym::{Error, Info, Result, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder, make_vec};
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
@@ -13,17 +13,26 @@ const IDS: [&str; 6] =
 /// A wrapper of vectors, if it can go around this one.
 fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEnv>> {
     Ok(match which {
-        0 => Box::new(RecordEpisodeStatistics::new(envs).with_buffer_length(3)?.with_stats_key("stats")),
-        1 => Box::new(NormalizeObservation::new(envs)?.with_epsilon(x)?),
-        2 => Box::new(NormalizeReward::new(envs, x.min(1.0))?.with_epsilon(1e-3)?),
-        3 => Box::new(ClipAction::new(envs)?),
-        4 => Box::new(ClipReward::new(envs, -x, f64::INFINITY)?),
-        5 => Box::new(RescaleAction::new(envs, -x, x)?),
-        6 => Box::new(RescaleAction::new(envs, [-x], [3.0 * x])?),
-        7 => Box::new(RescaleObservation::new(envs, -1.0, x)?),
-        8 => Box::new(RescaleObservation::new(envs, [-1.0f32, -0.1], [x as f32, 0.3])?),
+        0 => Box::new(RecordEpisodeStatistics::with_config(
+            envs,
+            record_episode_statistics::Config { buffer_length: 3, stats_key: "stats".into() },
+        )?),
+        1 => Box::new(NormalizeObservation::new(
+            envs,
+            normalize_observation::Config { epsilon: x, ..Default::default() },
+        )?),
+        2 => Box::new(NormalizeReward::new(
+            envs,
+            normalize_reward::Config { gamma: x.min(1.0), epsilon: 1e-3, ..Default::default() },
+        )?),
+        3 => Box::new(ClipAction::new(envs, clip_action::Config::default())?),
+        4 => Box::new(ClipReward::new(envs, (-x, f64::INFINITY))?),
+        5 => Box::new(RescaleAction::new(envs, (-x, x))?),
+        6 => Box::new(RescaleAction::new(envs, ([-x], [3.0 * x]))?),
+        7 => Box::new(RescaleObservation::new(envs, (-1.0, x))?),
+        8 => Box::new(RescaleObservation::new(envs, ([-1.0f32, -0.1], [x as f32, 0.3]))?),
         9 => {
-            let mut envs = NormalizeObservation::new(envs)?;
+            let mut envs = NormalizeObservation::new(envs, normalize_observation::Config::default())?;
             envs.update_running_mean(false);
             Box::new(envs)
         }
@@ -256,7 +265,7 @@ fn without_a_kind_the_vector_is_one_that_works() {
         assert!(vector.kind(VectorKind::Native).build().is_err());
     }
     // what no kind can do says why
-    let error = builder("CartPole-v1").arg("gravity", 1).vector(2).build().unwrap_err().to_string();
+    let error = builder("CartPole-v1").arg("colour", 1).vector(2).build().unwrap_err().to_string();
     assert!(error.contains("sutton_barto_reward"), "{error}");
     assert!(builder("CartPole-v1").max_episode_steps(0).vector(2).build().is_err());
     assert!(make_vec("Nowhere-v0", 2, None).is_err());
@@ -321,8 +330,8 @@ fn every_kind_takes_the_same_forms_of_actions() {
 
 #[test]
 fn a_smaller_buffer_keeps_the_last_episodes() {
-    let vector = builder("CartPole-v1").max_episode_steps(2).vector(2).build().unwrap();
-    let mut envs = RecordEpisodeStatistics::new(vector);
+    let vector = || builder("CartPole-v1").max_episode_steps(2).vector(2).build().unwrap();
+    let mut envs = RecordEpisodeStatistics::new(vector());
     let actions = Value::Array([0i64, 1].into());
     let mut columns = envs.reset(0).unwrap();
     for _ in 0..30 {
@@ -330,10 +339,12 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
     }
     assert_eq!((envs.episode_count(), envs.episodes().len()), (20, 20));
     let last: Vec<_> = envs.episodes().skip(15).copied().collect();
-    let mut envs = envs.with_buffer_length(5).unwrap();
-    assert!(envs.episodes().copied().eq(last));
+    let config = record_episode_statistics::Config { buffer_length: 5, ..Default::default() };
+    let mut smaller = RecordEpisodeStatistics::with_config(vector(), config).unwrap();
+    VectorEnv::restore(&mut smaller, &VectorEnv::snapshot(&envs).unwrap()).unwrap();
+    assert!(smaller.episodes().copied().eq(last));
     for _ in 0..30 {
-        envs.step_into(&actions, &mut columns).unwrap();
+        smaller.step_into(&actions, &mut columns).unwrap();
     }
-    assert_eq!((envs.episode_count(), envs.episodes().len()), (40, 5));
+    assert_eq!((smaller.episode_count(), smaller.episodes().len()), (40, 5));
 }

@@ -1,8 +1,10 @@
 //! Wrappers of vectors: what the traces of Gymnasium do not show. The traces are in parity.rs.
 
-use gym::vector::wrappers::{RecordEpisodeStatistics, TransformAction, TransformObservation};
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
-use gym::wrappers::Bound;
+use gym::wrappers::{
+    Bound, NormalizeObservation, RecordEpisodeStatistics, TransformAction, TransformObservation,
+    normalize_observation, record_episode_statistics,
+};
 use gym::{DType, Error, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, builder, make_vec};
 
 fn pendulums(n: usize, autoreset: Autoreset) -> Box<dyn VectorEnv> {
@@ -102,8 +104,8 @@ fn actions_are_clipped_rescaled_and_transformed() {
     let envs = || pendulums(2, Autoreset::NextStep);
     let expected = step(envs(), [2.0, -1.0]);
     assert_eq!(step(Box::new(envs().clip_action().unwrap()), [7.0, -1.0]), expected);
-    assert_eq!(step(Box::new(envs().rescale_action(-1.0, 1.0).unwrap()), [1.0, -0.5]), expected);
-    assert_eq!(step(Box::new(envs().rescale_action([-4.0f32], [4.0f32]).unwrap()), [4.0, -2.0]), expected);
+    assert_eq!(step(Box::new(envs().rescale_action((-1.0, 1.0)).unwrap()), [1.0, -0.5]), expected);
+    assert_eq!(step(Box::new(envs().rescale_action(([-4.0f32], [4.0f32])).unwrap()), [4.0, -2.0]), expected);
     let push = |batch: &Value| {
         let torques: Vec<f32> = batch.as_slice::<i64>().unwrap().iter().map(|i| *i as f32 - 1.0).collect();
         Value::Array(gym::Array::from(torques).reshape([2, 1]).unwrap())
@@ -113,7 +115,7 @@ fn actions_are_clipped_rescaled_and_transformed() {
     assert_eq!(discrete.action_space().unwrap().to_string(), "MultiDiscrete([4 4])");
     assert_eq!(discrete.step(&Value::Array([3i64, 0].into())).unwrap(), expected);
     assert!(discrete.step(&Value::Array([3i64].into())).is_err());
-    assert!(envs().rescale_action(1.0, 1.0).is_err());
+    assert!(envs().rescale_action((1.0, 1.0)).is_err());
     let discrete = make_vec("CartPole-v1", 2, VectorKind::Sync).unwrap();
     assert!(matches!(discrete.clip_action(), Err(Error::InvalidArgument { .. })));
 }
@@ -123,7 +125,7 @@ fn wrappers_chain_on_typed_and_on_boxed_vectors() {
     let typed = SyncVectorEnv::new((0..2).map(|_| gym::make("Pendulum-v1").unwrap())).unwrap();
     let boxed: Box<dyn VectorEnv> = Box::new(pendulums(2, Autoreset::NextStep));
     let a =
-        typed.record_episode_statistics().normalize_observation().unwrap().clip_reward(-1.0, None).unwrap();
+        typed.record_episode_statistics().normalize_observation().unwrap().clip_reward((-1.0, None)).unwrap();
     let b = boxed.transform_reward(|reward| reward * 2.0).normalize_reward(0.9).unwrap();
     assert_eq!(
         a.describe(),
@@ -132,19 +134,26 @@ fn wrappers_chain_on_typed_and_on_boxed_vectors() {
     assert_eq!(a.single_observation_space().dtype(), Some(DType::F32));
     assert!(b.describe().starts_with("<NormalizeReward, <TransformReward, "));
     for error in [
-        pendulums(1, Autoreset::NextStep).clip_reward(1.0, 0.0).err(),
+        pendulums(1, Autoreset::NextStep).clip_reward((1.0, 0.0)).err(),
         pendulums(1, Autoreset::NextStep).normalize_reward(f64::NAN).err(),
     ] {
         assert!(matches!(error, Some(Error::InvalidArgument { .. })));
     }
-    assert!(pendulums(1, Autoreset::NextStep).normalize_observation().unwrap().with_epsilon(0.0).is_err());
+    assert!({
+        let config = normalize_observation::Config { epsilon: 0.0, ..Default::default() };
+        NormalizeObservation::new(pendulums(1, Autoreset::NextStep), config).is_err()
+    });
 }
 
 #[test]
 fn statistics_of_a_vector_are_named_by_their_key() {
     let vector =
         builder("CartPole-v1").max_episode_steps(3).vector(2).kind(VectorKind::Sync).build().unwrap();
-    let mut envs = RecordEpisodeStatistics::new(vector).with_stats_key("stats");
+    let mut envs = RecordEpisodeStatistics::with_config(
+        vector,
+        record_episode_statistics::Config { stats_key: "stats".into(), ..Default::default() },
+    )
+    .unwrap();
     let mut actions = envs.action_sampler(0).unwrap();
     let mut columns = envs.reset(0).unwrap();
     for _ in 0..3 {
@@ -187,7 +196,7 @@ fn bounds_are_for_one_sub_environment() {
     let bound: Bound = [-1.0f32, -1.0].into();
     let mut envs = make_vec("MountainCar-v0", 3, VectorKind::Sync)
         .unwrap()
-        .rescale_observation(bound, [1.0f32, 1.0])
+        .rescale_observation((bound, [1.0f32, 1.0]))
         .unwrap();
     let columns = envs.reset(0).unwrap();
     assert_eq!(envs.observation_space().unwrap().to_string(), "Box(-1.0, 1.0, (3, 2), float32)");

@@ -4,6 +4,7 @@ use gym::classic::cartpole::{Action, Config};
 use gym::classic::{CartPole, Pendulum};
 use gym::wrappers::{
     OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, RenderCollection, TimeLimit,
+    record_episode_statistics,
 };
 use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
@@ -63,6 +64,10 @@ fn order_is_enforced() {
     assert!(matches!(env.reset(0), Err(Error::Closed("reset"))));
 }
 
+fn config(buffer_length: usize, stats_key: &str) -> record_episode_statistics::Config {
+    record_episode_statistics::Config { buffer_length, stats_key: stats_key.into() }
+}
+
 #[test]
 fn statistics_of_episodes() {
     let mut env = RecordEpisodeStatistics::new(TimeLimit::new(cartpole(), 500).unwrap());
@@ -79,19 +84,19 @@ fn statistics_of_episodes() {
 
 #[test]
 fn statistics_keep_the_last_episodes() {
-    let mut env = RecordEpisodeStatistics::new(cartpole()).with_buffer_length(3).unwrap();
+    let mut env = RecordEpisodeStatistics::with_config(cartpole(), config(3, "episode")).unwrap();
     let mut lengths = Vec::new();
     for _ in 0..5 {
         lengths.push(u64::from(play(&mut env).0));
     }
     assert_eq!(env.episodes().map(|episode| episode.length).collect::<Vec<_>>(), lengths[2..]);
     assert_eq!(env.episode_count(), 5);
-    assert!(RecordEpisodeStatistics::new(cartpole()).with_buffer_length(0).is_err());
+    assert!(RecordEpisodeStatistics::with_config(cartpole(), config(0, "episode")).is_err());
 }
 
 #[test]
 fn statistics_in_one_stack_have_a_key_each() {
-    let within = RecordEpisodeStatistics::new(cartpole()).with_stats_key("whole");
+    let within = RecordEpisodeStatistics::with_config(cartpole(), config(100, "whole")).unwrap();
     let mut env = RecordEpisodeStatistics::new(TimeLimit::new(within, 2).unwrap());
     play(&mut env);
     let info = env.info_map();
@@ -185,7 +190,7 @@ fn a_stack_is_rebuilt_from_its_spec() {
         .render_mode(gym::render::RenderMode::AnsiList)
         .build()
         .unwrap();
-    let env = RecordEpisodeStatistics::new(env).with_buffer_length(5).unwrap();
+    let env = RecordEpisodeStatistics::with_config(env, config(5, "episode")).unwrap();
     let spec = env.spec().unwrap();
     assert_eq!(spec.max_episode_steps, Some(11));
     let json = serde_json::to_string(&spec).unwrap();

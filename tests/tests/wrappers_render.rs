@@ -1,7 +1,7 @@
 //! Wrappers of pictures.
 
 use gym::render::{Frame, RenderMode, Rendered};
-use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView};
+use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView, add_render_observation};
 use gym::{
     Array, DType, Data, Env, EnvExt, Generator, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
     VectorEnvExt, Wrap, spaces::BoxSpace,
@@ -65,13 +65,13 @@ fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
 /// Recorded from Gymnasium 1.4.0 with the same seed and picture.
 #[test]
 fn noise_is_gymnasiums() {
-    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.5, false).unwrap());
+    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.5).unwrap());
     assert_eq!(pixels[..12], [167, 228, 183, 152, 203, 4, 36, 52, 212, 117, 3, 86]);
     assert_eq!((&pixels[24..], next), (&[144, 103, 205][..], 45));
-    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.3, true).unwrap());
+    let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), (0.3, true)).unwrap());
     let grey: Vec<u8> = pixels.chunks(3).map(|pixel| pixel[0]).collect();
     assert_eq!((grey, next), (vec![174, 159, 150, 147, 122, 60], 652));
-    let (pixels, next) = noise(ObstructView::new(Picture(None), 0.5, 2, false).unwrap());
+    let (pixels, next) = noise(ObstructView::new(Picture(None), (0.5, 2)).unwrap());
     assert_eq!(pixels[..9], [70, 41, 72, 236, 15, 193, 205, 12, 142]);
     assert_eq!((&pixels[21..], next), (&[205, 52, 140][..], 148));
 }
@@ -82,7 +82,7 @@ fn a_patch_lies_anywhere_on_the_picture() {
     let mut corners = 0;
     for seed in 0..40 {
         // one patch of 3 by 3 pixels
-        let mut env = ObstructView::new(Picture(None), 0.5, 3, false).unwrap();
+        let mut env = ObstructView::new(Picture(None), (0.5, 3)).unwrap();
         env.reset(seed).unwrap();
         let frame = env.render().unwrap().into_frame().unwrap();
         let covered: Vec<bool> = frame.pixels().chunks(3).map(|pixel| pixel != [9; 3]).collect();
@@ -97,7 +97,7 @@ fn a_patch_lies_anywhere_on_the_picture() {
 #[test]
 fn pictures_are_observed_as_they_are_rendered() {
     let made = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap();
-    let mut env = AddRenderObservation::new(made).unwrap();
+    let mut env = made.add_render_observation().unwrap();
     let start = env.reset(0).unwrap();
     let mut seen = Value::Null;
     for _ in 0..5 {
@@ -112,7 +112,7 @@ fn pictures_are_observed_as_they_are_rendered() {
 fn pictures_turn_grey_and_small() {
     let env = Picture(None).grayscale_observation(false).unwrap();
     assert_eq!(env.observation_space().to_string(), "Box(0, 255, (4, 6), uint8)");
-    let mut env = env.resize_observation(2, 3).unwrap();
+    let mut env = env.resize_observation([2, 3]).unwrap();
     assert_eq!(env.observation_space().to_string(), "Box(0, 255, (2, 3), uint8)");
     let observation = env.reset(0).unwrap();
     assert!(env.observation_space().contains(&observation));
@@ -129,19 +129,24 @@ fn rendered_pictures_are_observed() {
         let builder = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).render_size(60, 40);
         builder.build().unwrap()
     };
+    let with_state = |render_key: &str, obs_key: &str| add_render_observation::Config {
+        render_only: false,
+        render_key: render_key.into(),
+        obs_key: obs_key.into(),
+    };
     let mut env = make().add_render_observation().unwrap();
     assert_eq!(env.observation_space().to_string(), "Box(0, 255, (40, 60, 3), uint8)");
     let observation = env.reset(0).unwrap();
     let frame = env.render().unwrap().into_frame().unwrap();
     assert_eq!(observation.as_slice::<u8>().unwrap(), frame.pixels());
 
-    let mut env = AddRenderObservation::with_state(make(), "pixels", "state").unwrap();
+    let mut env = AddRenderObservation::new(make(), with_state("pixels", "state")).unwrap();
     let observation = env.reset(0).unwrap();
     env.observation_space().check(&observation).unwrap();
     assert_eq!(observation.get("state"), Some(&make().reset(0).unwrap()));
     let spec = env.spec().unwrap();
     assert_eq!(spec.make().unwrap().spec(), Some(spec));
-    assert!(AddRenderObservation::with_state(make(), "x", "x").is_err());
+    assert!(AddRenderObservation::new(make(), with_state("x", "x")).is_err());
     assert!(gym::make("CartPole-v1").unwrap().add_render_observation().is_err(), "no render mode");
 
     let mut noisy = make().add_white_noise(0.5).unwrap().add_render_observation().unwrap();

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use gym_atari::games::{self, Game};
 use gym_atari::{Ale, AtariEnv, AtariPreprocessing, Config, Frameskip, Rom, RomDir};
-use gym_core::{Env, EnvExt, Result, Wrap};
+use gym_core::{Env, EnvExt, Result};
+use gym_wrappers::Wrap;
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).peekable();

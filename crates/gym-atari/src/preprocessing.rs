@@ -5,8 +5,8 @@
 
 use std::any::TypeId;
 
-use gym_core::registry::WrapperRegistration;
-use gym_core::{Array, BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, WrapperSpec};
+use gym_core::registry::WrapperConfig;
+use gym_core::{Array, Element, Env, Error, Outcome, Reset, Result, Snapshot, Space, WrapperSpec};
 use serde::{Deserialize, Serialize};
 
 use crate::action::{Action, Command};
@@ -15,23 +15,18 @@ use crate::palette;
 use crate::screen::WIDTH;
 use crate::shrink::Shrink;
 
-/// How an environment is preprocessed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Preprocessing {
-    /// An episode starts with at least one and at most so many steps of doing nothing; 0 for none.
-    pub noop_max: u32,
-    /// For how many frames an action is executed.
-    pub frame_skip: u32,
-    /// Height and width of the observation.
-    pub screen_size: [usize; 2],
-    /// Whether losing a life terminates.
-    pub terminal_on_life_loss: bool,
-}
-
-impl Default for Preprocessing {
-    fn default() -> Self {
-        Self { noop_max: 30, frame_skip: 4, screen_size: [84, 84], terminal_on_life_loss: false }
+gym_core::arguments! {
+    /// How an environment is preprocessed.
+    #[derive(Copy, Eq)]
+    pub struct Preprocessing {
+        /// An episode starts with at least one and at most so many steps of doing nothing; 0 for none.
+        pub noop_max: u32 = 30,
+        /// For how many frames an action is executed.
+        pub frame_skip: u32 = 4,
+        /// Height and width of the observation.
+        pub screen_size: [usize; 2] = [84, 84],
+        /// Whether losing a life terminates.
+        pub terminal_on_life_loss: bool = false,
     }
 }
 
@@ -42,7 +37,8 @@ impl Default for Preprocessing {
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
-/// use gym_core::{Env, EnvExt, Wrap};
+/// use gym_core::{Env, EnvExt};
+/// use gym_wrappers::Wrap;
 ///
 /// # fn main() -> gym_core::Result<()> {
 /// let config = Config { game: "breakout".to_owned(), frameskip: Frameskip::Fixed(1), ..Config::default() };
@@ -73,21 +69,13 @@ struct Stored {
     lives: i32,
 }
 
-/// The name in specs.
-const NAME: &str = "AtariPreprocessing";
 /// The wrappers that `make` puts around an environment. They check, and change nothing.
 const OF_MAKE: [&str; 2] = ["OrderEnforcing", "PassiveEnvChecker"];
 
-gym_core::inventory::submit! {
-    WrapperRegistration {
-        name: NAME,
-        wrap: |env, kwargs| {
-            let settings = serde_json::from_value(kwargs.clone().into());
-            let settings = settings.map_err(|error| Error::argument(NAME, error.to_string()))?;
-            Ok(BoxEnv::new(AtariPreprocessing::new(env, settings)?))
-        },
-    }
-}
+gym_core::register_wrapper!(
+    "AtariPreprocessing", "no-op starts, the brighter of two frames, small and in gray", Preprocessing,
+    env: AtariPreprocessing::new
+);
 
 impl<E: Env> AtariPreprocessing<E> {
     /// Preprocesses an [`AtariEnv`] whose own `frameskip` is 1, or what `make` gives for one. Frames are played within the
@@ -97,7 +85,7 @@ impl<E: Env> AtariPreprocessing<E> {
     /// [`Error::InvalidArgument`] for an environment that is no [`AtariEnv`], another wrapper around it, another
     /// `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the picture.
     pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
-        let refuse = |reason: String| Err(Error::argument(NAME, reason));
+        let refuse = |reason: String| Err(Preprocessing::refuse(reason));
         let Some(atari) = within(&env) else {
             return refuse(format!("{} is no game of the Atari 2600", env.describe()));
         };
@@ -260,10 +248,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        let Preprocessing { noop_max, frame_skip, screen_size, terminal_on_life_loss } = self.settings;
-        let spec = WrapperSpec::new(NAME).arg("noop_max", noop_max).arg("frame_skip", frame_skip);
-        let spec = spec.arg("screen_size", screen_size.to_vec());
-        Some(spec.arg("terminal_on_life_loss", terminal_on_life_loss))
+        Some(self.settings.spec())
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

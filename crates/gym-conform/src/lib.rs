@@ -18,44 +18,82 @@
 //! ```
 //!
 //! Whoever links this crate counts allocations: it replaces the program's allocator by one that counts, so it belongs
-//! among the `[dev-dependencies]`.
+//! among the `[dev-dependencies]`. Without the feature `checks` there are recorded episodes alone, the module [`trace`],
+//! and the allocator stays.
 //!
 //! Each [`Finding`] says what is wrong and where, why it matters, and how to mend it. An environment that must
 //! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
 
+#[cfg(feature = "checks")]
 mod actions;
+#[cfg(feature = "checks")]
 mod allocations;
+#[cfg(feature = "checks")]
 mod arguments;
+#[cfg(feature = "checks")]
 mod checks;
+#[cfg(feature = "checks")]
 mod copies;
+#[cfg(feature = "checks")]
 mod damage;
+#[cfg(feature = "checks")]
 mod damaged;
+#[cfg(feature = "checks")]
 mod drawing;
+#[cfg(feature = "checks")]
 mod episodes;
+#[cfg(feature = "checks")]
 mod finding;
+#[cfg(feature = "checks")]
 mod info;
+#[cfg(feature = "checks")]
 mod inputs;
+#[cfg(feature = "checks")]
 mod long;
+#[cfg(feature = "checks")]
 mod look;
+#[cfg(feature = "checks")]
 mod matching;
+#[cfg(feature = "checks")]
 mod observations;
+#[cfg(feature = "checks")]
 mod options;
+#[cfg(feature = "checks")]
 mod panics;
+#[cfg(feature = "checks")]
 mod pictures;
+#[cfg(feature = "checks")]
 mod registered;
+#[cfg(feature = "checks")]
 mod report;
+#[cfg(feature = "checks")]
 mod run;
+#[cfg(feature = "checks")]
 mod seeding;
+#[cfg(feature = "checks")]
 mod spaces;
+#[cfg(feature = "checks")]
 mod subject;
+#[cfg(feature = "checks")]
 mod suite;
+#[cfg(feature = "checks")]
 mod threads;
+#[cfg(feature = "checks")]
 mod variation;
+#[cfg(feature = "checks")]
 mod verdict;
 
+pub mod trace;
+
+#[cfg(feature = "checks")]
 pub use checks::{CHECKS, Check};
+#[cfg(feature = "checks")]
 pub use finding::{Finding, Severity};
+#[cfg(feature = "checks")]
 pub use matching::{InfoComparison, Matching, environments_match};
+#[cfg(feature = "checks")]
 pub use report::{Excused, Format, Report, Skipped};
+#[cfg(feature = "checks")]
 pub use run::{check, reports, reports_with};
+#[cfg(feature = "checks")]
 pub use suite::{assert_conforms, ids_of};

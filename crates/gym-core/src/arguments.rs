@@ -30,6 +30,8 @@ pub struct Argument {
     pub versions: &'static str,
     /// The value if it is not given.
     pub default: Json,
+    /// Whether it must be given: it has no default, and is no `Option`.
+    pub required: bool,
     takes: fn(u32) -> bool,
 }
 
@@ -43,7 +45,24 @@ impl Argument {
     #[doc(hidden)]
     pub fn new<T: ArgumentType>(name: &'static str, unit: &'static str, docs: &str) -> Self {
         let meaning = docs.split_whitespace().collect::<Vec<_>>().join(" ");
-        Self { name, kind: T::kind(), unit, meaning, versions: "", default: Json::Null, takes: |_| true }
+        Self {
+            name,
+            kind: T::kind(),
+            unit,
+            meaning,
+            versions: "",
+            default: Json::Null,
+            required: false,
+            takes: |_| true,
+        }
+    }
+
+    /// Requires it if it has no default expression and its type is not optional.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn required(mut self, optional: bool, default: &str) -> Self {
+        self.required = !optional && default.is_empty();
+        self
     }
 
     /// Restricts it to some versions.
@@ -105,6 +124,9 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
 
 /// The type of an argument. Implement it for types of your own that are arguments.
 pub trait ArgumentType {
+    /// Whether an argument of this type that has no default value may be left out.
+    const OPTIONAL: bool = false;
+
     /// The type in the words of JSON: `boolean`, `number`, `list of strings`.
     fn kind() -> String;
 
@@ -147,9 +169,12 @@ kinds! {
     "string": String, std::path::PathBuf;
     "object": serde_json::Map<String, Json>;
     "any value": Json;
+    "type of number": crate::DType;
 }
 
 impl<T: ArgumentType> ArgumentType for Option<T> {
+    const OPTIONAL: bool = true;
+
     fn kind() -> String {
         format!("{} or null", T::kind())
     }
@@ -173,6 +198,7 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 
 /// Defines a struct of arguments: with serde, [`Default`], and the table of [`Arguments`].
 ///
+/// A field without a default value must be given in JSON, unless it is an `Option`; in Rust it is then that of its type.
 /// Each field has its documentation, then, where there is something to say, its unit and the versions of the id that take
 /// it, and its default value. A field under `#[flatten]` is another such struct, whose arguments are taken over; its default
 /// value may be left out, and `#[flatten(name = 3..)]` changes which versions take one of them.
@@ -244,7 +270,7 @@ macro_rules! arguments {
             fn table() -> Vec<$crate::Argument> {
                 <[Vec<$crate::Argument>]>::concat(&[$($crate::arguments!(
                     @rows $field: $type, concat!($($unit)?), concat!($($docs, "\n"),*), [$($versions)?],
-                    [$(flatten $($($other = $when),+)?)?]
+                    [$(flatten $($($other = $when),+)?)?], [$($default)?]
                 )),*])
             }
 
@@ -280,16 +306,14 @@ macro_rules! arguments {
     };
     (@default) => { Default::default() };
     (@default $default:expr) => { $default };
-    (@rows $field:ident: $type:ty, $unit:expr, $docs:expr, [], []) => {
-        vec![$crate::Argument::new::<$type>(stringify!($field), $unit, $docs)]
-    };
-    (@rows $field:ident: $type:ty, $unit:expr, $docs:expr, [$versions:pat], []) => {
+    (@rows $field:ident: $type:ty, $unit:expr, $docs:expr, [$($versions:pat)?], [], [$($default:expr)?]) => {
         vec![
             $crate::Argument::new::<$type>(stringify!($field), $unit, $docs)
-                .versions(stringify!($versions), |version| matches!(version, $versions)),
+                $(.versions(stringify!($versions), |version| matches!(version, $versions)))?
+                .required(<$type as $crate::ArgumentType>::OPTIONAL, stringify!($($default)?)),
         ]
     };
-    (@rows $field:ident: $type:ty, $unit:expr, $docs:expr, [], [flatten $($other:ident = $when:pat),*]) => {
+    (@rows $field:ident: $type:ty, $unit:expr, $docs:expr, [], [flatten $($other:ident = $when:pat),*], [$($default:expr)?]) => {
         <$type as $crate::Arguments>::table()
             .into_iter()
             .map(|argument| match argument.name {

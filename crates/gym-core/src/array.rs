@@ -146,7 +146,10 @@ impl Array {
     }
 
     /// Overwrites the numbers with those of an array of as many, cast as numpy's `astype`.
-    pub(crate) fn assign_cast(&mut self, source: &Self) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Contract`] if it has another number of them.
+    pub fn assign_cast(&mut self, source: &Self) -> Result<()> {
         if self.len() != source.len() {
             let [from, to] = [source.len(), self.len()];
             return Err(Error::Contract(format!("an array has {from} numbers and should have {to}")));
@@ -162,10 +165,41 @@ impl Array {
     }
 
     /// Overwrites one number, cast as numpy's `astype`.
-    pub(crate) fn set_f64(&mut self, index: usize, x: f64) {
+    pub fn set_f64(&mut self, index: usize, x: f64) {
         with_type!(self.dtype(), T => {
             if let Some(number) = self.as_mut_slice::<T>().and_then(|numbers| numbers.get_mut(index)) {
                 *number = T::cast(Number::Float(x));
+            }
+        });
+    }
+
+    /// Clips each number, or each row of numbers of a batch, to bounds of the same type, as numpy's `clip`:
+    /// NaN stays.
+    pub fn clip(&mut self, low: &Self, high: &Self) {
+        with_type!(self.dtype(), T => {
+            let (low, high) = (low.as_slice::<T>().unwrap_or_default(), high.as_slice::<T>().unwrap_or_default());
+            for row in self.as_mut_slice::<T>().unwrap_or_default().chunks_exact_mut(low.len().max(1)) {
+                for (x, (low, high)) in row.iter_mut().zip(low.iter().zip(high)) {
+                    if *x < *low {
+                        *x = *low;
+                    } else if *x > *high {
+                        *x = *high;
+                    }
+                }
+            }
+        });
+    }
+
+    /// Overwrites each number with the larger of it and that of an array of the same form, as numpy's
+    /// `maximum`: NaN wins.
+    pub fn maximum(&mut self, other: &Self) {
+        with_type!(self.dtype(), T => {
+            let numbers = self.as_mut_slice::<T>().unwrap_or_default().iter_mut();
+            for (a, b) in numbers.zip(other.as_slice::<T>().unwrap_or_default()) {
+                #[expect(clippy::eq_op, reason = "only NaN differs from itself")]
+                if b > a || b != b {
+                    *a = *b;
+                }
             }
         });
     }

@@ -17,13 +17,14 @@ pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + 'stati
 }
 
 macro_rules! dtypes {
-    ($($variant:ident $type:ty, $name:literal, $kind:ident);* $(;)?) => {
+    ($($(#[$default:meta])? $variant:ident $type:ty, $name:literal, $kind:ident);* $(;)?) => {
         /// The type of an array's numbers, under numpy's names.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
         pub enum DType {
             $(
                 #[doc = concat!("`", $name, "`")]
                 #[serde(rename = $name)]
+                $(#[$default])?
                 $variant
             ),*
         }
@@ -154,7 +155,7 @@ dtypes! {
     I64 i64, "int64", integer;
     U64 u64, "uint64", integer;
     F32 f32, "float32", float;
-    F64 f64, "float64", float;
+    #[default] F64 f64, "float64", float;
 }
 
 impl DType {

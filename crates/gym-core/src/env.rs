@@ -223,8 +223,7 @@ pub trait Env: Clone + Send + 'static {
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
     ///
-    /// Wrappers with randomness of their own, such as
-    /// [`StickyAction`](crate::wrappers::StickyAction), draw from it as well, so that one seed
+    /// Wrappers with randomness of their own, such as `StickyAction`, draw from it as well, so that one seed
     /// settles an episode. An environment without one gives `None` and cannot be wrapped in these.
     fn generator(&mut self) -> Option<&mut Generator> {
         None

@@ -70,17 +70,15 @@ pub trait EnvExt: Env {
     /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
     ///
     /// The type is the whole type: a wrapper around what [`make`](crate::make) gives is a
-    /// `NormalizeObservation<BoxEnv>`, for which `NormalizeObservation` is short.
+    /// `RecordEpisodeStatistics<BoxEnv>`, for which `RecordEpisodeStatistics` is short.
     ///
     /// ```no_run
-    /// use gym_core::wrappers::NormalizeObservation;
-    /// use gym_core::{BoxEnv, Env, EnvExt, Result, Wrap, make};
+    /// use gym_core::wrappers::RecordEpisodeStatistics;
+    /// use gym_core::{BoxEnv, Env, EnvExt, Result, make};
     ///
     /// fn main() -> Result<()> {
-    ///     let mut env = BoxEnv::new(make("CartPole-v1")?.normalize_observation()?.clip_reward(-1.0, 1.0)?);
-    ///     if let Some(normalize) = env.wrapper_mut::<NormalizeObservation>() {
-    ///         normalize.update_running_mean(false);
-    ///     }
+    ///     let env = BoxEnv::new(RecordEpisodeStatistics::new(make("CartPole-v1")?));
+    ///     assert_eq!(env.wrapper::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
     ///     Ok(())
     /// }
     /// ```

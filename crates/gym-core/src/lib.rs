@@ -11,7 +11,6 @@ mod data;
 mod env;
 mod env_ext;
 mod error;
-pub mod file;
 mod functional;
 pub mod keys;
 pub mod policy;
@@ -21,11 +20,7 @@ pub mod render;
 mod reset;
 mod snapshot;
 pub mod spaces;
-pub mod statistics;
 mod stored;
-
-pub mod trace;
-mod transform;
 mod value;
 pub mod vector;
 mod wrapper;
@@ -35,8 +30,7 @@ pub mod wrappers;
 pub mod prelude {
     #[doc(no_inline)]
     pub use crate::{
-        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, VectorWrap, Wrap, builder,
-        make, make_vec,
+        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, builder, make, make_vec,
     };
 }
 
@@ -62,9 +56,8 @@ pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};
 pub use value::{Element, GraphInstance, Value};
 pub use vector::wrapper::VectorWrapper;
-pub use vector::{VectorEnv, VectorEnvExt, VectorWrap};
+pub use vector::{BoxVector, VectorEnv, VectorEnvExt};
 pub use wrapper::Wrapper;
-pub use wrappers::Wrap;
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

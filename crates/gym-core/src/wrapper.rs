@@ -101,11 +101,16 @@ pub trait Wrapper: Clone + Send + 'static {
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
 
-    /// As [`Env::describe`]: the name of the wrapper's type around what is within.
+    /// The wrapper's own name: that of its type, if it does not say otherwise.
+    fn name(&self) -> &'static str {
+        short_type_name::<Self>()
+    }
+
+    /// As [`Env::describe`]: the wrapper's [name](Self::name) around what is within.
     fn describe(&self) -> String {
         let inner = self.inner().describe();
         let inner = inner.strip_prefix('<').and_then(|text| text.strip_suffix('>')).unwrap_or(&inner);
-        format!("<{}<{inner}>>", short_type_name::<Self>())
+        format!("<{}<{inner}>>", self.name())
     }
 
     /// As [`Env::layer`]: the wrapper itself, or a layer within.

@@ -2,11 +2,7 @@
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::wrappers::{NormalizeObservation, StickyAction};
-use gym_core::{
-    BoxEnv, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv,
-    VectorEnvExt,
-};
+use gym_core::{DType, Env, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt};
 
 /// Counts its steps; an episode has two, and as many resets as are asked for succeed.
 #[derive(Clone, Debug)]
@@ -97,39 +93,6 @@ fn the_shorter_choice_is_padded_with_its_first_number() {
     assert_eq!(flat.as_array().unwrap().iter_f64().collect::<Vec<_>>(), [0.0, 0.5, -0.25, 0.5, 0.5]);
 }
 
-#[test]
-fn epsilon_keeps_small_variances_from_growing() {
-    for epsilon in [1e-8, 0.5, 4.0] {
-        let mut env =
-            NormalizeObservation::new(BoxEnv::new(Counter::new(9))).unwrap().with_epsilon(epsilon).unwrap();
-        env.reset(0).unwrap();
-        let seen = env.step(&Value::Int(0)).unwrap().observation;
-        let statistics = env.statistics();
-        let means: Vec<_> = statistics.mean().iter_f64().collect();
-        let variances: Vec<_> = statistics.variance().iter_f64().collect();
-        let seen: Vec<_> = seen.as_array().unwrap().iter_f64().collect();
-        for (i, x) in [1.0, 2.0].into_iter().enumerate() {
-            let expected = (x - means[i]) / (variances[i] + epsilon).sqrt();
-            assert!((seen[i] - expected).abs() < 1e-6, "epsilon {epsilon}: {} for {expected}", seen[i]);
-        }
-    }
-}
-
-/// One draw decides whether to stick; the steps for which it sticks draw nothing more.
-#[test]
-fn a_stuck_action_draws_nothing() {
-    let env = StickyAction::new(BoxEnv::new(Counter::new(9)), 0.999_999).unwrap().with_duration(3..=3);
-    let mut env = env.unwrap();
-    env.reset(0).unwrap();
-    let mut drawn = Vec::new();
-    for _ in 0..7 {
-        let before = env.generator().unwrap().clone();
-        env.step(&Value::Int(1)).unwrap();
-        drawn.push(*env.generator().unwrap() != before);
-    }
-    assert_eq!(drawn, [false, true, false, false, true, false, false]);
-}
-
 /// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a flag behind.
 #[test]
 fn a_step_that_fails_half_way_answers_nothing() {
@@ -177,31 +140,4 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     let infos = envs.infos(&columns);
     let flags = [true, false, true].map(Value::Bool).to_vec();
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
-}
-
-/// What a vector shows of an episode's last observation is on the same scale as all others.
-#[test]
-fn final_observations_of_a_vector_are_normalized_too() {
-    let envs = || [Counter::new(9), Counter::new(9)];
-    let mut plain = SyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep);
-    let inner = SyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep);
-    let mut normalized = gym_core::vector::wrappers::NormalizeObservation::new(inner).unwrap();
-    let actions = plain.action_space().unwrap().sampler(0).sample();
-    let (mut raw, mut shown) = (plain.reset(0).unwrap(), normalized.reset(0).unwrap());
-    for _ in 0..2 {
-        plain.step_into(&actions, &mut raw).unwrap();
-        normalized.step_into(&actions, &mut shown).unwrap();
-    }
-    assert_eq!(shown.has_final, [true, true]);
-    let numbers = |value: &Value| value.as_array().unwrap().iter_f64().collect::<Vec<_>>();
-    let statistics = normalized.statistics();
-    let (mean, variance) = (statistics.mean(), statistics.variance());
-    let moments = mean.iter_f64().zip(variance.iter_f64()).collect::<Vec<_>>();
-    for (i, (x, y)) in
-        numbers(&raw.final_observations).iter().zip(numbers(&shown.final_observations)).enumerate()
-    {
-        let (mean, variance) = moments[i % 2];
-        let expected = (x - mean) / (variance + 1e-8).sqrt();
-        assert!((y - expected).abs() < 1e-4, "number {i}: {y} for {expected}");
-    }
 }

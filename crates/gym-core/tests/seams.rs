@@ -1,10 +1,10 @@
 //! What happens around an episode: after `close`, where buffers shrink, where an id lacks its version, where an
 //! environment cuts its own episodes off.
 
-use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics};
+use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{
     Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
-    Snapshot, Space, Stateful, Task, Transition, Value, Wrap, registry,
+    Snapshot, Space, Stateful, Task, Transition, Value, registry,
 };
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
@@ -105,10 +105,14 @@ fn dynamics_truncate_and_keep_their_buffer() {
 
 #[test]
 fn a_smaller_buffer_keeps_the_last_episodes() {
-    let mut env = RecordEpisodeStatistics::new(Stateful::<Budget>::new(Config::default()).unwrap());
+    let budget = || Stateful::<Budget>::new(Config::default()).unwrap();
+    let mut env = RecordEpisodeStatistics::new(budget());
     play(&mut env, 20);
-    for (length, kept) in [(5, 5), (8, 5), (3, 3)] {
-        env = env.with_buffer_length(length).unwrap();
+    for (buffer_length, kept) in [(5, 5), (8, 5), (3, 3)] {
+        let snapshot = Env::snapshot(&env).unwrap();
+        let config = record_episode_statistics::Config { buffer_length, ..Default::default() };
+        env = RecordEpisodeStatistics::with_config(budget(), config).unwrap();
+        Env::restore(&mut env, &snapshot).unwrap();
         assert_eq!(env.episodes().len(), kept);
     }
     play(&mut env, 40);
@@ -157,7 +161,7 @@ fn messages_name_what_is_wrong_first() {
     assert!(error.contains("version 3"), "{error}");
     let error = message(gym_core::builder("seams/Budget-v4").arg("budget", f64::NAN).build().unwrap_err());
     assert!(error.contains("NaN or infinite"), "{error}");
-    let mut env = make().rescale_observation(0.0, 1.0).unwrap();
+    let mut env = RecordEpisodeStatistics::new(make());
     env.reset(0).unwrap();
     let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());
     assert!(error.starts_with("invalid action: expected a whole number, not an array"), "{error}");

@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
+use gym_conform::trace::Trace;
 use gym_core::registry;
-use gym_core::trace::Trace;
 use gym_mujoco::simulated;
 use serde_json::{Value, json};
 

@@ -38,7 +38,8 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         env = BoxEnv::new(env.clip_action()?);
     }
     if let Some(statistics) = normalization {
-        let mut normalized = wrappers::NormalizeObservation::new(env)?;
+        let mut normalized =
+            wrappers::NormalizeObservation::new(env, wrappers::normalize_observation::Config::default())?;
         normalized.set_statistics(statistics)?;
         normalized.update_running_mean(false);
         env = BoxEnv::new(normalized);

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use gym::statistics::RunningMeanStd;
-use gym::vector::wrappers::NormalizeObservation;
-use gym::{EnvSpec, Generator, file};
+use gym::rendering::file;
+use gym::wrappers::{NormalizeObservation, RunningMeanStd};
+use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};
 
 use crate::agent::Agent;
@@ -29,7 +29,7 @@ impl Policy {
         let mut vector = checkpoint.spec.make()?;
         vector.restore(&checkpoint.envs)?;
         let normalization =
-            vector.wrapper::<NormalizeObservation>().map(|wrapper| wrapper.statistics().clone());
+            vector.wrapper::<NormalizeObservation<BoxVector>>().map(|wrapper| wrapper.statistics().clone());
         let (observation, action) = (vector.single_observation_space(), vector.single_action_space());
         let count = Agent::new(&observation, &action, &mut Generator::from(0))?.policy_variables();
         let network = checkpoint.agent.variables.iter().take(count).cloned().collect();

@@ -47,7 +47,7 @@ impl Checkpoint {
     /// Replaces the checkpoint in a folder: whoever is killed meanwhile leaves the one before.
     pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        gym::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
+        gym::rendering::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
         Ok(())
     }
 }

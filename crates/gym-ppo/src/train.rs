@@ -4,9 +4,9 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 use gym::rendering::Plot;
-use gym::vector::wrappers::RecordEpisodeStatistics;
-use gym::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorKind, VectorSpec};
-use gym::{Generator, WrapperSpec, builder};
+use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
+use gym::wrappers::RecordEpisodeStatistics;
+use gym::{BoxVector, Generator, WrapperSpec, builder};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Training;
@@ -111,7 +111,7 @@ impl Run {
     fn round(&mut self, total: u64) -> anyhow::Result<()> {
         let Self { settings, envs, agent, rollout, rng, returns, .. } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
-            if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics>() {
+            if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>() {
                 let ended = (0..envs.num_envs()).filter_map(|index| statistics.ended(index));
                 returns.extend(ended.map(|episode| episode.episode_return));
             }

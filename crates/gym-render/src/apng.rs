@@ -6,7 +6,7 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use gym_core::file::AtomicFile;
+use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter};
 

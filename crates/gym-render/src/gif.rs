@@ -14,8 +14,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 
+use crate::file::AtomicFile;
 use gif::{Encoder, EncodingError, Repeat};
-use gym_core::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 

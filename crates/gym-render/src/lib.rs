@@ -33,6 +33,7 @@
 
 mod apng;
 mod changes;
+pub mod file;
 mod font;
 mod gif;
 mod inline;
@@ -69,10 +70,11 @@ pub use png::{contact_sheet, write_png, write_png_sequence};
 pub use raster::{Raster, frame};
 pub use record::Recording;
 pub use record_vector_video::RecordVectorVideo;
+pub use record_vector_video::arguments::Config as RecordVectorVideoConfig;
 pub use record_video::RecordVideo;
 pub use recorder::Recorder;
 pub use svg::{Svg, svg, write_svg};
-pub use tape::capped_cubic;
+pub use tape::{Config as RecordVideoConfig, capped_cubic};
 pub use video::{VideoWriter, write_video};
 #[cfg(feature = "human")]
 pub use window::Window;

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use gym_core::file::AtomicFile;
+use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 use png::{BitDepth, ColorType, Encoder, EncodingError};

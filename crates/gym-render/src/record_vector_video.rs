@@ -3,15 +3,16 @@
 use std::fmt;
 use std::path::Path;
 
-use gym_core::registry::VectorWrapperRegistration;
+use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
-use gym_core::{Error, Kwargs, Result, Value, VectorEnv, WrapperSpec, inventory};
+use gym_core::{Error, Result, Value, VectorEnv, WrapperSpec};
 
 use crate::png::tile;
-use crate::record_video::{check_known_mode, video_folder};
+use crate::record_video::check_known_mode;
 use crate::recorder::not_frames;
-use crate::tape::{Tape, tape_options};
+use crate::tape::{Config as Common, Tape, tape_options};
+use arguments::Config;
 
 /// Records all sub-environments of a vector side by side, in a grid: Gymnasium's `vector.RecordVideo`.
 ///
@@ -37,14 +38,27 @@ pub struct RecordVectorVideo<V = Box<dyn VectorEnv>> {
     first_only: bool,
 }
 
-/// Gymnasium's name of the wrapper.
-const NAME: &str = "RecordVideo";
+/// The arguments of [`RecordVectorVideo`].
+pub(crate) mod arguments {
+    use crate::RecordVectorVideo;
+    use crate::tape::Config as Common;
 
-inventory::submit! {
-    VectorWrapperRegistration {
-        name: NAME,
-        wrap: |envs, kwargs| Ok(Box::new(RecordVectorVideo::from_kwargs(envs, kwargs)?)),
+    gym_core::arguments! {
+        /// The arguments of [`RecordVectorVideo`].
+        pub struct Config {
+            /// Those that a single environment has too.
+            #[flatten]
+            pub common: Common,
+            /// The grid's width is as near as can be to so many times its height.
+            pub video_aspect_ratio: f64 = 1.0,
+            /// Whether the first sub-environment alone is recorded.
+            pub record_first_only: bool = false,
+        }
     }
+
+    gym_core::register_wrapper!(
+        "RecordVideo", "records all sub-environments in a grid", Config, vector: RecordVectorVideo::with_config
+    );
 }
 
 impl<V: VectorEnv> RecordVectorVideo<V> {
@@ -54,11 +68,21 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
     /// sub-environments has no render mode or one that gives no frames.
     pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
+        let common = Common { video_folder: folder.as_ref().to_owned(), ..Common::default() };
+        Self::with_config(envs, Config { common, ..Config::default() })
+    }
+
+    /// Records `envs` with all arguments at once.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_config(envs: V, config: Config) -> Result<Self> {
         if let Some(spec) = envs.spec() {
             check_known_mode(envs.describe(), spec.env.render_mode)?;
         }
-        let tape = Tape::new(folder.as_ref(), envs.metadata().render_fps)?;
-        Ok(Self { envs, tape, aspect_ratio: 1.0, first_only: false })
+        let Config { common, video_aspect_ratio: aspect_ratio, record_first_only: first_only } = config;
+        let tape = Tape::new(common, envs.metadata().render_fps)?;
+        Ok(Self { envs, tape, aspect_ratio, first_only })
     }
 
     tape_options!();
@@ -73,24 +97,6 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     #[must_use]
     pub fn first_only(self) -> Self {
         Self { first_only: true, ..self }
-    }
-
-    /// Records `envs` as a spec says.
-    fn from_kwargs(envs: V, kwargs: &Kwargs) -> Result<Self> {
-        let mut kwargs = kwargs.clone();
-        let aspect_ratio = kwargs.remove("video_aspect_ratio");
-        let first_only = kwargs.remove("record_first_only");
-        let mut video = Self::new(envs, video_folder(&kwargs)?)?;
-        video.tape.configure(&kwargs)?;
-        for (name, value) in [("video_aspect_ratio", &aspect_ratio), ("record_first_only", &first_only)] {
-            let Some(value) = value else { continue };
-            match (name, value.as_f64(), value.as_bool()) {
-                ("video_aspect_ratio", Some(ratio), _) => video.aspect_ratio = ratio,
-                ("record_first_only", _, Some(first)) => video.first_only = first,
-                _ => return Err(Error::argument(NAME, format!("`{name}` cannot be {value}"))),
-            }
-        }
-        Ok(video)
     }
 
     /// The vector within.
@@ -149,10 +155,13 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         &mut self.envs
     }
 
+    fn name(&self) -> &'static str {
+        Config::NAME
+    }
+
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        let wrapper = self.tape.wrapper_spec(NAME)?;
-        let wrapper = wrapper.arg("video_aspect_ratio", self.aspect_ratio);
-        Some(wrapper.arg("record_first_only", self.first_only))
+        let (video_aspect_ratio, record_first_only) = (self.aspect_ratio, self.first_only);
+        Some(Config { common: self.tape.stored()?, video_aspect_ratio, record_first_only }.spec())
     }
 
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
@@ -194,7 +203,7 @@ impl<V: fmt::Debug> fmt::Debug for RecordVectorVideo<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RecordVectorVideo")
             .field("envs", &self.envs)
-            .field("folder", &self.tape.folder)
+            .field("folder", &self.tape.config.video_folder)
             .field("recording", &self.tape.recording)
             .finish_non_exhaustive()
     }

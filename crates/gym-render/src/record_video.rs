@@ -3,19 +3,16 @@
 use std::fmt;
 use std::path::Path;
 
-use gym_core::registry::WrapperRegistration;
+use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, RenderMode, Rendered};
-use gym_core::{BoxEnv, Env, Error, Kwargs, Outcome, Reset, Result, Snapshot, WrapperSpec, inventory};
+use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
 use crate::recorder::not_frames;
-use crate::tape::{Tape, tape_options};
+use crate::tape::{Config, Tape, tape_options};
 
-/// Gymnasium's name of the wrapper.
-const NAME: &str = "RecordVideo";
-
-inventory::submit! {
-    WrapperRegistration { name: NAME, wrap: |env, kwargs| Ok(BoxEnv::new(RecordVideo::from_kwargs(env, kwargs)?)) }
-}
+gym_core::register_wrapper!(
+    "RecordVideo", "records some episodes to files", Config, env: RecordVideo::with_config
+);
 
 /// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
@@ -62,8 +59,16 @@ impl<E: Env> RecordVideo<E> {
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
     /// without a render mode or with one that gives no frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
+        Self::with_config(env, Config { video_folder: folder.as_ref().to_owned(), ..Config::default() })
+    }
+
+    /// Records `env` with all arguments at once.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_config(env: E, config: Config) -> Result<Self> {
         check_mode(&env)?;
-        let tape = Tape::new(folder.as_ref(), env.metadata().render_fps)?;
+        let tape = Tape::new(config, env.metadata().render_fps)?;
         Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
     }
 
@@ -85,13 +90,6 @@ impl<E: Env> RecordVideo<E> {
         self.env
     }
 
-    /// Records `env` as a spec says.
-    fn from_kwargs(env: E, kwargs: &Kwargs) -> Result<Self> {
-        let mut video = Self::new(env, video_folder(kwargs)?)?;
-        video.tape.configure(kwargs)?;
-        Ok(video)
-    }
-
     /// Records the newest frame.
     fn capture(&mut self) -> Result<()> {
         if !self.is_recording() {
@@ -110,12 +108,6 @@ impl<E: Env> RecordVideo<E> {
         }
         Ok(())
     }
-}
-
-/// The folder that a spec names.
-pub(crate) fn video_folder(kwargs: &Kwargs) -> Result<&str> {
-    let folder = kwargs.get("video_folder").and_then(|folder| folder.as_str());
-    folder.ok_or_else(|| Error::argument(NAME, "it needs `video_folder`, a path"))
 }
 
 /// Fails for an environment that will render no frames.
@@ -183,7 +175,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.tape.wrapper_spec(NAME)
+        self.tape.stored().map(|config| config.spec())
     }
 
     fn close(&mut self) {
@@ -196,7 +188,7 @@ impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RecordVideo")
             .field("env", &self.env)
-            .field("folder", &self.tape.folder)
+            .field("folder", &self.tape.config.video_folder)
             .field("recording", &self.tape.recording)
             .finish_non_exhaustive()
     }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use gym_core::file::AtomicFile;
+use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 

@@ -3,8 +3,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use gym_core::Result;
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
-use gym_core::{Result, file};
+
+use crate::file;
 
 use crate::font;
 use crate::number::{Decimal, Pair, Rgb};

@@ -2,23 +2,37 @@
 //! vectors.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use gym_core::render::Frame;
-use gym_core::{Error, Kwargs, Result, WrapperSpec};
+use gym_core::{Error, Result};
 
 use crate::VideoWriter;
 
 /// Whether to record, by the number of the episode or of the step.
 pub(crate) type Trigger = Box<dyn FnMut(u64) -> bool + Send>;
 
+gym_core::arguments! {
+    /// The arguments of [`RecordVideo`](crate::RecordVideo).
+    pub struct Config {
+        /// The folder, which is made if it does not exist.
+        pub video_folder: PathBuf,
+        /// After how many frames a recording ends; 0 for the end of its episode.
+        pub video_length: u64 = 0,
+        /// What the names of the files start with.
+        pub name_prefix: String = "rl-video".into(),
+        /// Frames per second, where they are not the environment's own.
+        pub fps: Option<u32>,
+        /// The format: one that [`VideoWriter`](crate::VideoWriter) knows.
+        pub extension: String = "gif".into(),
+    }
+}
+
 /// Triggers, counters, and the recording that is running.
 pub(crate) struct Tape {
-    pub(crate) folder: PathBuf,
-    pub(crate) name_prefix: String,
-    pub(crate) extension: String,
-    pub(crate) fps: u32,
-    pub(crate) video_length: u64,
+    pub(crate) config: Config,
+    /// The environment's frames per second.
+    fps: u32,
     pub(crate) is_clone: bool,
     pub(crate) episode_trigger: Option<Trigger>,
     pub(crate) step_trigger: Option<Trigger>,
@@ -37,14 +51,11 @@ pub(crate) struct Recording {
 
 impl Tape {
     /// Makes the folder if it does not exist.
-    pub(crate) fn new(folder: &Path, fps: u32) -> Result<Self> {
-        fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    pub(crate) fn new(config: Config, fps: u32) -> Result<Self> {
+        fs::create_dir_all(&config.video_folder).map_err(|error| Error::io(&config.video_folder, error))?;
         Ok(Self {
-            folder: folder.to_owned(),
-            name_prefix: "rl-video".into(),
-            extension: "gif".into(),
+            config,
             fps,
-            video_length: 0,
             is_clone: false,
             episode_trigger: None,
             step_trigger: None,
@@ -55,49 +66,16 @@ impl Tape {
         })
     }
 
-    /// Takes the arguments of a spec, but for the folder.
-    pub(crate) fn configure(&mut self, kwargs: &Kwargs) -> Result<()> {
-        for (name, value) in kwargs {
-            let number = value.as_u64();
-            match (name.as_str(), value.as_str()) {
-                ("video_folder", _) => {}
-                ("name_prefix", Some(prefix)) => self.name_prefix = prefix.to_owned(),
-                ("extension", Some(extension)) => self.extension = extension.to_owned(),
-                ("video_length", _) if number.is_some() => self.video_length = number.unwrap_or_default(),
-                ("fps", _) if value.is_null() => {}
-                ("fps", _) if number.is_some_and(|fps| u32::try_from(fps).is_ok()) => {
-                    self.fps = number.unwrap_or_default() as u32;
-                }
-                _ => {
-                    let reason = format!(
-                        "`{name}` cannot be {value}: its arguments are video_folder, video_length, name_prefix, fps \
-                         and extension"
-                    );
-                    return Err(Error::argument("RecordVideo", reason));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The arguments as a spec holds them; `None` with a trigger, which is a function.
-    pub(crate) fn wrapper_spec(&self, name: &str) -> Option<WrapperSpec> {
-        if self.episode_trigger.is_some() || self.step_trigger.is_some() {
-            return None;
-        }
-        // a path that is not Unicode is no JSON
-        let wrapper = WrapperSpec::new(name)
-            .arg("video_folder", self.folder.to_str()?)
-            .arg("video_length", self.video_length)
-            .arg("name_prefix", self.name_prefix.as_str())
-            .arg("fps", self.fps)
-            .arg("extension", self.extension.as_str());
-        Some(wrapper)
+    /// The arguments, if they have a stored form: a trigger, which is a function, and a path that is not Unicode
+    /// have none.
+    pub(crate) fn stored(&self) -> Option<Config> {
+        let stored = self.episode_trigger.is_none() && self.step_trigger.is_none();
+        (stored && self.config.video_folder.to_str().is_some()).then(|| self.config.clone())
     }
 
     /// An episode begins: starts a recording if it is wanted.
     pub(crate) fn episode(&mut self) {
-        if self.video_length == 0 {
+        if self.config.video_length == 0 {
             self.stop();
         }
         let episode = self.episodes;
@@ -123,7 +101,7 @@ impl Tape {
 
     /// The episode has ended.
     pub(crate) fn end_of_episode(&mut self) {
-        if self.video_length == 0 {
+        if self.config.video_length == 0 {
             self.stop();
         }
     }
@@ -131,8 +109,9 @@ impl Tape {
     /// Starts a recording in place of one that is running.
     fn start(&mut self, kind: &str, number: u64) {
         self.stop();
-        let name = format!("{}-{kind}-{number}.{}", self.name_prefix, self.extension);
-        match VideoWriter::create(self.folder.join(name), self.fps) {
+        let Config { video_folder, name_prefix, fps, extension, .. } = &self.config;
+        let path = video_folder.join(format!("{name_prefix}-{kind}-{number}.{extension}"));
+        match VideoWriter::create(path, fps.unwrap_or(self.fps)) {
             Ok(video) => self.recording = Some(Recording { video, frames: 0 }),
             Err(error) => self.give_up(error),
         }
@@ -146,7 +125,7 @@ impl Tape {
         if let Err(error) = written {
             self.recording = None;
             self.give_up(error);
-        } else if recording.frames == self.video_length {
+        } else if recording.frames == self.config.video_length {
             self.stop();
         }
     }
@@ -170,11 +149,8 @@ impl Tape {
 impl Clone for Tape {
     fn clone(&self) -> Self {
         Self {
-            folder: self.folder.clone(),
-            name_prefix: self.name_prefix.clone(),
-            extension: self.extension.clone(),
+            config: self.config.clone(),
             fps: self.fps,
-            video_length: self.video_length,
             is_clone: true,
             episode_trigger: None,
             step_trigger: None,
@@ -216,28 +192,28 @@ macro_rules! tape_options {
         /// Ends each recording after that many frames; 0, the default, is the end of its episode.
         #[must_use]
         pub fn video_length(mut self, frames: u64) -> Self {
-            self.tape.video_length = frames;
+            self.tape.config.video_length = frames;
             self
         }
 
         /// Starts the names of the files with this instead of `rl-video`.
         #[must_use]
         pub fn name_prefix(mut self, prefix: &str) -> Self {
-            self.tape.name_prefix = prefix.to_owned();
+            self.tape.config.name_prefix = prefix.to_owned();
             self
         }
 
         /// The format: `gif` by default, else one that [`VideoWriter`](crate::VideoWriter) knows.
         #[must_use]
         pub fn extension(mut self, extension: &str) -> Self {
-            self.tape.extension = extension.to_owned();
+            self.tape.config.extension = extension.to_owned();
             self
         }
 
         /// Plays at another speed than the environment's own.
         #[must_use]
         pub fn fps(mut self, fps: u32) -> Self {
-            self.tape.fps = fps;
+            self.tape.config.fps = Some(fps);
             self
         }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gym_core::file::AtomicFile;
+use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 

@@ -89,7 +89,7 @@ function advance(loop, now) {
   loop.due = Math.max(loop.due + period, now - period);
   if (loop.done) loop.due = now + END;
   // pictures no faster than a screen shows them
-  if (loop.done || now - loop.shown >= loop.interval) show(loop, now);
+  if (loop.done || loop.paused || now - loop.shown >= loop.interval) show(loop, now);
 }
 
 // Takes up to so many steps; says whether it took any.

@@ -33,6 +33,8 @@ pub use gym_bridge as bridge;
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
+#[cfg(feature = "trace")]
+pub use gym_conform::trace;
 pub use gym_core::*;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
@@ -40,6 +42,16 @@ pub use gym_mujoco as mujoco;
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+pub use gym_wrappers as wrappers;
+pub use gym_wrappers::{VectorWrap, Wrap};
+
+/// What a program that uses environments needs: `use gym::prelude::*`.
+pub mod prelude {
+    #[doc(no_inline)]
+    pub use gym_core::prelude::*;
+    #[doc(no_inline)]
+    pub use gym_wrappers::{VectorWrap, Wrap};
+}
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

@@ -148,7 +148,7 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let report = serde_json::to_vec_pretty(&Report { cores, rows, gif, start });
         let report = report.map_err(|error| Error::custom(error.to_string()))?;
-        gym::file::write(path, &report)?;
+        gym::rendering::file::write(path, &report)?;
     }
     Ok(())
 }

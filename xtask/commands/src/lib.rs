@@ -143,7 +143,7 @@ fn parse_seed(text: &str) -> Result<u64, String> {
 
 /// Fails where a file cannot be written, before there is anything to write.
 fn check_writable(path: &Path) -> Result<()> {
-    gym::file::AtomicFile::create(path).map(drop)
+    gym::rendering::file::AtomicFile::create(path).map(drop)
 }
 
 /// Arguments of an environment, as JSON on the command line.

@@ -110,7 +110,7 @@ fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
             .replace("GYM_CONFORM", &dependency("gym-conform"))
             .replace("GYM_CORE", &dependency("gym-core"))
             .replace("GYM_RENDER", &dependency("gym-render"));
-        gym::file::write(&path, text.as_bytes())?;
+        gym::rendering::file::write(&path, text.as_bytes())?;
     }
     // the versions that are there already
     let lock = root().join("Cargo.lock");

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode};
 use gym::rendering::VideoWriter;
+use gym::rendering::file;
 use gym::trace::{Event, Trace};
-use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, file};
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
 use serde_json::{Value as Json, json};
 
 use gym::keys::{Idle, Keys};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gym::file;
+use gym::rendering::file;
 use gym::trace::Trace;
 use gym::{BoxEnv, Error, Result};
 use serde_json::{Map, Value as Json};

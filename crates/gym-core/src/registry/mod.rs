@@ -11,7 +11,6 @@ mod registration;
 mod spec;
 mod stack;
 mod vector;
-mod vector_wrappers;
 mod wrappers;
 
 use std::collections::BTreeMap;
@@ -22,8 +21,7 @@ pub use id::EnvId;
 pub use registration::{Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
-pub use vector_wrappers::{VectorWrapperRegistration, WrapVector};
-pub use wrappers::WrapperRegistration;
+pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
 
 pub(crate) use id::nearest;
 pub(crate) use options::ResetOptions;

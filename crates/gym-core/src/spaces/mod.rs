@@ -191,7 +191,7 @@ impl Space {
     }
 
     /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this space.
-    pub(crate) fn refuse_action(&self, action: &Value) -> Error {
+    pub fn refuse_action(&self, action: &Value) -> Error {
         let hint = match (self.check_value(action), action, self.dtype()) {
             (Err(fault), ..) => fault.to_string(),
             (Ok(()), Value::Array(array), Some(dtype)) if array.dtype() != dtype => {
@@ -283,8 +283,8 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
     Err(Error::InvalidSpace(reason.into()))
 }
 
-/// The array in `out`, made anew unless it has that type and shape.
-pub(crate) fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
+/// The array in `out`, made anew unless it has that type and shape: how a buffer is filled without allocating.
+pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {
         *out = Value::Array(Array::zeros(dtype, shape));
@@ -297,7 +297,7 @@ pub(crate) fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) ->
 
 /// The most numbers that an element may have: some gigabytes. A description that asks for more is a
 /// mistake or an attack, and is refused before memory runs out.
-pub(crate) const MAX_ELEMENTS: usize = 1 << 28;
+pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// How many elements a shape has.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {

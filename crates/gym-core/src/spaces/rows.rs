@@ -36,7 +36,7 @@ impl Space {
     }
 
     /// Whether a value has the form of `n` elements, types of numbers included.
-    pub(crate) fn is_batch(&self, batch: &Value, n: usize) -> bool {
+    pub fn is_batch(&self, batch: &Value, n: usize) -> bool {
         match (self, batch) {
             (Self::Tuple(space), Value::Tuple(columns)) => {
                 columns.len() == space.spaces().len()
@@ -61,7 +61,10 @@ impl Space {
     }
 
     /// A batch of `n` elements to be overwritten: zeros.
-    pub(crate) fn empty_batch(&self, n: usize) -> Result<Value> {
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if the space has no zero.
+    pub fn empty_batch(&self, n: usize) -> Result<Value> {
         Ok(match self {
             Self::Tuple(space) => {
                 Value::Tuple(space.spaces().iter().map(|space| space.empty_batch(n)).collect::<Result<_>>()?)

@@ -13,7 +13,7 @@ impl Space {
     /// # Errors
     /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) for a stacked sequence or a graph whose
     /// elements do not batch.
-    pub(crate) fn zero(&self) -> Result<Value> {
+    pub fn zero(&self) -> Result<Value> {
         Ok(match self {
             Self::Box(space) => {
                 let mut array = Array::zeros(space.dtype(), space.shape());

@@ -112,12 +112,13 @@ impl dyn VectorEnv {
     /// [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
-    /// use gym_core::vector::wrappers::{ClipAction, NormalizeObservation};
+    /// use gym_core::BoxVector;
     /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
+    /// use gym_core::wrappers::RecordEpisodeStatistics;
     ///
     /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.wrapper::<NormalizeObservation>();
-    ///     let around_a_wrapper = envs.wrapper::<NormalizeObservation<ClipAction>>();
+    ///     let statistics = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>();
+    ///     let around_another = envs.wrapper::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
     ///     let workers = envs.wrapper::<AsyncVectorEnv>();
     /// }
     /// ```

@@ -39,7 +39,7 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
 }
 
 /// A truth value for each sub-environment, as infos hold it.
-pub(super) fn flags(flags: &[bool]) -> Value {
+pub(crate) fn flags(flags: &[bool]) -> Value {
     Value::Tuple(flags.iter().map(|flag| Value::Bool(*flag)).collect())
 }
 

@@ -2,7 +2,7 @@
 
 mod columns;
 mod ext;
-mod infos;
+pub(crate) mod infos;
 pub mod lockstep;
 pub mod native;
 mod pool;
@@ -11,7 +11,6 @@ pub(crate) mod size;
 pub(crate) mod slot;
 mod sync;
 pub(crate) mod wrapper;
-pub mod wrappers;
 
 use std::any::Any;
 use std::fmt;
@@ -27,7 +26,6 @@ pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
-pub use wrappers::VectorWrap;
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -55,6 +53,9 @@ pub enum ObservationMode {
     /// [`VectorEnv::observation_space`] [has a row](Space::batch_differing) for each.
     Different,
 }
+
+/// A vector of any kind: what [`make_vec`](crate::make_vec) returns.
+pub type BoxVector = Box<dyn VectorEnv>;
 
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
 ///

@@ -90,9 +90,14 @@ pub trait VectorWrapper: Any + Send {
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
 
+    /// The wrapper's own name: that of its type, if it does not say otherwise.
+    fn name(&self) -> &'static str {
+        crate::env::short_type_name::<Self>()
+    }
+
     /// See [`VectorEnv::describe`]: `<Wrapper, inner>`, as Gymnasium prints a stack.
     fn describe(&self) -> String {
-        format!("<{}, {}>", crate::env::short_type_name::<Self>(), self.inner().describe())
+        format!("<{}, {}>", self.name(), self.inner().describe())
     }
 
     methods!(forward! [VectorEnv] {.inner()} {.inner_mut()});

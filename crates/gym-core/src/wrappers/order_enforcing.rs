@@ -1,11 +1,14 @@
+//! Calls in an order that makes no sense.
+
+use crate::registry::WrapperConfig;
 use crate::render::Rendered;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
 /// Refuses to step or render before the first reset, and everything after `close`, whatever the
 /// environment would do.
 #[derive(Clone, Debug)]
 pub struct OrderEnforcing<E = BoxEnv> {
-    env: E,
+    inner: E,
     stage: Stage,
 }
 
@@ -18,12 +21,21 @@ enum Stage {
     Closed,
 }
 
+crate::arguments! {
+    /// [`OrderEnforcing`] has no arguments.
+    pub struct Config {}
+}
+
+crate::register_wrapper!(
+    "OrderEnforcing", "refuses steps before a reset", Config, env: |env, _| Ok(OrderEnforcing::new(env))
+);
+
 super::reach!(OrderEnforcing<E>);
 
 impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
-        Self { env, stage: Stage::Made }
+        Self { inner: env, stage: Stage::Made }
     }
 
     fn check_open(&self, call: &'static str) -> Result<()> {
@@ -47,7 +59,7 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.check_open("reset")?;
-        self.env.reset_into(reset, observation)?;
+        self.inner.reset_into(reset, observation)?;
         self.stage = Stage::Reset;
         Ok(())
     }
@@ -55,37 +67,37 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.check("step")?;
-        self.env.step_into(action, observation)
+        self.inner.step_into(action, observation)
     }
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.check("render")?;
-        self.env.render_into(rendered)
+        self.inner.render_into(rendered)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
         self.check_open("snapshot")?;
-        Snapshot::of(&(self.env.snapshot()?, self.stage))
+        Snapshot::of(&(self.inner.snapshot()?, self.stage))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.check_open("restore")?;
         let (env, stage) = snapshot.get()?;
-        self.env.restore(&env)?;
+        self.inner.restore(&env)?;
         self.stage = stage;
         Ok(())
     }
 
     fn close(&mut self) {
         self.stage = Stage::Closed;
-        self.env.close();
+        self.inner.close();
     }
 
     fn spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is the one of `make`; further out, one more of them
-        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+        self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
             true => EnvSpec { order_enforce: true, ..spec },
-            false => spec.wrapped(WrapperSpec::new("OrderEnforcing")),
+            false => spec.wrapped(Config {}.spec()),
         })
     }
 }

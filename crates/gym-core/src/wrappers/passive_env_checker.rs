@@ -1,4 +1,7 @@
-use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space, WrapperSpec};
+//! The cheap part of conformance.
+
+use crate::registry::WrapperConfig;
+use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space};
 
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
@@ -10,23 +13,32 @@ use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space,
 /// [`Error::Contract`] is about what came of it.
 #[derive(Clone, Debug)]
 pub struct PassiveEnvChecker<E = BoxEnv> {
-    env: E,
+    inner: E,
     checked_reset: bool,
     checked_step: bool,
     /// Whether the running episode was started with options.
     has_options: bool,
 }
 
+crate::arguments! {
+    /// [`PassiveEnvChecker`] has no arguments.
+    pub struct Config {}
+}
+
+crate::register_wrapper!(
+    "PassiveEnvChecker", "refuses observations outside of their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
+);
+
 super::reach!(PassiveEnvChecker<E>);
 
 impl<E: Env> PassiveEnvChecker<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
-        Self { env, checked_reset: false, checked_step: false, has_options: false }
+        Self { inner: env, checked_reset: false, checked_step: false, has_options: false }
     }
 
     fn check_observation(&self, call: &str, observation: &E::Observation) -> Result<()> {
-        let space: Space = self.env.observation_space();
+        let space: Space = self.inner.observation_space();
         space
             .check(&observation.to_value())
             .map_err(|error| Error::Contract(format!("the observation of `{call}`: {error}")))
@@ -40,7 +52,7 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)?;
+        self.inner.reset_into(reset, observation)?;
         self.has_options = !reset.options.is_empty();
         if !self.checked_reset && !self.has_options {
             self.check_observation("reset", observation)?;
@@ -51,7 +63,7 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
 
     #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let outcome = self.env.step_into(action, observation)?;
+        let outcome = self.inner.step_into(action, observation)?;
         if !self.checked_step && !self.has_options {
             self.check_observation("step", observation)?;
             if !outcome.reward.is_finite() {
@@ -64,9 +76,9 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
 
     fn spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is the one of `make`; further out, one more of them
-        self.env.spec().map(|spec| match spec.additional_wrappers.is_empty() {
+        self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
             true => EnvSpec { disable_env_checker: false, ..spec },
-            false => spec.wrapped(WrapperSpec::new("PassiveEnvChecker")),
+            false => spec.wrapped(Config {}.spec()),
         })
     }
 }

@@ -1,25 +1,47 @@
+//! The return, length and duration of episodes.
+
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
 use crate::clock::Instant;
+use crate::registry::WrapperConfig;
+use crate::vector::infos::flags;
+use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
 use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
 
-/// Keeps the return, length and duration of each episode.
+/// Keeps the return, length and duration of each episode, of an environment or of each sub-environment of a
+/// vector.
 ///
-/// On the step that ends an episode, [`info`](Env::info) has an entry `episode` (or another
-/// [key](Self::with_stats_key)) with `r` (return),
-/// `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
+/// On the step that ends an episode, `info` has an entry `episode` (or another [key](Config::stats_key)) with
+/// `r` (return), `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
 /// are kept in [`episodes`](Self::episodes).
+///
+/// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask `_episode`. The
+/// entry belongs to the step that ended the episode in each [`Autoreset`](crate::vector::Autoreset) mode, and
+/// stands beside `final_info`, not in it. A reset with a mask starts the statistics of those sub-environments
+/// anew, and of no others. (Gymnasium's loses them all.)
 #[derive(Clone, Debug)]
-pub struct RecordEpisodeStatistics<E = BoxEnv> {
-    env: E,
-    buffer_length: usize,
-    stats_key: String,
+pub struct RecordEpisodeStatistics<T = BoxEnv> {
+    inner: T,
+    config: Config,
     record: Record,
-    /// When the running episode began; wall-clock time is no part of a snapshot.
-    started: Option<Instant>,
 }
+
+crate::arguments! {
+    /// The arguments of [`RecordEpisodeStatistics`].
+    pub struct Config {
+        /// How many of the last episodes are kept: at least 1.
+        pub buffer_length: usize = 100,
+        /// The key of the entry of `info`: another one for each of two of these wrappers.
+        pub stats_key: String = "episode".into(),
+    }
+}
+
+crate::register_wrapper!(
+    "RecordEpisodeStatistics", "tells return, length and seconds of each episode in `info[\"episode\"]`", Config,
+    env: RecordEpisodeStatistics::with_config, vector: RecordEpisodeStatistics::with_config
+);
 
 /// One finished episode.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,11 +57,9 @@ pub struct EpisodeStatistics {
     pub seconds: f64,
 }
 
-super::reach!(RecordEpisodeStatistics<E>);
-
 impl EpisodeStatistics {
     /// The entry of `info`.
-    pub(crate) fn to_value(self) -> Value {
+    fn to_value(self) -> Value {
         let entries = [
             ("r", Value::Float(self.episode_return)),
             ("l", Value::Int(self.length as i64)),
@@ -49,42 +69,116 @@ impl EpisodeStatistics {
     }
 }
 
+/// What a snapshot holds.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Record {
-    episode_return: f64,
-    length: u64,
-    just_ended: bool,
+    /// The episode of each environment, from the first reset on.
+    running: Vec<Running>,
     episode_count: u64,
     episodes: VecDeque<EpisodeStatistics>,
 }
 
-impl<E: Env> RecordEpisodeStatistics<E> {
-    /// Records the last 100 episodes of `env`.
-    pub fn new(env: E) -> Self {
-        Self {
-            env,
-            buffer_length: 100,
-            stats_key: "episode".into(),
-            record: Record::default(),
-            started: None,
+/// The episode of one environment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Running {
+    /// Wall-clock time is no part of a snapshot.
+    #[serde(skip, default = "Instant::now")]
+    started: Instant,
+    episode_return: f64,
+    length: u64,
+    /// The episode that the last step ended.
+    ended: Option<EpisodeStatistics>,
+}
+
+impl Running {
+    fn new(ended: Option<EpisodeStatistics>) -> Self {
+        Self { started: Instant::now(), episode_return: 0.0, length: 0, ended }
+    }
+}
+
+impl Record {
+    /// Makes room for `n` environments and for the episodes, so that no step has to.
+    fn reserve(&mut self, n: usize, buffer_length: usize) -> Result<()> {
+        if self.running.len() != n {
+            self.running.resize_with(n, || Running::new(None));
+        }
+        let lacking = buffer_length.saturating_sub(self.episodes.len());
+        self.episodes.try_reserve(lacking).map_err(|_| {
+            Config::refuse(format!("buffer_length = {buffer_length} episodes do not fit in memory"))
+        })
+    }
+
+    /// Counts a step of an environment, and keeps the episode if it has ended.
+    fn step(&mut self, index: usize, reward: f64, done: bool, buffer_length: usize) {
+        let Some(running) = self.running.get_mut(index) else { return };
+        running.episode_return += reward;
+        // a snapshot may hold any number
+        running.length = running.length.saturating_add(1);
+        running.ended = None;
+        if done {
+            let seconds = running.started.elapsed().as_secs_f64();
+            let ended = EpisodeStatistics {
+                episode_return: running.episode_return,
+                length: running.length,
+                seconds: (seconds * 1e6).round() / 1e6,
+            };
+            running.ended = Some(ended);
+            self.episode_count = self.episode_count.saturating_add(1);
+            while self.episodes.len() >= buffer_length {
+                self.episodes.pop_front();
+            }
+            self.episodes.push_back(ended);
         }
     }
 
-    /// Records the last `buffer_length` episodes instead; of those recorded already, the last stay.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a length of 0, or one beyond the memory.
-    pub fn with_buffer_length(self, buffer_length: usize) -> Result<Self> {
-        let mut episodes = episode_buffer(buffer_length)?;
-        let Self { record, .. } = &self;
-        episodes.extend(record.episodes.iter().skip(record.episodes.len().saturating_sub(buffer_length)));
-        Ok(Self { buffer_length, record: Record { episodes, ..self.record }, ..self })
+    /// Counts what the sub-environments of a vector have done.
+    fn columns(&mut self, columns: &Columns, buffer_length: usize) {
+        for index in 0..self.running.len() {
+            match columns.progress.get(index) {
+                None | Some(Progress::Unchanged) => self.running[index].ended = None,
+                Some(Progress::Started) => self.running[index] = Running::new(None),
+                Some(Progress::Stepped) => {
+                    let done = columns.done(index);
+                    self.step(index, columns.rewards[index], done, buffer_length);
+                    if done {
+                        self.running[index] = Running::new(self.running[index].ended);
+                    }
+                }
+            }
+        }
     }
 
-    /// Names the entry of `info`: Gymnasium's `stats_key`, for a stack with two of these wrappers.
-    #[must_use]
-    pub fn with_stats_key(self, stats_key: impl Into<String>) -> Self {
-        Self { stats_key: stats_key.into(), ..self }
+    /// A record of `n` environments from a snapshot, and the snapshot of what is within.
+    fn read(snapshot: &Snapshot, n: usize, buffer_length: usize) -> Result<(Snapshot, Self)> {
+        let (inner, mut record): (_, Self) = snapshot.get()?;
+        let there = record.running.len();
+        if there != n && there != 0 {
+            return Err(Error::Snapshot(format!("it is of {there} sub-environments, and here are {n}")));
+        }
+        let surplus = record.episodes.len().saturating_sub(buffer_length);
+        record.episodes.drain(..surplus);
+        record.reserve(there, buffer_length)?;
+        Ok((inner, record))
+    }
+}
+
+impl<T> RecordEpisodeStatistics<T> {
+    /// Records the last 100 episodes of `inner`.
+    pub fn new(inner: T) -> Self {
+        Self { inner, config: Config::default(), record: Record::default() }
+    }
+
+    /// Records the episodes of `inner`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a buffer length of 0, or one beyond the memory.
+    pub fn with_config(inner: T, config: Config) -> Result<Self> {
+        if config.buffer_length == 0 {
+            return Err(Config::refuse("buffer_length is 0: it must be at least 1"));
+        }
+        let mut record = Record::default();
+        record.reserve(0, config.buffer_length)?;
+        Ok(Self { inner, config, record })
     }
 
     /// The last finished episodes, oldest first.
@@ -96,7 +190,14 @@ impl<E: Env> RecordEpisodeStatistics<E> {
     pub fn episode_count(&self) -> u64 {
         self.record.episode_count
     }
+
+    /// The episode of a sub-environment that the last step ended, if it did.
+    pub fn ended(&self, index: usize) -> Option<&EpisodeStatistics> {
+        self.record.running.get(index)?.ended.as_ref()
+    }
 }
+
+super::reach!(RecordEpisodeStatistics<E>);
 
 impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     type Observation = E::Observation;
@@ -105,80 +206,106 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)?;
-        let record = &mut self.record;
-        (record.episode_return, record.length, record.just_ended) = (0.0, 0, false);
-        // so that the step that ends an episode does not have to grow the buffer
-        if record.episodes.capacity() < self.buffer_length {
-            let kept = std::mem::replace(&mut record.episodes, episode_buffer(self.buffer_length)?);
-            record.episodes.extend(kept);
-        }
-        self.started = Some(Instant::now());
+        self.inner.reset_into(reset, observation)?;
+        self.record.reserve(1, self.config.buffer_length)?;
+        self.record.running[0] = Running::new(None);
         Ok(())
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let outcome = self.env.step_into(action, observation)?;
-        let record = &mut self.record;
-        record.episode_return += outcome.reward;
-        // a snapshot may hold any number
-        record.length = record.length.saturating_add(1);
-        record.just_ended = outcome.done();
-        if record.just_ended {
-            record.episode_count = record.episode_count.saturating_add(1);
-            while record.episodes.len() >= self.buffer_length {
-                record.episodes.pop_front();
-            }
-            let seconds = self.started.map_or(0.0, |started| started.elapsed().as_secs_f64());
-            record.episodes.push_back(EpisodeStatistics {
-                episode_return: record.episode_return,
-                length: record.length,
-                seconds: (seconds * 1e6).round() / 1e6,
-            });
-        }
+        let outcome = self.inner.step_into(action, observation)?;
+        self.record.step(0, outcome.reward, outcome.done(), self.config.buffer_length);
         Ok(outcome)
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.env.info(visit);
-        if self.record.just_ended
-            && let Some(episode) = self.record.episodes.back()
-        {
-            visit(&self.stats_key, episode.to_value());
+        self.inner.info(visit);
+        if let Some(episode) = self.ended(0) {
+            visit(&self.config.stats_key, episode.to_value());
         }
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.env.snapshot()?, &self.record))
+        Snapshot::of(&(self.inner.snapshot()?, &self.record))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (env, mut record): (_, Record) = snapshot.get()?;
-        self.env.restore(&env)?;
-        let surplus = record.episodes.len().saturating_sub(self.buffer_length);
-        record.episodes.drain(..surplus);
-        (self.record, self.started) = (record, Some(Instant::now()));
+        let (inner, record) = Record::read(snapshot, 1, self.config.buffer_length)?;
+        self.inner.restore(&inner)?;
+        self.record = record;
         Ok(())
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(
-            WrapperSpec::new("RecordEpisodeStatistics")
-                .arg("buffer_length", self.buffer_length)
-                .arg("stats_key", self.stats_key.as_str()),
-        )
+        Some(self.config.spec())
     }
 }
 
-/// An empty buffer for so many episodes.
-pub(crate) fn episode_buffer(buffer_length: usize) -> Result<VecDeque<EpisodeStatistics>> {
-    let refuse = |reason: String| Err(Error::argument("RecordEpisodeStatistics", reason));
-    if buffer_length == 0 {
-        return refuse("buffer_length is 0: it must be at least 1".into());
+impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
+    fn inner(&self) -> &dyn VectorEnv {
+        &self.inner
     }
-    let mut episodes = VecDeque::new();
-    match episodes.try_reserve(buffer_length) {
-        Ok(()) => Ok(episodes),
-        Err(_) => refuse(format!("buffer_length is {buffer_length}: so many episodes do not fit in memory")),
+
+    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
+        &mut self.inner
+    }
+
+    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        self.record.reserve(self.inner.num_envs(), self.config.buffer_length)?;
+        columns.begin();
+        let result = self.inner.reset_into(reset, columns);
+        self.record.columns(columns, self.config.buffer_length);
+        result
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        columns.begin();
+        let result = self.inner.step_into(actions, columns);
+        self.record.columns(columns, self.config.buffer_length);
+        result
+    }
+
+    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+        self.inner.info(index, visit);
+        if let Some(episode) = self.ended(index) {
+            visit(&self.config.stats_key, episode.to_value());
+        }
+    }
+
+    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.inner.column_infos(visit);
+        let ended = || self.record.running.iter().map(|running| running.ended);
+        if ended().all(|episode| episode.is_none()) {
+            return;
+        }
+        let real = |of: fn(EpisodeStatistics) -> f64| {
+            let column: Vec<f64> = ended().map(|episode| episode.map_or(0.0, of)).collect();
+            Value::Array(column.into())
+        };
+        let lengths: Vec<i64> = ended().map(|episode| episode.map_or(0, |e| e.length as i64)).collect();
+        let columns = [
+            ("r", real(|episode| episode.episode_return)),
+            ("l", Value::Array(lengths.into())),
+            ("t", real(|episode| episode.seconds)),
+        ];
+        let mask: Vec<bool> = ended().map(|episode| episode.is_some()).collect();
+        let columns = columns.map(|(key, column)| (key.to_owned(), column));
+        visit(&self.config.stats_key, Value::Dict(columns.into()));
+        visit(&format!("_{}", self.config.stats_key), flags(&mask));
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.inner.snapshot()?, &self.record))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, record) = Record::read(snapshot, self.inner.num_envs(), self.config.buffer_length)?;
+        self.inner.restore(&inner)?;
+        self.record = record;
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
     }
 }

@@ -11,7 +11,7 @@ use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 /// environment's frames per second. The window opens at the first reset. Once it is closed, nothing
 /// is drawn any more and steps take no longer than without it. A clone opens no window.
 pub struct Render<E = BoxEnv> {
-    env: E,
+    inner: E,
     mode: RenderMode,
     size: (u32, u32),
     painter: Option<Box<dyn Painter>>,
@@ -72,7 +72,7 @@ impl<E: Env> Render<E> {
         if painter.is_some() {
             env.start_rendering();
         }
-        Ok(Self { env, mode, size: metadata.render_size, painter, window })
+        Ok(Self { inner: env, mode, size: metadata.render_size, painter, window })
     }
 
     /// Renders at another size; drawings are vectors and scale.
@@ -96,8 +96,8 @@ impl<E: Env> Render<E> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()
         {
-            let title = self.env.spec().map_or_else(|| self.env.describe(), |spec| spec.id);
-            let screen = open(&title, self.size, self.env.metadata().render_fps)?;
+            let title = self.inner.spec().map_or_else(|| self.inner.describe(), |spec| spec.id);
+            let screen = open(&title, self.size, self.inner.metadata().render_fps)?;
             self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1));
         }
         Ok(())
@@ -106,9 +106,9 @@ impl<E: Env> Render<E> {
     /// Shows the picture in the window, if there is one.
     fn show(&mut self) {
         if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter) {
-            let size = self.env.metadata().render_size;
-            painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), frame);
-            self.env.picture_taken();
+            let size = self.inner.metadata().render_size;
+            painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), frame);
+            self.inner.picture_taken();
             if !screen.show(frame) {
                 self.window = Window::None;
             }
@@ -124,14 +124,14 @@ impl<E: Env> crate::Wrapper for Render<E> {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.open()?;
-        self.env.reset_into(reset, observation)?;
+        self.inner.reset_into(reset, observation)?;
         self.show();
         Ok(())
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.open()?;
-        let outcome = self.env.step_into(action, observation)?;
+        let outcome = self.inner.step_into(action, observation)?;
         self.show();
         Ok(outcome)
     }
@@ -146,23 +146,23 @@ impl<E: Env> crate::Wrapper for Render<E> {
             return Ok(());
         }
         let Some(painter) = &mut self.painter else {
-            *rendered = self.env.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"))?;
+            *rendered = self.inner.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"))?;
             return Ok(());
         };
         let mut frame = match used {
             Rendered::Frame(frame) if (frame.width(), frame.height()) == self.size => frame,
             _ => Frame::new(self.size.0, self.size.1),
         };
-        let size = self.env.metadata().render_size;
-        painter.paint(size, &mut |canvas: &mut dyn Canvas| self.env.draw(canvas), &mut frame);
-        self.env.picture_taken();
+        let size = self.inner.metadata().render_size;
+        painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), &mut frame);
+        self.inner.picture_taken();
         *rendered = Rendered::Frame(frame);
         Ok(())
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        let size = (self.size != self.env.metadata().render_size).then_some(self.size);
-        let spec = self.env.spec()?;
+        let size = (self.size != self.inner.metadata().render_size).then_some(self.size);
+        let spec = self.inner.spec()?;
         // a spec has one render mode, inside all wrappers
         (spec.render_mode.is_none() && spec.additional_wrappers.is_empty()).then_some(EnvSpec {
             render_mode: Some(self.mode),
@@ -172,26 +172,26 @@ impl<E: Env> crate::Wrapper for Render<E> {
     }
 
     fn describe(&self) -> String {
-        self.env.describe()
+        self.inner.describe()
     }
 
     fn close(&mut self) {
         self.window = Window::None;
-        self.env.close();
+        self.inner.close();
     }
 }
 
 impl<E: Clone> Clone for Render<E> {
     fn clone(&self) -> Self {
         let painter = self.painter.as_ref().and_then(|_| painter());
-        Self { env: self.env.clone(), mode: self.mode, size: self.size, painter, window: Window::None }
+        Self { inner: self.inner.clone(), mode: self.mode, size: self.size, painter, window: Window::None }
     }
 }
 
 impl<E: fmt::Debug> fmt::Debug for Render<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Render")
-            .field("env", &self.env)
+            .field("env", &self.inner)
             .field("mode", &self.mode)
             .field("size", &self.size)
             .finish_non_exhaustive()

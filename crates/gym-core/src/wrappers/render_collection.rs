@@ -1,3 +1,5 @@
+//! Frames gathered.
+
 use crate::render::{RenderMode, Rendered};
 use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
@@ -7,16 +9,25 @@ use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapsho
 /// A reset drops what was not asked for.
 #[derive(Clone, Debug)]
 pub struct RenderCollection<E = BoxEnv> {
-    env: E,
+    inner: E,
     items: Vec<Rendered>,
 }
+
+crate::arguments! {
+    /// [`RenderCollection`] has no arguments.
+    pub struct Config {}
+}
+
+crate::register_wrapper!(
+    "RenderCollection", "gathers frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
+);
 
 super::reach!(RenderCollection<E>);
 
 impl<E: Env> RenderCollection<E> {
     /// Gathers what `env` renders.
     pub fn new(env: E) -> Self {
-        Self { env, items: Vec::new() }
+        Self { inner: env, items: Vec::new() }
     }
 }
 
@@ -27,20 +38,20 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)?;
+        self.inner.reset_into(reset, observation)?;
         self.items.clear();
-        self.items.push(self.env.render()?);
+        self.items.push(self.inner.render()?);
         Ok(())
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let outcome = self.env.step_into(action, observation)?;
-        self.items.push(self.env.render()?);
+        let outcome = self.inner.step_into(action, observation)?;
+        self.items.push(self.inner.render()?);
         Ok(outcome)
     }
 
     fn render_mode(&self) -> Option<RenderMode> {
-        match self.env.render_mode()? {
+        match self.inner.render_mode()? {
             RenderMode::RgbArray => Some(RenderMode::RgbArrayList),
             RenderMode::Ansi => Some(RenderMode::AnsiList),
             mode => Some(mode),
@@ -65,13 +76,13 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
 
     /// The frames gathered so far belong to the history that is left; they are dropped.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.env.restore(snapshot)?;
+        self.inner.restore(snapshot)?;
         self.items.clear();
         Ok(())
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        let spec = self.env.spec()?;
+        let spec = self.inner.spec()?;
         let list = match spec.render_mode? {
             RenderMode::RgbArray => RenderMode::RgbArrayList,
             RenderMode::Ansi => RenderMode::AnsiList,

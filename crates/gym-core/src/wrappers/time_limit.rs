@@ -1,13 +1,29 @@
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
+//! Episodes cut off.
+
+use crate::registry::WrapperConfig;
+use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is left as it is:
 /// both can be set by the same step.
 #[derive(Clone, Debug)]
 pub struct TimeLimit<E = BoxEnv> {
-    env: E,
+    inner: E,
     max_episode_steps: u32,
     elapsed_steps: u32,
 }
+
+crate::arguments! {
+    /// The arguments of [`TimeLimit`].
+    pub struct Config {
+        /// After how many steps an episode is truncated: at least 1.
+        pub max_episode_steps: u32,
+    }
+}
+
+crate::register_wrapper!(
+    "TimeLimit", "truncates episodes after some steps", Config,
+    env: |env, config: Config| TimeLimit::new(env, config.max_episode_steps)
+);
 
 super::reach!(TimeLimit<E>);
 
@@ -20,7 +36,7 @@ impl<E: Env> TimeLimit<E> {
         if max_episode_steps == 0 {
             return Err(Error::argument("TimeLimit", "max_episode_steps is 0: it must be at least 1"));
         }
-        Ok(Self { env, max_episode_steps, elapsed_steps: 0 })
+        Ok(Self { inner: env, max_episode_steps, elapsed_steps: 0 })
     }
 
     /// The limit.
@@ -41,39 +57,39 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
     super::within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
-        self.env.reset_into(reset, observation)?;
+        self.inner.reset_into(reset, observation)?;
         self.elapsed_steps = 0;
         Ok(())
     }
 
     #[inline]
     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let mut outcome = self.env.step_into(action, observation)?;
+        let mut outcome = self.inner.step_into(action, observation)?;
         self.elapsed_steps = self.elapsed_steps.saturating_add(1);
         outcome.truncated |= self.elapsed_steps >= self.max_episode_steps;
         Ok(outcome)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.env.snapshot()?, self.elapsed_steps))
+        Snapshot::of(&(self.inner.snapshot()?, self.elapsed_steps))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (env, elapsed_steps) = snapshot.get()?;
-        self.env.restore(&env)?;
+        self.inner.restore(&env)?;
         self.elapsed_steps = elapsed_steps;
         Ok(())
     }
 
     fn spec(&self) -> Option<EnvSpec> {
         let limit = self.max_episode_steps;
-        self.env.spec().map(|spec| {
+        self.inner.spec().map(|spec| {
             // the limit that `make` sets is inside all other wrappers, and a shorter one replaces it
             let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);
             if replaces && spec.additional_wrappers.is_empty() {
                 EnvSpec { max_episode_steps: Some(limit), ..spec }
             } else {
-                spec.wrapped(WrapperSpec::new("TimeLimit").arg("max_episode_steps", limit))
+                spec.wrapped(Config { max_episode_steps: limit }.spec())
             }
         })
     }

@@ -4,10 +4,11 @@ mod book;
 mod draw;
 mod page;
 mod returns;
+mod wrappers;
 
 use std::path::{Path, PathBuf};
 
-use gym::file;
+use gym::rendering::file;
 use gym::{Error, Result};
 
 use crate::selection::Selection;
@@ -43,6 +44,7 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     if !returns.is_empty() {
         documents.push(returns::document(&returns)?);
     }
+    documents.extend(wrappers::document(&folder)?);
     if arguments.draw {
         for page in &pages {
             documents.extend(draw::gif(page)?);

@@ -1,0 +1,116 @@
+//! Rendered pictures as observations.
+
+use gym_core::registry::WrapperConfig;
+use gym_core::render::{Frame, Rendered};
+use gym_core::spaces::{BoxSpace, DictSpace, array_of};
+use gym_core::{BoxEnv, DType, Element, Env, EnvExt, Error, Result, Space, Value, WrapperSpec};
+
+use crate::filter_observation::{dict_like, entries};
+
+/// Observes the rendered picture, alone or beside the observation.
+///
+/// A picture is drawn, and memory for it allocated, at each reset and step.
+#[derive(Clone, Debug)]
+pub struct AddRenderObservation<E = BoxEnv> {
+    inner: E,
+    config: Config,
+    space: Space,
+    shape: [usize; 3],
+    /// Whether the observation within is a dict, which the picture is added to.
+    extends_dict: bool,
+    seen: Value,
+}
+
+gym_core::arguments! {
+    /// The arguments of [`AddRenderObservation`].
+    pub struct Config {
+        /// Whether the picture is observed alone, rather than in a dict.
+        pub render_only: bool = true,
+        /// The key of the picture.
+        pub render_key: String = "pixels".into(),
+        /// The key of the observation, unless it is a dict itself; then the picture is added to it.
+        pub obs_key: String = "state".into(),
+    }
+}
+
+gym_core::register_wrapper!(
+    "AddRenderObservation", "observes the rendered picture", Config, env: AddRenderObservation::new
+);
+
+reach!(AddRenderObservation<E>);
+
+impl<E: Env> AddRenderObservation<E> {
+    /// Observes pictures of `env`. Their size is found by rendering a copy of it after a reset.
+    ///
+    /// # Errors
+    /// [`Error::UnsupportedMode`] if `env` was made without the render mode `rgb_array`, and
+    /// [`Error::InvalidArgument`] if a key occurs twice.
+    pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
+        let (config, mut trial) = (config.into(), env.clone());
+        trial.reset(0)?;
+        let frame = frame(&mut trial)?;
+        let shape = [frame.height() as usize, frame.width() as usize, 3];
+        let pixels = Space::from(BoxSpace::uniform(0.0, 255.0, shape, DType::U8)?);
+        let inner_space = env.observation_space();
+        let extends_dict = matches!(inner_space, Space::Dict(_));
+        let refuse = |error: Error| Config::refuse(error.to_string());
+        let Config { render_only, render_key, obs_key } = &config;
+        let space = match inner_space {
+            _ if *render_only => pixels,
+            Space::Dict(space) => {
+                let members =
+                    std::iter::once((render_key.clone(), pixels)).chain(space.spaces().iter().cloned());
+                dict_like(&space, members.collect()).map_err(refuse)?.into()
+            }
+            space => DictSpace::new([(obs_key, space), (render_key, pixels)]).map_err(refuse)?.into(),
+        };
+        Ok(Self { inner: env, config, space, shape, extends_dict, seen: Value::Null })
+    }
+
+    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
+        let frame = frame(&mut self.inner)?;
+        if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
+            return Err(Error::Contract("the size of the rendered picture has changed".into()));
+        }
+        let Space::Dict(space) = &self.space else {
+            self.draw_into(&frame, out);
+            return Ok(());
+        };
+        let keys = space.spaces().iter().map(|(key, _)| key);
+        for (key, value) in keys.clone().zip(entries(keys, out)) {
+            if *key == self.config.render_key {
+                self.draw_into(&frame, value);
+            } else if self.extends_dict {
+                let lacking = || Error::Contract(format!("the observation lacks the key {key:?}"));
+                value.clone_from(self.seen.get(key).ok_or_else(lacking)?);
+            } else {
+                value.clone_from(&self.seen);
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_into(&self, frame: &Frame, out: &mut Value) {
+        let array = array_of(out, DType::U8, &self.shape);
+        array.as_mut_slice::<u8>().unwrap_or_default().copy_from_slice(frame.pixels());
+    }
+}
+
+fn frame<E: Env>(env: &mut E) -> Result<Frame> {
+    match env.render()? {
+        Rendered::Frame(frame) => Ok(frame),
+        _ => Err(Error::UnsupportedMode {
+            target: Config::NAME.into(),
+            mode: "an observation".into(),
+            reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+        }),
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for AddRenderObservation<E> {
+    observes!(E, seen);
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
+}

@@ -1,0 +1,67 @@
+//! Resets by itself.
+
+use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig};
+
+/// Resets by itself: the step after one that ended an episode ignores its action, starts the next
+/// episode and gives its first observation, with a reward of 0 and no flag set.
+#[derive(Clone, Debug)]
+pub struct Autoreset<E = BoxEnv> {
+    inner: E,
+    reset_is_due: bool,
+}
+
+gym_core::arguments! {
+    /// [`Autoreset`] has no arguments.
+    pub struct Config {}
+}
+
+gym_core::register_wrapper!(
+    "Autoreset", "makes a reset of the step after an end", Config, env: |env, _| Ok(Autoreset::new(env))
+);
+
+reach!(Autoreset<E>);
+
+impl<E: Env> Autoreset<E> {
+    /// Resets `env` where its episodes end.
+    pub fn new(env: E) -> Self {
+        Self { inner: env, reset_is_due: false }
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for Autoreset<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    env_within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)?;
+        self.reset_is_due = false;
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        if self.reset_is_due {
+            Env::reset_into(self, &Reset::default(), observation)?;
+            return Ok(Outcome::default());
+        }
+        let outcome = self.inner.step_into(action, observation)?;
+        self.reset_is_due = outcome.done();
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.inner.snapshot()?, self.reset_is_due))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, reset_is_due) = snapshot.get()?;
+        self.inner.restore(&inner)?;
+        self.reset_is_due = reset_is_due;
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(Config {}.spec())
+    }
+}

@@ -1,0 +1,89 @@
+//! Observations some steps late.
+
+use gym_core::{
+    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
+};
+use serde_json::Value as Json;
+
+use crate::ring::Ring;
+
+/// Gives each observation some steps late. Until the first arrives, observations are zeros (or what
+/// the space has nearest to zero).
+#[derive(Clone, Debug)]
+pub struct DelayObservation<E: Env = BoxEnv> {
+    inner: E,
+    config: Config,
+    zero: E::Observation,
+    /// The observations on their way.
+    ring: Ring<E::Observation>,
+}
+
+gym_core::arguments! {
+    /// The arguments of [`DelayObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// By how many steps observations are late.
+        pub delay: usize,
+    }
+}
+
+positional!(delay: usize);
+
+gym_core::register_wrapper!(
+    "DelayObservation", "gives observations some steps late", Config, env: DelayObservation::new
+);
+
+reach!(DelayObservation<E: Env>);
+
+impl<E: Env> DelayObservation<E> {
+    /// Delays the observations of `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSpace`] if the observation space has no zero; [`Error::InvalidArgument`] for a delay
+    /// beyond the memory.
+    pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
+        let (config, zero) = (config.into(), env.observation_space().zero()?);
+        let zero = E::Observation::from_value(&zero)
+            .ok_or_else(|| Error::Contract(format!("{zero} does not fit the type of the observations")))?;
+        let ring = Ring::new(config.delay, &zero).ok_or_else(|| {
+            Config::refuse(format!("delay = {} observations do not fit in memory", config.delay))
+        })?;
+        Ok(Self { inner: env, config, zero, ring })
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for DelayObservation<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    env_within!(E);
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)?;
+        self.ring.fill(&self.zero);
+        self.ring.exchange(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let outcome = self.inner.step_into(action, observation)?;
+        self.ring.exchange(observation);
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.inner.snapshot()?, self.ring.to_json(&self.inner.observation_space())?))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, stored): (_, Vec<Json>) = snapshot.get()?;
+        let ring = self.ring.read(&self.inner.observation_space(), &stored)?;
+        self.inner.restore(&inner)?;
+        self.ring = ring;
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
+}

@@ -1,0 +1,58 @@
+//! Observations cut into bins.
+
+use gym_core::registry::WrapperConfig;
+use gym_core::{Array, BoxEnv, Data, Error, Result, Space, Value};
+
+use crate::bins::{Bins, Grid, bins_config};
+use crate::map::{MapObservation, ObservationMap};
+use crate::within::{expect_box, not_an_array};
+
+/// Cuts a bounded `Box` of observations into uniform bins and gives the bin, as one integer or as one for
+/// each element.
+pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
+
+bins_config!("DiscretizeObservation", "cuts observations into uniform bins", DiscretizeObservation::new);
+
+/// The bins of [`DiscretizeObservation`].
+#[derive(Clone, Debug)]
+pub struct Discretize {
+    space: Space,
+    grid: Grid,
+}
+
+impl ObservationMap for Discretize {
+    type Config = Config;
+
+    fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
+        let refuse = |error: Error| Config::refuse(error.to_string());
+        let grid = Grid::new(expect_box::<Config>("observation", inner)?, &config.bins).map_err(refuse)?;
+        let space = grid.space(config.multidiscrete).map_err(refuse)?;
+        Ok((Self { space: space.clone(), grid }, space))
+    }
+
+    fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
+        match inner {
+            Value::Array(array) if array.len() == self.grid.len() => {
+                self.grid.join(|i| self.grid.index(i, array.data().get_f64(i)), &self.space, out);
+                Ok(())
+            }
+            other => Err(not_an_array(other)),
+        }
+    }
+}
+
+impl<T> DiscretizeObservation<T> {
+    /// The lower and upper edges of the bin that an observation names, one of each for each element.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`] if it is not an element of the observation space.
+    pub fn revert_observation(&self, observation: &Value) -> Result<(Array, Array)> {
+        let Discretize { space, grid } = self.map();
+        space.check(observation)?;
+        let (mut lows, mut highs) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
+        grid.split(observation, |i, bin| (lows[i], highs[i]) = grid.edges(i, bin));
+        let array =
+            |numbers: Vec<f64>| Array::new([grid.len()], Data::from_f64(grid.inner().dtype(), numbers));
+        Ok((array(lows)?, array(highs)?))
+    }
+}

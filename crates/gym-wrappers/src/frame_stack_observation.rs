@@ -1,0 +1,105 @@
+//! The last few observations at once.
+
+use gym_core::{BoxEnv, Element, Env, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig};
+use serde_json::Value as Json;
+
+use crate::ring::Ring;
+
+/// Observes the last few observations at once, the newest last, along a new first axis.
+#[derive(Clone, Debug)]
+pub struct FrameStackObservation<E = BoxEnv> {
+    inner: E,
+    config: Config,
+    space: Space,
+    inner_space: Space,
+    /// What stands for the observations before the first; the first itself where it is `None`.
+    padding: Option<Value>,
+    stack: Ring<Value>,
+    seen: Value,
+}
+
+gym_core::arguments! {
+    /// The arguments of [`FrameStackObservation`].
+    pub struct Config {
+        /// How many observations are stacked: at least 1.
+        pub stack_size: usize,
+        /// What stands for the observations before the first: `"reset"` for the first one, `"zero"`, or an element
+        /// of the space, as [`Space::to_json`] stores it.
+        pub padding_type: Json = "reset".into(),
+    }
+}
+
+positional!(stack_size: usize);
+
+gym_core::register_wrapper!(
+    "FrameStackObservation", "observes the last few observations at once", Config,
+    env: FrameStackObservation::new
+);
+
+reach!(FrameStackObservation<E>);
+
+impl<E: Env> FrameStackObservation<E> {
+    /// Stacks the observations of `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for a size of 0, or a padding that is not
+    /// an element of the space; [`Error::InvalidSpace`](gym_core::Error::InvalidSpace) if the space does not
+    /// batch.
+    pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
+        let (config, inner_space) = (config.into(), env.observation_space());
+        if config.stack_size == 0 {
+            return Err(Config::refuse("stack_size is 0: it must be at least 1"));
+        }
+        let (space, zero) = (inner_space.batch(config.stack_size)?, inner_space.zero()?);
+        let padding = match &config.padding_type {
+            Json::String(name) if name == "reset" => None,
+            Json::String(name) if name == "zero" => Some(zero.clone()),
+            element => {
+                let element = inner_space.from_json(element).and_then(|value| {
+                    inner_space.check(&value)?;
+                    Ok(value)
+                });
+                Some(element.map_err(|error| Config::refuse(format!("padding_type: {error}")))?)
+            }
+        };
+        let stack = Ring::new(config.stack_size, &zero).ok_or_else(|| {
+            Config::refuse(format!("stack_size = {} observations do not fit in memory", config.stack_size))
+        })?;
+        Ok(Self { inner: env, config, space, inner_space, padding, stack, seen: Value::Null })
+    }
+
+    /// Adds what was seen to the stack, and shows it.
+    fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
+        if is_reset {
+            self.stack.fill(self.padding.as_ref().unwrap_or(&self.seen));
+        }
+        self.stack.exchange(&mut self.seen);
+        if !self.inner_space.is_batch(out, self.config.stack_size) {
+            *out = self.inner_space.empty_batch(self.config.stack_size)?;
+        }
+        for (i, item) in self.stack.iter().enumerate() {
+            self.inner_space.write_row(out, i, item)?;
+        }
+        Ok(())
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for FrameStackObservation<E> {
+    observes!(E, seen);
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.inner.snapshot()?, self.stack.to_json(&self.inner_space)?))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, stored): (_, Vec<Json>) = snapshot.get()?;
+        let stack = self.stack.read(&self.inner_space, &stored)?;
+        self.inner.restore(&inner)?;
+        self.stack = stack;
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
+}

@@ -1,0 +1,138 @@
+use std::fmt;
+
+use gym_core::registry::WrapperConfig;
+use gym_core::spaces::array_of;
+use gym_core::vector::Columns;
+use gym_core::{Element, Env, Error, Outcome, Result, Space, Value, VectorEnv};
+
+use super::Within;
+use crate::within::act;
+
+/// A change of actions, without state.
+pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
+    /// The arguments.
+    type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
+
+    /// The type of the actions it takes, around an environment whose actions have the type `A`.
+    type Action<A: Element>: Element;
+
+    /// Whether [`map`](Self::map) takes batches as well. Otherwise a vector maps row by row.
+    const TAKES_BATCHES: bool = false;
+
+    /// The map to actions of a space, and the space of the actions that it maps.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for arguments or a space that it cannot map to.
+    fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
+
+    /// What the environment within gets for an action: made of `action` in place, or in `buffer`, which is
+    /// whatever an earlier call left there.
+    fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value;
+}
+
+/// Maps the actions for an environment, or for each sub-environment of a vector.
+#[derive(Clone, Debug)]
+pub struct MapAction<T, M: ActionMap> {
+    inner: T,
+    config: M::Config,
+    map: M,
+    space: Space,
+    inner_space: Space,
+    action: Value,
+    buffer: Value,
+    /// The actions within of a vector, where they are made row by row.
+    rows: Value,
+}
+
+reach!(MapAction<T, M: ActionMap>);
+
+impl<T, M: ActionMap> MapAction<T, M> {
+    /// Maps the actions for `inner`.
+    ///
+    /// # Errors
+    /// As [`ActionMap::new`].
+    pub fn new<Kind>(inner: T, config: impl Into<M::Config>) -> Result<Self>
+    where
+        T: Within<Kind>,
+    {
+        let (config, inner_space) = (config.into(), inner.actions());
+        let (map, space) = M::new(&config, &inner_space)?;
+        let [action, buffer, rows] = Default::default();
+        Ok(Self { inner, config, map, space, inner_space, action, buffer, rows })
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &M::Config {
+        &self.config
+    }
+
+    /// The map.
+    pub fn map(&self) -> &M {
+        &self.map
+    }
+
+    /// Fails for an action of another form than those of the space. Bounds of a box are not checked.
+    fn check(space: &Space, action: &Value) -> Result<()> {
+        let fits = match (space, action) {
+            (Space::Box(space), Value::Array(array)) => {
+                array.dtype() == space.dtype() && array.shape() == space.shape()
+            }
+            (Space::Box(_), _) => false,
+            _ => space.contains(action),
+        };
+        if fits { Ok(()) } else { Err(space.refuse_action(action)) }
+    }
+}
+
+impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
+    type Observation = E::Observation;
+    type Action = M::Action<E::Action>;
+
+    env_within!(E);
+    reset_within!(E);
+
+    fn action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn step_into(&mut self, outer: &Self::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let Self { inner, map, space, action, buffer, .. } = self;
+        outer.write(action);
+        Self::check(space, action)?;
+        act(inner, map.map(action, buffer), observation)
+    }
+
+    named_by!(config: M::Config);
+}
+
+impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
+    vector_within!();
+
+    fn single_action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        let n = self.inner.num_envs();
+        let Self { inner, map, space, inner_space, action, buffer, rows, .. } = self;
+        space.check_batch(actions, n)?;
+        if M::TAKES_BATCHES {
+            let (Some(batch), Some(dtype)) = (actions.as_array(), space.dtype()) else {
+                return Err(Error::Contract(format!("{space} does not batch into an array")));
+            };
+            array_of(action, dtype, batch.shape()).assign_cast(batch)?;
+            return inner.step_into(map.map(action, buffer), columns);
+        }
+        if !inner_space.is_batch(rows, n) {
+            *rows = inner_space.empty_batch(n)?;
+        }
+        for index in 0..n {
+            space.read_row(actions, index, action)?;
+            Self::check(space, action)?;
+            inner_space.write_row(rows, index, map.map(action, buffer))?;
+        }
+        inner.step_into(rows, columns)
+    }
+
+    named_by!(config: M::Config);
+}

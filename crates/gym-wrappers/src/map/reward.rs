@@ -1,0 +1,88 @@
+use std::fmt;
+
+use gym_core::registry::WrapperConfig;
+use gym_core::vector::{Columns, Progress};
+use gym_core::{Env, Outcome, Result, Value, VectorEnv};
+
+/// A change of rewards, without state.
+pub trait RewardMap: Clone + fmt::Debug + Send + 'static {
+    /// The arguments.
+    type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
+
+    /// The map with some arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for arguments that make no map.
+    fn new(config: &Self::Config) -> Result<Self>;
+
+    /// Another reward for a reward.
+    fn map(&self, reward: f64) -> f64;
+}
+
+/// Maps the rewards of an environment, or of each sub-environment of a vector.
+#[derive(Clone, Debug)]
+pub struct MapReward<T, M: RewardMap> {
+    inner: T,
+    config: M::Config,
+    map: M,
+}
+
+reach!(MapReward<T, M: RewardMap>);
+
+impl<T, M: RewardMap> MapReward<T, M> {
+    /// Maps the rewards of `inner`.
+    ///
+    /// # Errors
+    /// As [`RewardMap::new`].
+    pub fn new(inner: T, config: impl Into<M::Config>) -> Result<Self> {
+        let config = config.into();
+        Ok(Self { inner, map: M::new(&config)?, config })
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &M::Config {
+        &self.config
+    }
+}
+
+impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    env_within!(E);
+    reset_within!(E);
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let outcome = self.inner.step_into(action, observation)?;
+        Ok(Outcome { reward: self.map.map(outcome.reward), ..outcome })
+    }
+
+    named_by!(config: M::Config);
+}
+
+impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
+    vector_within!();
+
+    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        step_rewards(&mut self.inner, actions, columns, |reward| self.map.map(reward))
+    }
+
+    named_by!(config: M::Config);
+}
+
+/// Steps the vector within and maps the rewards of all sub-environments that went on.
+pub(crate) fn step_rewards(
+    envs: &mut impl VectorEnv,
+    actions: &Value,
+    columns: &mut Columns,
+    map: impl Fn(f64) -> f64,
+) -> Result<()> {
+    columns.begin();
+    let result = envs.step_into(actions, columns);
+    for (reward, progress) in columns.rewards.iter_mut().zip(&columns.progress) {
+        if *progress != Progress::Unchanged {
+            *reward = map(*reward);
+        }
+    }
+    result
+}

@@ -1,0 +1,154 @@
+//! Observations normalised.
+
+use gym_core::registry::WrapperConfig;
+use gym_core::spaces::{BoxSpace, array_of};
+use gym_core::vector::{Columns, Progress};
+use gym_core::{Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
+
+use crate::map::{Seen, Within};
+use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
+use crate::within::{not_an_array, numbers};
+
+/// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`, to the
+/// bit as Gymnasium's does.
+///
+/// The estimate is made of every observation since the wrapper was made; resets do not clear it. Around a
+/// vector it is made over all sub-environments: each reset and step takes its observations in at once, and a
+/// reset with a mask those of the sub-environments that it resets. Where final observations are in a column of
+/// their own, they are normalized but not taken in. (Gymnasium's refuses masks and every autoreset but that on
+/// the next step.)
+#[derive(Clone, Debug)]
+pub struct NormalizeObservation<T = BoxEnv> {
+    inner: T,
+    config: Config,
+    space: Space,
+    normalizer: Normalizer,
+    seen: Seen,
+    /// The last observation of each sub-environment as it was shown: a reset with a mask shows those that
+    /// it leaves out again, whatever the estimate is by then.
+    shown: Vec<f32>,
+}
+
+gym_core::arguments! {
+    /// The arguments of [`NormalizeObservation`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// What is added to the variance: above 0.
+        pub epsilon: f64 = 1e-8,
+        /// Whether it goes on estimating.
+        pub update_running_mean: bool = true,
+    }
+}
+
+gym_core::register_wrapper!(
+    "NormalizeObservation", "shifts and scales observations to mean 0 and variance 1, as `float32`", Config,
+    env: NormalizeObservation::new, vector: NormalizeObservation::new
+);
+
+reach!(NormalizeObservation<T>);
+normalizes!(NormalizeObservation);
+
+impl<T> NormalizeObservation<T> {
+    /// Normalizes the observations of `inner`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless they are arrays or integers.
+    pub fn new<Kind>(inner: T, config: impl Into<Config>) -> Result<Self>
+    where
+        T: Within<Kind>,
+    {
+        let (config, space) = (config.into(), inner.observations());
+        let Some(shape) = space.shape() else {
+            let reason = format!("it needs observations with a shape, and the space is {space}");
+            return Err(Config::refuse(reason));
+        };
+        let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, DType::F32)?;
+        let len = space.low().len();
+        let Config { epsilon, update_running_mean } = config;
+        let normalizer = Normalizer::new::<Config>(RunningMeanStd::new(len), epsilon, update_running_mean)?;
+        let shown = vec![0.0; inner.len() * len];
+        Ok(Self { inner, config, space: space.into(), normalizer, seen: Seen::default(), shown })
+    }
+
+    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
+        let shape = self.space.shape().unwrap_or_default();
+        let out = array_of(out, DType::F32, shape).as_mut_slice::<f32>().unwrap_or_default();
+        match &self.seen.observations {
+            Value::Array(array) if array.len() == out.len() => {
+                let numbers = (0..array.len()).map(|i| array.data().get_f64(i));
+                self.normalizer.row(array.dtype(), numbers, out);
+            }
+            Value::Int(i) if out.len() == 1 => {
+                self.normalizer.row(DType::I64, std::iter::once(*i as f64), out);
+            }
+            other => return Err(not_an_array(other)),
+        }
+        Ok(())
+    }
+
+    /// Takes in the observations of the sub-environments that went on and normalizes them.
+    fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
+        columns.prepare(&self.space, n)?;
+        let Self { normalizer, seen, shown, .. } = self;
+        let goes_on = |index: usize| columns.progress[index] != Progress::Unchanged;
+        let Value::Array(observations) = &seen.observations else { return Ok(()) };
+        normalizer.take_in(observations, n, goes_on);
+        normalizer.normalize(observations, n, shown, goes_on);
+        if let Value::Array(out) = &mut columns.observations {
+            out.as_mut_slice().unwrap_or_default().copy_from_slice(shown);
+        }
+        if let (Value::Array(finals), Value::Array(out)) =
+            (&seen.final_observations, &mut columns.final_observations)
+        {
+            let out = out.as_mut_slice().unwrap_or_default();
+            normalizer.normalize(finals, n, out, |index| columns.has_final[index]);
+        }
+        Ok(())
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
+    observes!(E, seen.observations);
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.inner.snapshot()?, &self.normalizer.statistics, self.normalizer.updates))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, statistics, updates): (_, RunningMeanStd, bool) = snapshot.get()?;
+        self.normalizer.check(&statistics)?;
+        self.inner.restore(&inner)?;
+        (self.normalizer.statistics, self.normalizer.updates) = (statistics, updates);
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        self.own_spec()
+    }
+}
+
+impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
+    observes_columns!();
+
+    fn single_observation_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        let Normalizer { statistics, updates, .. } = &self.normalizer;
+        Snapshot::of(&(self.inner.snapshot()?, statistics, updates, Array::from(self.shown.clone())))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Array) = snapshot.get()?;
+        let shown = numbers(&shown, self.shown.len())?;
+        self.normalizer.check(&statistics)?;
+        self.inner.restore(&inner)?;
+        (self.normalizer.statistics, self.normalizer.updates, self.shown) = (statistics, updates, shown);
+        Ok(())
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        self.own_spec()
+    }
+}

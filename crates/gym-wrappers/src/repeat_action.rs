@@ -1,0 +1,66 @@
+//! Actions repeated.
+
+use gym_core::{BoxEnv, Env, Outcome, Result, WrapperSpec, registry::WrapperConfig};
+
+/// Takes each action several times and adds up the rewards; an end of the episode ends the repetition.
+///
+/// Where a repeat is refused, those before it have been taken: reset or restore the environment after an
+/// error.
+#[derive(Clone, Debug)]
+pub struct RepeatAction<E = BoxEnv> {
+    inner: E,
+    config: Config,
+}
+
+gym_core::arguments! {
+    /// The arguments of [`RepeatAction`].
+    #[derive(Copy)]
+    pub struct Config {
+        /// How often each action is taken: at least once.
+        pub num_repeats: u32,
+    }
+}
+
+positional!(num_repeats: u32);
+
+gym_core::register_wrapper!("RepeatAction", "takes each action several times", Config, env: RepeatAction::new);
+
+reach!(RepeatAction<E>);
+
+impl<E: Env> RepeatAction<E> {
+    /// Repeats the actions for `env`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for 0 repeats.
+    pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
+        let config = config.into();
+        match config.num_repeats {
+            0 => Err(Config::refuse("num_repeats is 0: it must be at least 1")),
+            _ => Ok(Self { inner: env, config }),
+        }
+    }
+}
+
+impl<E: Env> gym_core::Wrapper for RepeatAction<E> {
+    type Observation = E::Observation;
+    type Action = E::Action;
+
+    env_within!(E);
+    reset_within!(E);
+
+    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+        let mut total = Outcome::default();
+        for _ in 0..self.config.num_repeats {
+            let outcome = self.inner.step_into(action, observation)?;
+            total = Outcome { reward: total.reward + outcome.reward, ..outcome };
+            if total.done() {
+                break;
+            }
+        }
+        Ok(total)
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
+}

@@ -1,0 +1,116 @@
+use gym_core::registry::WrapperConfig;
+use gym_core::{Array, DType, Error, Result};
+
+use super::RunningMeanStd;
+use super::moments::{Batch, Rows, Samples};
+
+/// What both wrappers that normalize keep, around an environment as around a vector.
+#[derive(Clone, Debug)]
+pub(crate) struct Normalizer {
+    pub(crate) statistics: RunningMeanStd,
+    pub(crate) updates: bool,
+    epsilon: f64,
+    rows: Rows,
+}
+
+impl Normalizer {
+    pub(crate) fn new<C: WrapperConfig>(
+        statistics: RunningMeanStd,
+        epsilon: f64,
+        updates: bool,
+    ) -> Result<Self> {
+        match epsilon > 0.0 && epsilon.is_finite() {
+            true => Ok(Self { statistics, updates, epsilon, rows: Rows::default() }),
+            false => Err(C::refuse(format!("epsilon is {epsilon}: it must be above 0"))),
+        }
+    }
+
+    /// Goes on from other statistics of as many numbers.
+    pub(crate) fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        statistics.expect_len(self.statistics.len())?;
+        self.statistics = statistics;
+        Ok(())
+    }
+
+    /// Fails unless the statistics of a snapshot are of as many numbers.
+    pub(crate) fn check(&self, statistics: &RunningMeanStd) -> Result<()> {
+        statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))
+    }
+
+    /// Takes in the numbers of one observation and normalizes them.
+    pub(crate) fn row<I: Iterator<Item = f64> + Clone>(&mut self, dtype: DType, row: I, out: &mut [f32]) {
+        if self.updates {
+            self.statistics.update_row(dtype, row.clone());
+        }
+        self.statistics.normalize(dtype, row, self.epsilon, out);
+    }
+
+    /// Takes in the selected ones of `n` rows at once.
+    pub(crate) fn take_in(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
+        if self.updates {
+            self.rows.collect(array, n, selects);
+            self.statistics.update_rows(array.dtype(), &mut self.rows);
+        }
+    }
+
+    /// Normalizes the selected ones of `n` rows.
+    pub(crate) fn normalize(
+        &self,
+        array: &Array,
+        n: usize,
+        out: &mut [f32],
+        selects: impl Fn(usize) -> bool,
+    ) {
+        let len = array.len() / n;
+        for (i, out) in out.chunks_exact_mut(len.max(1)).enumerate().filter(|(i, _)| selects(*i)) {
+            let row = (i * len..(i + 1) * len).map(|j| array.data().get_f64(j));
+            self.statistics.normalize(array.dtype(), row, self.epsilon, out);
+        }
+    }
+
+    /// Takes in some single numbers at once, which are `float32` in statistics that are `float64`.
+    pub(crate) fn take_in_numbers(&mut self, numbers: impl Iterator<Item = f32>) {
+        let samples: &mut Samples<f32> = &mut self.rows.f32s;
+        samples.begin(1);
+        samples.extend(numbers);
+        let n = samples.moments();
+        self.statistics.update_f64(self.rows.f32s.batches().map(Batch::widen), n);
+    }
+
+    /// The standard deviation of the only number.
+    pub(crate) fn deviation(&self) -> f64 {
+        (self.statistics.scalar_variance() + self.epsilon).sqrt()
+    }
+}
+
+/// The methods of a wrapper with a field `normalizer`.
+macro_rules! normalizes {
+    ($name:ident) => {
+        impl<T> $name<T> {
+            /// Goes on estimating, or keeps the estimate as it is, as for evaluation.
+            pub fn update_running_mean(&mut self, update: bool) {
+                self.normalizer.updates = update;
+            }
+
+            /// Mean, variance and count of what is normalized.
+            pub fn statistics(&self) -> &crate::RunningMeanStd {
+                &self.normalizer.statistics
+            }
+
+            /// Goes on from other statistics, such as those of a training.
+            ///
+            /// # Errors
+            /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if they are of another number of
+            /// numbers.
+            pub fn set_statistics(&mut self, statistics: crate::RunningMeanStd) -> gym_core::Result<()> {
+                self.normalizer.set_statistics(statistics)
+            }
+
+            fn own_spec(&self) -> Option<gym_core::WrapperSpec> {
+                let update_running_mean = self.normalizer.updates;
+                Some(gym_core::registry::WrapperConfig::spec(&Config { update_running_mean, ..self.config }))
+            }
+        }
+    };
+}
+pub(crate) use normalizes;

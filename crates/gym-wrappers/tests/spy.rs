@@ -1,0 +1,302 @@
+//! Every wrapper passes every method on to the environment within, unless it answers itself.
+
+use std::any::{Any, TypeId};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
+
+use gym_core::canvas::{Blank, Canvas};
+use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
+use gym_core::spaces::{BoxSpace, DictSpace};
+use gym_core::{
+    Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    WrapperSpec, registry,
+};
+use gym_wrappers::*;
+use serde_json::json;
+
+/// An environment that notes which of its methods are called.
+#[derive(Clone)]
+struct Spy {
+    calls: Arc<Mutex<BTreeSet<&'static str>>>,
+    observation_space: Space,
+    rng: Generator,
+}
+
+impl Spy {
+    fn new(observation_space: impl Into<Space>) -> Self {
+        let calls = Arc::default();
+        Self { calls, observation_space: observation_space.into(), rng: Generator::from(0) }
+    }
+
+    fn note(&self, method: &'static str) {
+        self.calls.lock().unwrap().insert(method);
+    }
+
+    fn observe(&self, observation: &mut Value) {
+        *observation = self.observation_space.sampler(0).sample();
+    }
+}
+
+impl Env for Spy {
+    type Observation = Value;
+    type Action = Value;
+
+    fn observation_space(&self) -> Space {
+        self.note("observation_space");
+        self.observation_space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.note("action_space");
+        Space::boxed([-1.0], [1.0])
+    }
+
+    fn reset_into(&mut self, _reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.note("reset_into");
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, _action: &Value, observation: &mut Value) -> Result<Outcome> {
+        self.note("step_into");
+        self.observe(observation);
+        Ok(Outcome::default())
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.note("snapshot");
+        Snapshot::of(&0)
+    }
+
+    fn restore(&mut self, _snapshot: &Snapshot) -> Result<()> {
+        self.note("restore");
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.note("info");
+        visit("spy", Value::Int(7));
+    }
+
+    fn metadata(&self) -> Metadata {
+        self.note("metadata");
+        Metadata { render_modes: &[RenderMode::Ansi, RenderMode::RgbArray], ..Metadata::default() }
+    }
+
+    fn draw(&self, _canvas: &mut dyn Canvas) {
+        self.note("draw");
+    }
+
+    fn ansi(&self) -> Option<String> {
+        self.note("ansi");
+        Some("spy".into())
+    }
+
+    fn render_mode(&self) -> Option<RenderMode> {
+        self.note("render_mode");
+        Some(RenderMode::RgbArray)
+    }
+
+    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+        self.note("render_into");
+        *rendered = Rendered::Frame(Frame::new(2, 2));
+        Ok(())
+    }
+
+    fn spec(&self) -> Option<EnvSpec> {
+        self.note("spec");
+        serde_json::from_str(r#"{"id": "Spy-v0", "max_episode_steps": 9, "render_mode": "rgb_array"}"#).ok()
+    }
+
+    fn start_rendering(&mut self) {
+        self.note("start_rendering");
+    }
+
+    fn picture_taken(&mut self) {
+        self.note("picture_taken");
+    }
+
+    fn describe(&self) -> String {
+        self.note("describe");
+        "Spy".into()
+    }
+
+    fn layer(&self, _layer: TypeId) -> Option<&dyn Any> {
+        self.note("layer");
+        Some(self)
+    }
+
+    fn layer_mut(&mut self, _layer: TypeId) -> Option<&mut dyn Any> {
+        self.note("layer_mut");
+        Some(self)
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.note("generator");
+        Some(&mut self.rng)
+    }
+
+    fn close(&mut self) {
+        self.note("close");
+    }
+}
+
+type Call = (&'static str, fn(&mut BoxEnv));
+
+/// How each method is called. `close` is the last.
+const CALLS: &[Call] = &[
+    ("observation_space", |env| drop(env.observation_space())),
+    ("action_space", |env| drop(env.action_space())),
+    ("reset_into", |env| drop(env.reset(0).unwrap())),
+    ("step_into", |env| {
+        let action = env.action_space().sampler(0).sample();
+        drop(env.step(&action).unwrap());
+    }),
+    ("snapshot", |env| drop(env.snapshot().unwrap())),
+    ("restore", |env| env.restore(&env.snapshot().unwrap()).unwrap()),
+    ("info", |env| assert_eq!(env.info_map()["spy"], Value::Int(7))),
+    ("metadata", |env| assert!(env.metadata().render_fps > 0)),
+    ("draw", |env| env.draw(&mut Blank)),
+    ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
+    ("render_mode", |env| assert!(env.render_mode().is_some())),
+    ("render_into", |env| drop(env.render().unwrap())),
+    ("start_rendering", |env| env.start_rendering()),
+    ("picture_taken", |env| env.picture_taken()),
+    ("spec", |env| drop(env.spec())),
+    ("describe", |env| assert!(env.describe().contains("Spy"))),
+    ("layer", |env| assert!(env.unwrapped::<Spy>().is_some())),
+    ("layer_mut", |env| assert!(env.unwrapped_mut::<Spy>().is_some())),
+    ("generator", |env| assert!(env.generator().is_some())),
+    ("close", |env| env.close()),
+];
+
+/// The methods of the trait, as they stand in its source.
+fn methods() -> BTreeSet<&'static str> {
+    let source = include_str!("../../gym-core/src/env.rs");
+    let (_, body) = source.split_once("pub trait Env:").unwrap();
+    let (body, _) = body.split_once("\n}\n").unwrap();
+    let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));
+    functions.map(|line| line.split(['(', '<']).next().unwrap()).collect()
+}
+
+#[test]
+fn every_method_is_called() {
+    let called: BTreeSet<_> = CALLS.iter().map(|(method, _)| *method).collect();
+    assert_eq!(called, methods(), "a method of `Env` is missing here, or no longer there");
+}
+
+/// A wrapper around a spy, and the methods that it answers itself.
+fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
+    let spy = || spy.clone();
+    let registered = |name: &str, kwargs: serde_json::Value| {
+        let kwargs = kwargs.as_object().expect("arguments").clone();
+        WrapperSpec { name: name.into(), kwargs }.wrap(BoxEnv::new(spy())).unwrap()
+    };
+    let seen = ["observation_space"].as_slice();
+    let done = ["action_space"].as_slice();
+    let pair =
+        |name: &str, low: f64, high: f64| json!({format!("min_{name}"): low, format!("max_{name}"): high});
+    let (kwargs, own): (_, &[&str]) = match name {
+        "AddRenderObservation"
+        | "FlattenObservation"
+        | "GrayscaleObservation"
+        | "NormalizeObservation"
+        | "TimeAwareObservation" => (json!({}), seen),
+        "AddWhiteNoise" => (json!({"probability_of_noise_per_pixel": 0.5}), &[]),
+        "ObstructView" => (json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 1}), &[]),
+        "Autoreset"
+        | "NormalizeReward"
+        | "OrderEnforcing"
+        | "PassiveEnvChecker"
+        | "RecordEpisodeStatistics"
+        | "MaxAndSkipObservation" => (json!({}), &[]),
+        "ClipAction" => (json!({}), done),
+        "ClipReward" => (pair("reward", 0.0, 1.0), &[]),
+        "DelayObservation" => (json!({"delay": 1}), &[]),
+        "DiscretizeAction" => (json!({"bins": 3}), done),
+        "DiscretizeObservation" => (json!({"bins": 3}), seen),
+        "DtypeObservation" => (json!({"dtype": "float64"}), seen),
+        "FilterObservation" => (json!({"filter_keys": ["a"]}), seen),
+        "FrameStackObservation" => (json!({"stack_size": 2}), seen),
+        // it hands over what it has gathered
+        "RenderCollection" => (json!({}), &["render_into"]),
+        "RepeatAction" => (json!({"num_repeats": 2}), &[]),
+        "RescaleAction" => (pair("action", -2.0, 2.0), done),
+        "RescaleObservation" => (pair("obs", -2.0, 2.0), seen),
+        "ReshapeObservation" => (json!({"shape": [1, 2]}), seen),
+        "ResizeObservation" => (json!({"shape": [2, 2]}), seen),
+        "StickyAction" => (json!({"repeat_action_probability": 0.5}), &[]),
+        "TimeLimit" => (json!({"max_episode_steps": 5}), &[]),
+        _ => return unregistered(name, &spy()),
+    };
+    Some((registered(name, kwargs), own))
+}
+
+/// The wrappers that specs do not name.
+fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
+    let spy = || spy.clone();
+    Some(match name {
+        // it makes texts of `ansi`, whatever the environment renders by itself
+        "Render" => {
+            (BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()), &["render_mode", "render_into"])
+        }
+        // a function has no stored form
+        "TransformAction" => (BoxEnv::new(TransformAction::new(spy(), Value::clone, None)), &["spec"]),
+        "TransformObservation" => {
+            (BoxEnv::new(TransformObservation::new(spy(), Value::clone, None)), &["spec"])
+        }
+        "TransformReward" => (BoxEnv::new(TransformReward::new(spy(), |reward| reward)), &["spec"]),
+        "BoxEnv" => (BoxEnv::new(BoxEnv::new(spy())), &[]),
+        _ => return None,
+    })
+}
+
+#[test]
+fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
+    let registered = registry::wrappers().into_iter().map(|wrapper| wrapper.name);
+    let unregistered = ["Render", "TransformAction", "TransformObservation", "TransformReward", "BoxEnv"];
+    let names: Vec<_> = registered.chain(unregistered).collect();
+    assert!(names.len() >= 33, "{names:?}");
+    for name in names {
+        let picture = BoxSpace::uniform(0.0, 255.0, [4, 4, 3], DType::U8).unwrap();
+        let spy = match name {
+            "GrayscaleObservation" | "ResizeObservation" => Spy::new(picture),
+            "FilterObservation" => {
+                Spy::new(DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(3))]).unwrap())
+            }
+            _ => Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0])),
+        };
+        let (mut env, own) = wrapped(name, &spy).unwrap_or_else(|| panic!("`{name}` is not in the list"));
+        for (method, call) in CALLS {
+            if *method != "reset_into" && *method != "close" {
+                env.reset(0).unwrap();
+            }
+            spy.calls.lock().unwrap().clear();
+            call(&mut env);
+            let reached = spy.calls.lock().unwrap().contains(method);
+            assert_eq!(reached, !own.contains(method), "`{name}` and `{method}`");
+        }
+    }
+}
+
+#[test]
+fn wrappers_are_reached_through_boxes() {
+    let spy = Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0]));
+    let env = BoxEnv::new(spy).normalize_observation().unwrap();
+    let env = BoxEnv::new(ClipReward::new(env, (0.0, 1.0)).unwrap());
+    let mut env = BoxEnv::new(TimeLimit::new(env, 3).unwrap());
+    env.reset(0).unwrap();
+    env.step(&Value::from([0.0_f32])).unwrap();
+    assert_eq!(env.wrapper::<TimeLimit>().unwrap().elapsed_steps(), 1);
+    let normalize = env.wrapper_mut::<NormalizeObservation>().unwrap();
+    let statistics = normalize.statistics().clone();
+    assert_eq!((statistics.len(), statistics.count().round()), (2, 2.0));
+    normalize.update_running_mean(false);
+    env.step(&Value::from([0.0_f32])).unwrap();
+    assert_eq!(env.wrapper::<NormalizeObservation>().unwrap().statistics(), &statistics);
+    assert!(env.wrapper::<Autoreset>().is_none());
+    let limit = TimeLimit::new(Autoreset::new(env), 2).unwrap();
+    assert!(limit.get_ref().get_ref().wrapper::<TimeLimit>().is_some());
+    assert_eq!(limit.into_inner().into_inner().wrapper::<TimeLimit>().unwrap().max_episode_steps(), 3);
+    let _: Array = statistics.mean();
+}

@@ -1,0 +1,59 @@
+//! The table of wrappers and their arguments in `docs/wrappers.md`, from the registrations.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use gym::registry::{self, WrapperRegistration};
+use gym::{Argument, Error, Result};
+
+use super::{Document, read};
+
+const PAGE: &str = "docs/wrappers.md";
+const MARKS: [&str; 2] = ["<!-- wrappers: written by cargo xtask docs -->\n", "<!-- end of wrappers -->\n"];
+
+/// The page with its table as the registrations are, if the book has it.
+pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
+    if !folder.join(PAGE).exists() {
+        return Ok(None);
+    }
+    let page = read(folder, PAGE)?;
+    let parts = page.split_once(MARKS[0]).and_then(|(head, rest)| Some((head, rest.split_once(MARKS[1])?.1)));
+    let (head, tail) =
+        parts.ok_or_else(|| Error::custom(format!("{PAGE} lacks the marks around its table")))?;
+    let mut table = String::from("\n| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
+    let all = registry::wrappers();
+    for (i, wrapper) in all.iter().enumerate() {
+        // one row where an environment's and a vector's are two types
+        if i > 0 && all[i - 1].name == wrapper.name {
+            continue;
+        }
+        let same: Vec<_> = all.iter().filter(|other| other.name == wrapper.name).collect();
+        let (mut arguments, mut seen) = (Vec::new(), Vec::new());
+        for argument in same.iter().flat_map(|wrapper| wrapper.arguments()) {
+            if !seen.contains(&argument.name) {
+                seen.push(argument.name);
+                arguments.push(described(&argument));
+            }
+        }
+        let around = |is: fn(&WrapperRegistration) -> bool| same.iter().any(|wrapper| is(wrapper));
+        let around =
+            match (around(WrapperRegistration::wraps_envs), around(WrapperRegistration::wraps_vectors)) {
+                (true, true) => "both",
+                (true, false) => "environments",
+                _ => "vectors",
+            };
+        let (name, what) = (wrapper.name, wrapper.description);
+        let row = writeln!(table, "| `{name}` | {around} | {what} | {} |", arguments.join("<br>"));
+        row.map_err(|error| Error::custom(error.to_string()))?;
+    }
+    Ok(Some((PAGE.into(), format!("{head}{}{table}\n{}{tail}", MARKS[0], MARKS[1]).into_bytes())))
+}
+
+/// `` `delay`: integer. By how many steps observations are late ``
+fn described(argument: &Argument) -> String {
+    let Argument { name, kind, meaning, default, required, .. } = argument;
+    let default = if *required { "required".to_owned() } else { format!("default `{default}`") };
+    // a link leads somewhere in the documentation of the crate alone
+    let meaning = meaning.replace("[`", "`").replace("`]", "`").replace("(crate::VideoWriter)", "");
+    format!("`{name}` ({kind}, {default}): {}", meaning.replace('|', "\\|"))
+}

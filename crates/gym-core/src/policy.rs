@@ -2,7 +2,7 @@
 
 use serde_json::Value as Json;
 
-use crate::{BoxEnv, Element, Env, Error, Result, Space, Value};
+use crate::{BoxEnv, Element, Env, Error, Result, Space, Value, math};
 
 /// Chooses the action for an observation; `None` for what is not an observation of the environment.
 pub type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
@@ -107,7 +107,7 @@ fn forward(layers: &[Vec<f32>], mut x: Vec<f32>) -> Vec<f32> {
         let sum =
             |j: usize| bias[j] + x.iter().enumerate().map(|(i, x)| x * weights[i * outputs + j]).sum::<f32>();
         let last = 2 * (i + 1) == layers.len();
-        x = (0..outputs).map(sum).map(|y| if last { y } else { y.tanh() }).collect();
+        x = (0..outputs).map(sum).map(|y| if last { y } else { math::tanh(y.into()) as f32 }).collect();
     }
     x
 }
@@ -121,6 +121,6 @@ mod tests {
         // two numbers in, two hidden, one out
         let layers = [vec![1.0, 0.0, 0.0, 2.0], vec![0.0, 0.5], vec![3.0, 1.0], vec![-1.0]];
         let y = forward(&layers, vec![0.5, 0.25]);
-        assert!((y[0] - (3.0 * 0.5f32.tanh() + 1.0f32.tanh() - 1.0)).abs() < 1e-6, "{y:?}");
+        assert!((y[0] - (3.0 * math::tanh(0.5) + math::tanh(1.0) - 1.0) as f32).abs() < 1e-6, "{y:?}");
     }
 }

@@ -137,6 +137,7 @@ fn check(fps: u32, first: &Frame) -> Result<()> {
     Ok(())
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` passes a value")]
 fn failed(error: io::Error) -> Error {
     Error::custom(format!("the GIF could not be written: {error}"))
 }

@@ -66,7 +66,7 @@ impl<T> NormalizeObservation<T> {
         let len = space.low().len();
         let Config { epsilon, update_running_mean } = config;
         let normalizer = Normalizer::new::<Config>(RunningMeanStd::new(len), epsilon, update_running_mean)?;
-        let shown = vec![0.0; inner.len() * len];
+        let shown = vec![0.0; inner.count() * len];
         Ok(Self { inner, config, space: space.into(), normalizer, seen: Seen::default(), shown })
     }
 

@@ -62,7 +62,7 @@ impl<T> NormalizeReward<T> {
         }
         let statistics = RunningMeanStd::new_f64(1);
         let normalizer = Normalizer::new::<Config>(statistics, epsilon, update_running_mean)?;
-        let returns = vec![0.0; inner.len()];
+        let returns = vec![0.0; inner.count()];
         Ok(Self { inner, config, normalizer, returns })
     }
 

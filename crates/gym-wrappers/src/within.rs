@@ -34,7 +34,7 @@ pub trait Within<Kind> {
     fn actions(&self) -> Space;
 
     /// How many environments there are.
-    fn len(&self) -> usize;
+    fn count(&self) -> usize;
 }
 
 impl<E: Env> Within<Single> for E {
@@ -53,7 +53,7 @@ impl<E: Env> Within<Single> for E {
         self.action_space()
     }
 
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         1
     }
 }
@@ -74,7 +74,7 @@ impl<V: VectorEnv> Within<Batch> for V {
         self.single_action_space()
     }
 
-    fn len(&self) -> usize {
+    fn count(&self) -> usize {
         self.num_envs()
     }
 }
@@ -267,7 +267,7 @@ pub(crate) fn not_an_array(value: &Value) -> Error {
 }
 
 /// The generator of the environment within.
-pub(crate) fn lend<'a, C: WrapperConfig>(env: &'a mut impl Env) -> Result<&'a mut Generator> {
+pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generator> {
     env.generator().ok_or_else(|| {
         let name = C::NAME;
         Error::Contract(format!(

@@ -213,7 +213,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => println!("keys: {}, restart, q", keys::describe(&keys)),
+                None => println!("keys: {}, restart, q", keys::describe(keys)),
             },
         }
     }

@@ -487,7 +487,7 @@ fn what_only_scalar_environments_can_do_is_refused() {
         let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
         assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");
     }
-    let unknown = native(&spec("CartPole-v1", json!({"gravity": 1})), 2, Autoreset::NextStep).unwrap_err();
+    let unknown = native(&spec("CartPole-v1", json!({"wind": 1})), 2, Autoreset::NextStep).unwrap_err();
     assert!(unknown.to_string().contains("sutton_barto_reward"), "{unknown}");
     let none = native(&spec("CliffWalking-v0", json!({"is_slippery": true})), 2, Autoreset::NextStep);
     assert!(none.unwrap_err().to_string().contains("takes no arguments"));

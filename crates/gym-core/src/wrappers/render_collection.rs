@@ -66,11 +66,16 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
                 Rendered::Frame(frame) => frames.push(frame),
                 Rendered::Text(text) => texts.push(text),
                 Rendered::Shown | Rendered::Frames(_) | Rendered::Texts(_) => {
-                    return Err(Error::Contract("only single frames or texts can be gathered".into()));
+                    let reason = "RenderCollection needs a mode of single items: `rgb_array` or `ansi`";
+                    return Err(Error::Contract(reason.into()));
                 }
             }
         }
-        *rendered = if texts.is_empty() { Rendered::Frames(frames) } else { Rendered::Texts(texts) };
+        // an empty list has the type of its mode
+        *rendered = match self.inner.render_mode() {
+            Some(RenderMode::Ansi) => Rendered::Texts(texts),
+            _ => Rendered::Frames(frames),
+        };
         Ok(())
     }
 

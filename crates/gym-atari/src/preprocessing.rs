@@ -87,7 +87,7 @@ impl<E: Env> AtariPreprocessing<E> {
     pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
         let refuse = |reason: String| Err(Preprocessing::refuse(reason));
         let Some(atari) = within(&env) else {
-            return refuse(format!("{} is no game of the Atari 2600", env.describe()));
+            return refuse(format!("{} is not an Atari environment", env.describe()));
         };
         let stack = env.describe();
         // what `make` gives says its id within

@@ -31,7 +31,7 @@ impl Rom {
             Some(game) => Ok(Self { game, md5, bytes: bytes.into() }),
             None => Err(Error::argument(
                 "a ROM",
-                format!("its MD5 is {md5}, which is no game's: {} games are known", games::GAMES.len()),
+                format!("no game has the MD5 {md5}: {} games are known", games::GAMES.len()),
             )),
         }
     }
@@ -125,7 +125,7 @@ impl RomDir {
             return Err(Error::argument(
                 game.title,
                 format!(
-                    "the ROM {} has the MD5 {md5}, not {}: it is another game or another edition",
+                    "the ROM {} has the MD5 {md5}, not {}: it is another game or edition",
                     path.display(),
                     game.md5
                 ),

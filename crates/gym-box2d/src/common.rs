@@ -74,8 +74,7 @@ pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d al
 pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
     match version {
         0 | 1 => {
-            let reason =
-                format!("there is no version {version} of it: set 2 or 3 with `Registration::version`");
+            let reason = format!("version {version} does not exist: set 2 or 3 with `Registration::version`");
             Err(Error::argument(env, reason))
         }
         _ => Ok(version.min(3)),

@@ -218,7 +218,7 @@ impl Env for PythonEnv {
             if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
                 let (before, after) = (&self.spaces, &spaces);
                 return Err(Error::Contract(format!(
-                    "the spaces of `{}` are {} and {} after the reset, and were {} and {}",
+                    "the spaces of `{}` changed at the reset: they are {} and {}, and were {} and {}",
                     self.name, after.0, after.1, before.0, before.1
                 )));
             }
@@ -320,8 +320,8 @@ impl Env for PythonEnv {
 
 fn refused(name: &str) -> Error {
     Error::Snapshot(format!(
-        "`{name}` is stored by Python's pickle, and restoring runs code that the snapshot names: add \
-         `.arg(\"allow_pickle\", true)` where snapshots come from you alone"
+        "`{name}` is stored with Python's pickle, and restoring runs code that the snapshot names: add \
+         `.arg(\"allow_pickle\", true)` if you trust the snapshots"
     ))
 }
 

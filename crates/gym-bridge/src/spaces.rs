@@ -15,7 +15,7 @@ pub(crate) fn pair(described: &Value) -> Result<(Space, Space)> {
 }
 
 fn malformed() -> Error {
-    Error::custom("the worker describes a space in a form that is not known here")
+    Error::custom("the worker described a space in an unknown form")
 }
 
 fn space(described: &Value) -> Result<Space> {

@@ -135,7 +135,7 @@ impl Worker {
                 let status = self.wait(Duration::from_secs(1));
                 let status = status.map_or_else(|| error.to_string(), |status| status.to_string());
                 format!(
-                    "the worker of `{name}` ended during `{asked}` ({status}): what it said is on standard error; make the \
+                    "the worker of `{name}` ended during `{asked}` ({status}): standard error has its messages; make the \
                      environment anew"
                 )
             }
@@ -181,10 +181,7 @@ impl Drop for Worker {
 
 /// Bytes that the script does not write.
 pub(crate) fn malformed(name: &str, request: Request) -> Error {
-    Error::custom(format!(
-        "the worker of `{name}` answered `{}` with something that is no answer",
-        request.name()
-    ))
+    Error::custom(format!("the worker of `{name}` sent an invalid reply to `{}`", request.name()))
 }
 
 /// What Python raised.

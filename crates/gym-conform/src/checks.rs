@@ -126,7 +126,7 @@ pub const CHECKS: &[Check] = &[
         "action-validated",
         actions::validated,
         ["resets"],
-        "an invalid action must be an error, not a guess",
+        "an invalid action must be an error",
         "return Err(Error::InvalidAction { .. }) for actions of another kind, type or shape, and for NaN",
     ),
     error!(
@@ -238,7 +238,7 @@ pub const CHECKS: &[Check] = &[
         "observation-whole",
         observations::whole,
         REPEATABLE,
-        "callers reuse their buffers, and old numbers must not shine through",
+        "callers reuse their buffers, and no old number may remain",
         "write every element of the observation in `reset_into` and `step_into`",
     ),
     error!(
@@ -252,7 +252,7 @@ pub const CHECKS: &[Check] = &[
         "clone-apart",
         copies::clone_apart,
         REPEATABLE,
-        "planners and vectors step clones, and the original must not notice",
+        "planners and vectors step clones, and the original must not change",
         "share nothing that changes between clones: no Arc<Mutex<_>>, no Rc<Cell<_>>",
     ),
     error!(
@@ -273,7 +273,7 @@ pub const CHECKS: &[Check] = &[
         "snapshot-refused",
         copies::snapshot_refused,
         ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "clone-continues"],
-        "a file from somewhere else must not become a state that nobody meant",
+        "a foreign file must not become a wrong state",
         "return Err(Error::Snapshot(..)) for what `snapshot` cannot have written, before anything changes",
     ),
     error!(

@@ -45,7 +45,7 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// then nothing has changed.
     fn assign(&mut self, config: Self::Config) -> Result<()> {
         let _ = config;
-        Err(Error::argument(Self::NAME, "its arguments cannot be changed: make another one"))
+        Err(Error::argument(Self::NAME, "its arguments are fixed: make a new environment"))
     }
 
     /// The space that every observation lies in.

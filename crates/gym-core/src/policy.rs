@@ -70,18 +70,18 @@ fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
     let bounds: Vec<(f64, f64)> = space.low().iter_f64().zip(space.high().iter_f64()).collect();
     let mut width = env.observation_space().shape().map_or(0, |shape| shape.iter().product::<usize>());
     if moments.as_ref().is_some_and(|(mean, var)| mean.len() != width || var.len() != width) {
-        return Err(wrong(format!("it was trained on other observations than these of {width} numbers")));
+        return Err(wrong(format!("its input does not fit observations of {width} numbers")));
     }
     for layer in layers.chunks(2) {
         let [weights, bias] = layer else { return Err(wrong("a layer has weights without a bias".into())) };
         if weights.len() != width * bias.len() {
             let [given, outputs] = [weights.len(), bias.len()];
-            return Err(wrong(format!("{given} weights do not lead from {width} numbers to {outputs}")));
+            return Err(wrong(format!("a layer from {width} to {outputs} numbers has {given} weights")));
         }
         width = bias.len();
     }
     if width != bounds.len() {
-        return Err(wrong(format!("it gives {width} numbers, and an action has {}", bounds.len())));
+        return Err(wrong(format!("its output has {width} numbers, and an action {}", bounds.len())));
     }
     Ok(Box::new(move |_, seen| {
         let seen = seen.as_array()?.iter_f64();

@@ -86,7 +86,7 @@ impl Snapshot {
         }
         match episode {
             Some(episode) if !is_valid(&episode) => {
-                Err(Error::Snapshot(format!("what it holds is not a state of this {env}")))
+                Err(Error::Snapshot(format!("its content is not a state of this {env}")))
             }
             episode => Ok(episode),
         }
@@ -99,7 +99,9 @@ impl Snapshot {
     pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
         exact::read(&self.0).map_err(|error| {
             Error::Snapshot(match self.env() {
-                Some(env) => format!("this is a snapshot of {env}, or of other wrappers around it: {error}"),
+                Some(env) => {
+                    format!("this snapshot of {env} does not fit the environment and its wrappers: {error}")
+                }
                 None => error.to_string(),
             })
         })

@@ -274,7 +274,7 @@ impl fmt::Display for Value {
 /// A type of your own needs three functions: [`empty`](Self::empty), [`from_value`](Self::from_value)
 /// and [`write`](Self::write).
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is no observation or action type",
+    message = "`{Self}` is not an observation or action type",
     note = "the types are `i64`, `usize`, `u8`, `u32`, enums of `discrete!`, arrays `[T; N]` of numbers, `String`, and \
             tuples of two to four of these; `Array` takes any length and shape, and `Value` anything, such as dicts"
 )]

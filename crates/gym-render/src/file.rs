@@ -47,7 +47,7 @@ impl AtomicFile {
 
 /// A file of a name that no other has, in the folder of `path`.
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path ends without a file name");
+    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().ok_or_else(no_name)?);
     prefix.push(".");

@@ -114,5 +114,5 @@ impl<F: Format> Drop for Stream<F> {
 }
 
 fn failed_before() -> io::Error {
-    io::Error::other("writing this file failed before")
+    io::Error::other("an earlier write to this file failed")
 }

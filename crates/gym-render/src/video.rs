@@ -45,10 +45,8 @@ impl VideoWriter {
             Some("png" | "apng") => Kind::Png(Stream::create(path, fps)?),
             Some("mp4") => Kind::Mp4(Stream::create(path, fps)?),
             _ => {
-                let reason = format!(
-                    "`{}` names no known format: the extensions are .gif, .png, .apng and .mp4",
-                    path.display()
-                );
+                let reason =
+                    format!("`{}` has no known extension: use .gif, .png, .apng or .mp4", path.display());
                 return Err(Error::argument("VideoWriter", reason));
             }
         }))

@@ -165,7 +165,10 @@ impl Task for FrozenLakeDynamics {
         let (nrow, ncol) = (desc.len(), desc[0].len());
         let letters = desc.concat().into_bytes();
         if letters.len() > MAX_STATES {
-            return Err(invalid(format!("the map has {} cells: there can be {MAX_STATES}", letters.len())));
+            return Err(invalid(format!(
+                "the map has {} cells: at most {MAX_STATES} are possible",
+                letters.len()
+            )));
         }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;

@@ -34,7 +34,7 @@ gym_core::arguments! {
 }
 
 gym_core::register_wrapper!(
-    "AddRenderObservation", "observes the rendered picture", Config, env: AddRenderObservation::new
+    "AddRenderObservation", "observes the rendered frame", Config, env: AddRenderObservation::new
 );
 
 reach!(AddRenderObservation<E>);
@@ -70,7 +70,7 @@ impl<E: Env> AddRenderObservation<E> {
     fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let frame = frame(&mut self.inner)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
-            return Err(Error::Contract("the size of the rendered picture has changed".into()));
+            return Err(Error::Contract("the size of the rendered frame has changed".into()));
         }
         let Space::Dict(space) = &self.space else {
             self.draw_into(&frame, out);
@@ -102,7 +102,7 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
         _ => Err(Error::UnsupportedMode {
             target: Config::NAME.into(),
             mode: "an observation".into(),
-            reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+            reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
         }),
     }
 }

@@ -16,7 +16,7 @@ gym_core::arguments! {
 }
 
 gym_core::register_wrapper!(
-    "Autoreset", "makes a reset of the step after an end", Config, env: |env, _| Ok(Autoreset::new(env))
+    "Autoreset", "resets in the step after the end of an episode", Config, env: |env, _| Ok(Autoreset::new(env))
 );
 
 reach!(Autoreset<E>);

@@ -117,7 +117,7 @@ impl Grid {
             return Ok(MultiDiscrete::new(counts.collect::<Vec<i64>>())?.into());
         }
         let n = counts.try_fold(1i64, i64::checked_mul);
-        let n = n.ok_or_else(|| Error::custom("there are more combinations of bins than an int64 counts"))?;
+        let n = n.ok_or_else(|| Error::custom("the number of combinations of bins does not fit int64"))?;
         Ok(Discrete::new(n)?.into())
     }
 

@@ -30,7 +30,7 @@ gym_core::arguments! {
 positional!(delay: usize);
 
 gym_core::register_wrapper!(
-    "DelayObservation", "gives observations some steps late", Config, env: DelayObservation::new
+    "DelayObservation", "delays observations by a number of steps", Config, env: DelayObservation::new
 );
 
 reach!(DelayObservation<E: Env>);

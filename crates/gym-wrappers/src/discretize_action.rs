@@ -12,7 +12,11 @@ use crate::within::expect_box;
 /// element; the environment gets its middle.
 pub type DiscretizeAction<T = BoxEnv> = MapAction<T, Discretize>;
 
-bins_config!("DiscretizeAction", "takes the number of a bin, and acts by its middle", DiscretizeAction::new);
+bins_config!(
+    "DiscretizeAction",
+    "turns the index of a bin into the action at its centre",
+    DiscretizeAction::new
+);
 
 /// The bins of [`DiscretizeAction`].
 #[derive(Clone, Debug)]

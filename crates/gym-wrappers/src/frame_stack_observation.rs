@@ -32,7 +32,7 @@ gym_core::arguments! {
 positional!(stack_size: usize);
 
 gym_core::register_wrapper!(
-    "FrameStackObservation", "observes the last few observations at once", Config,
+    "FrameStackObservation", "stacks the last observations", Config,
     env: FrameStackObservation::new
 );
 

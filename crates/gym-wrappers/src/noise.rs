@@ -34,7 +34,7 @@ pub mod add_white_noise {
     positional!(probability_of_noise_per_pixel: f64, is_noise_grayscale: bool);
 
     gym_core::register_wrapper!(
-        "AddWhiteNoise", "replaces random pixels of rendered pictures with noise", Config,
+        "AddWhiteNoise", "replaces random pixels of rendered frames with noise", Config,
         env: super::AddWhiteNoise::new
     );
 }
@@ -59,7 +59,7 @@ pub mod obstruct_view {
     positional!(obstructed_pixels_ratio: f64, obstruction_width: u32, is_noise_grayscale: bool);
 
     gym_core::register_wrapper!(
-        "ObstructView", "covers rendered pictures with patches of noise", Config,
+        "ObstructView", "covers rendered frames with patches of noise", Config,
         env: super::ObstructView::new
     );
 }
@@ -114,7 +114,7 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
             return Err(Error::UnsupportedMode {
                 target: P::NAME.into(),
                 mode: "noise".into(),
-                reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+                reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
             });
         };
         self.pattern.cover(lend::<P>(&mut self.inner)?, frame);

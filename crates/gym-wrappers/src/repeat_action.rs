@@ -23,7 +23,7 @@ gym_core::arguments! {
 
 positional!(num_repeats: u32);
 
-gym_core::register_wrapper!("RepeatAction", "takes each action several times", Config, env: RepeatAction::new);
+gym_core::register_wrapper!("RepeatAction", "repeats each action", Config, env: RepeatAction::new);
 
 reach!(RepeatAction<E>);
 

@@ -57,6 +57,6 @@ impl ActionMap for Rescale {
 }
 
 gym_core::register_wrapper!(
-    "RescaleAction", "takes actions between other bounds, and maps them linearly", Config,
+    "RescaleAction", "maps actions linearly from other bounds", Config,
     env: RescaleAction::new, vector: RescaleAction::new
 );

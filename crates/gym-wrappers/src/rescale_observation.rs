@@ -53,6 +53,6 @@ impl ObservationMap for Rescale {
 }
 
 gym_core::register_wrapper!(
-    "RescaleObservation", "maps observations to other bounds, linearly", Config,
+    "RescaleObservation", "maps observations linearly to other bounds", Config,
     env: RescaleObservation::new, vector: RescaleObservation::new
 );

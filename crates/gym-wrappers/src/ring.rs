@@ -46,7 +46,7 @@ impl<O: Element> Ring<O> {
     /// A ring of as many observations, from what [`to_json`](Self::to_json) gave.
     pub(crate) fn read(&self, space: &Space, stored: &[Json]) -> Result<Self> {
         if stored.len() != self.items.len() {
-            let reason = format!("it holds {} observations and not {}", stored.len(), self.items.len());
+            let reason = format!("it has {} observations, not {}", stored.len(), self.items.len());
             return Err(Error::Snapshot(reason));
         }
         let items = stored.iter().map(|json| element(space, json)).collect::<Result<_>>()?;

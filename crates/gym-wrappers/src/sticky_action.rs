@@ -109,7 +109,7 @@ impl<E: Env> StickyAction<E> {
         let (low, high) = duration.ends();
         if low == 0 || low > high {
             return Err(Config::refuse(format!(
-                "repeat_action_duration is {low} to {high}: it must go from at least 1 to no less"
+                "repeat_action_duration is {low} to {high}: the first must be at least 1, the second no smaller"
             )));
         }
         Ok(Self { inner: env, config, last: E::Action::empty(), state: Stickiness::default() })

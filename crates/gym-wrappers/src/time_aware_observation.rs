@@ -55,7 +55,7 @@ impl<E: Env> TimeAwareObservation<E> {
         let known = || env.spec().and_then(|spec| spec.time_limit());
         let Some(max_timesteps) = config.max_timesteps.or_else(known) else {
             return Err(Config::refuse(
-                "no time limit is known: wrap what `make` gives in TimeLimit, or give max_timesteps",
+                "the time limit is unknown: wrap the environment in TimeLimit, or give max_timesteps",
             ));
         };
         if max_timesteps == 0 || i32::try_from(max_timesteps).is_err() {
@@ -101,7 +101,7 @@ impl<E: Env> TimeAwareObservation<E> {
                 array.set_f64(0, time);
             }
         };
-        let lacking = || Error::Contract("the observation is not of the form of its space".into());
+        let lacking = || Error::Contract("the observation does not fit its space".into());
         match (&mut self.full, &self.seen) {
             (Value::Dict(entries), Value::Dict(_)) => {
                 for (name, value) in entries {

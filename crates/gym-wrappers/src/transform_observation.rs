@@ -68,7 +68,7 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation
                 return Ok(());
             }
             Err(Error::Contract(format!(
-                "the function of TransformObservation gave {out}, which is no batch of {n} elements of {space}"
+                "the function of TransformObservation returned {out}, which is not a batch of {n} elements of {space}"
             )))
         })?;
         columns.prepare(&space, n)

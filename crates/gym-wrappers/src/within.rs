@@ -258,7 +258,7 @@ pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpac
     if is_picture {
         return Ok(space);
     }
-    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and these are {space}")))
+    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and the space is {space}")))
 }
 
 /// The error of an observation that is none of the space's type.
@@ -280,9 +280,9 @@ pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generato
 /// The numbers of an array that was stored, if there are so many.
 pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> Result<Vec<T>> {
     let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
-    numbers.map(<[T]>::to_vec).ok_or_else(|| {
-        Error::Snapshot(format!("expected {len} numbers of type {}, and it holds {array}", T::DTYPE))
-    })
+    numbers
+        .map(<[T]>::to_vec)
+        .ok_or_else(|| Error::Snapshot(format!("expected {len} numbers of type {}, not {array}", T::DTYPE)))
 }
 
 /// The typed element of a space that was stored as JSON.

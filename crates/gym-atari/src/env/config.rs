@@ -85,7 +85,7 @@ impl Config {
         let invalid = |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
         let Some(game) = games::by_name(&self.game) else {
             let names: Vec<_> = games::GAMES.iter().map(|game| game.name).collect();
-            return invalid(format!("game is not known: the games are {}", names.join(", ")));
+            return invalid(format!("unknown game: the games are {}", names.join(", ")));
         };
         match self.frameskip {
             Frameskip::Range([low, _]) if low <= 0 => {

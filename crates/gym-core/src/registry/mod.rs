@@ -68,7 +68,7 @@ pub fn register(registration: Registration) -> Result<()> {
             .keys()
             .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
         if let Some(other) = other {
-            return refuse(format!("`{other}` exists: a name has versions on all its ids or on none"));
+            return refuse(format!("`{other}` exists: give all ids of a name a version, or none"));
         }
         table.insert(id.clone(), vec![registration]);
         Ok(())

@@ -199,7 +199,7 @@ impl VectorSpec {
             if each.range().is_some() {
                 return Err(Error::argument(
                     name,
-                    "this vector draws no arguments from a range: those of classic control do, where native",
+                    "ranges need a native vector of classic control: give a list of values",
                 ));
             }
         }
@@ -280,9 +280,9 @@ fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
 /// What a spec asks for that only environments can give.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
     if !spec.additional_wrappers.is_empty() {
-        Some("it has no single environments to wrap: wrap the vector, or make a sync or async one")
+        Some("its environments cannot be wrapped: wrap the vector, or make a sync or async one")
     } else if spec.render_mode.is_some() {
-        Some("it draws nothing: make a sync or async one")
+        Some("it cannot render: make a sync or async one")
     } else {
         None
     }

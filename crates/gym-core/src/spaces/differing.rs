@@ -1,4 +1,4 @@
-//! Spaces that differ in their bounds alone: Gymnasium's `is_space_dtype_shape_equiv` and
+//! Spaces that differ only in their bounds: Gymnasium's `is_space_dtype_shape_equiv` and
 //! `batch_differing_spaces`.
 
 use super::batch::batch_space;

@@ -143,9 +143,8 @@ fn check_links(links: &Array, num_edges: usize, num_nodes: usize) -> Result<(), 
     let is_node = |x: Number| x >= Number::Int(0) && x < Number::Int(num_nodes as i128);
     match Number::all(links.data()).enumerate().find(|(_, x)| !is_node(*x)) {
         None => Ok(()),
-        Some((i, x)) => {
-            Err(Fault::new(format!("{x} is none of the {num_nodes} nodes")).at_element(i, links.shape()))
-        }
+        Some((i, x)) => Err(Fault::new(format!("{x} is not the index of one of the {num_nodes} nodes"))
+            .at_element(i, links.shape())),
     }
 }
 

@@ -206,7 +206,7 @@ fn check_text<T: Weight>(
     let Some(weights) = characters else { return Ok(()) };
     check_list(weights, space.charset().len() as i64, CHOICE_TOLERANCE)?;
     if min > 0 && T::probabilities(weights).iter().all(|&p| p == 0.0) {
-        return Err(Fault::new("no character may be chosen, but the text cannot be empty"));
+        return Err(Fault::new("the mask allows no character, but the text cannot be empty"));
     }
     Ok(())
 }
@@ -292,7 +292,7 @@ mod tests {
         );
 
         let bits = MultiBinary::new([2]).unwrap();
-        assert_eq!(fault(bits.clone(), [3i8, 0]), "[0]: 3 is none of 0, 1 and 2");
+        assert_eq!(fault(bits.clone(), [3i8, 0]), "[0]: 3 is not 0, 1 or 2");
         assert_eq!(Mask::from([2, 0]).check(&bits.clone().into()), Ok(()));
         assert_eq!(Probabilities::from([0.9, 0.9]).check(&bits.into()), Ok(()));
     }

@@ -50,7 +50,7 @@ impl Weight for i8 {
     }
 
     fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
-        check_each(weights, |entry| (0..=2).contains(entry), "none of 0, 1 and 2")
+        check_each(weights, |entry| (0..=2).contains(entry), "not 0, 1 or 2")
     }
 
     fn choose(weights: &[Self], rng: &mut Generator) -> usize {

@@ -240,7 +240,7 @@ fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Val
         },
         _ => None,
     }
-    .ok_or_else(|| Fault::new("no value is stored so"))
+    .ok_or_else(|| Fault::new("this is not the stored form of a value"))
 }
 
 /// The shape of nested lists, as their first items tell it.

@@ -97,7 +97,10 @@ impl dyn VectorEnv {
         })?;
         if !fits {
             let name = crate::env::short_type_name::<E>();
-            return Err(Error::custom(format!("the sub-environments of {} are no {name}", self.describe())));
+            return Err(Error::custom(format!(
+                "the sub-environments of {} are not of type {name}",
+                self.describe()
+            )));
         }
         Ok(results)
     }

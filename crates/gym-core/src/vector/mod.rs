@@ -156,7 +156,7 @@ pub trait VectorEnv: Any + Send {
         Err(Error::UnsupportedMode {
             target: self.describe(),
             mode: "anything".into(),
-            reason: "it draws nothing: make a sync or an async vector for this".into(),
+            reason: "it cannot render: make a sync or async vector".into(),
         })
     }
 
@@ -232,7 +232,7 @@ pub trait VectorEnv: Any + Send {
 }
 
 fn no_envs(vector: &str) -> Error {
-    Error::custom(format!("{vector} is not made of environments: make a sync or an async vector for this"))
+    Error::custom(format!("{vector} has no separate environments: make a sync or async vector"))
 }
 
 fn no_snapshots(vector: &str) -> Error {

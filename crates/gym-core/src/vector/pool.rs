@@ -166,7 +166,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     pub fn recv_into(&mut self, m: usize, ids: &mut Vec<usize>, columns: &mut Columns) -> Result<()> {
         let pending = self.num_pending();
         if m == 0 || m > pending {
-            let reason = format!("m is {m} and {pending} are pending: it must be at least 1 and no more");
+            let reason = format!("m is {m}: it must be from 1 to the {pending} that are pending");
             return Err(Error::argument("recv_into", reason));
         }
         while self.ready.len() < m {
@@ -422,7 +422,9 @@ impl<E: Env> Pool<E> {
             let worker = thread::Builder::new()
                 .name(format!("gym-vector-{i}"))
                 .spawn(move || work(&queue, &answers, &stop, ahead))
-                .map_err(|error| Error::custom(format!("no thread for an async vector: {error}")))?;
+                .map_err(|error| {
+                    Error::custom(format!("the system gives no thread for an async vector: {error}"))
+                })?;
             pool.workers.push(worker);
         }
         Ok(pool)

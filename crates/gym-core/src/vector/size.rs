@@ -31,7 +31,7 @@ fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     if fits(n.checked_mul((2 * 8 * numbers + 16).saturating_add(bytes))) {
         return Ok(());
     }
-    Err(Error::argument("a vector", format!("num_envs is {n}: so many do not fit in memory")))
+    Err(Error::argument("a vector", format!("num_envs = {n} does not fit in memory")))
 }
 
 /// Whether a batch can have `n` elements of so many numbers.

@@ -85,8 +85,8 @@ impl<E: Env> Slot<E> {
                 Err(Error::custom("it panicked in an earlier call: call `reset_into` with a mask"))
             }
             Stage::Moved => Err(Error::custom(
-                "it was reset, stepped or restored through `call`, so the vector cannot know whether a reset is due: \
-                 call `reset_into` with a mask, or store and restore the vector as a whole",
+                "it was changed through `call`: \
+                 call `reset_into` with a mask before the next step",
             )),
             Stage::Closed => Err(Error::Closed("step")),
         }
@@ -190,7 +190,7 @@ impl<E: Env> Slot<E> {
         let result = catch_unwind(AssertUnwindSafe(|| ask(self)));
         let result = result.unwrap_or_else(|panic| {
             self.stage = Stage::Panicked;
-            Err(Error::Contract(format!("it panicked, and must be reset: {}", message(&*panic))))
+            Err(Error::Contract(format!("it panicked; reset it before the next step: {}", message(&*panic))))
         });
         if result.is_err() {
             self.clear();
@@ -249,7 +249,10 @@ impl<E: Env> Slot<E> {
         }
         let mut batch = spaces.observation.empty_batch(1)?;
         spaces.observation.write_row(&mut batch, 0, &stored.observation).map_err(|_| {
-            Error::Snapshot(format!("its observation {} has another form", stored.observation))
+            Error::Snapshot(format!(
+                "its observation {} does not fit the observation space",
+                stored.observation
+            ))
         })?;
         self.env.clone().restore(&stored.env)
     }
@@ -318,15 +321,13 @@ pub(super) fn restore<E: Env>(
 ) -> Result<()> {
     let stored: StoredSlots = snapshot.get()?;
     if stored.autoreset != autoreset {
-        let reason = format!(
-            "it is of a vector with autoreset {:?}, and this one has {autoreset:?}",
-            stored.autoreset
-        );
+        let reason =
+            format!("it was taken with autoreset {:?}, and this vector has {autoreset:?}", stored.autoreset);
         return Err(Error::Snapshot(reason));
     }
     if stored.slots.len() != slots.len() {
         let reason =
-            format!("it is of {} sub-environments, and here are {}", stored.slots.len(), slots.len());
+            format!("it has {} sub-environments, and this vector {}", stored.slots.len(), slots.len());
         return Err(Error::Snapshot(reason));
     }
     for (index, (slot, stored)) in slots.iter().zip(&stored.slots).enumerate() {
@@ -363,7 +364,7 @@ pub(super) fn slots<E: Env>(
             ObservationMode::Same => {
                 (seen == observation, "be equal, or differ in bounds with ObservationMode::Different")
             }
-            ObservationMode::Different => (seen.has_form_of(&observation), "differ in their bounds alone"),
+            ObservationMode::Different => (seen.has_form_of(&observation), "differ only in their bounds"),
         };
         for (kind, fits, space, first, rule) in [
             ("observation", fits, &seen, &observation, rule),
@@ -371,7 +372,7 @@ pub(super) fn slots<E: Env>(
         ] {
             if !fits {
                 return refuse(format!(
-                    "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: they must {rule}"
+                    "the {kind} space of sub-environment {index} is {space}, and the first one's is {first}: they must {rule}"
                 ));
             }
         }

@@ -26,7 +26,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "PassiveEnvChecker", "refuses observations outside of their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
+    "PassiveEnvChecker", "refuses observations outside their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
 );
 
 super::reach!(PassiveEnvChecker<E>);

@@ -39,7 +39,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "RecordEpisodeStatistics", "tells return, length and seconds of each episode in `info[\"episode\"]`", Config,
+    "RecordEpisodeStatistics", "adds return, length and seconds of each episode to `info[\"episode\"]`", Config,
     env: RecordEpisodeStatistics::with_config, vector: RecordEpisodeStatistics::with_config
 );
 
@@ -153,7 +153,7 @@ impl Record {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();
         if there != n && there != 0 {
-            return Err(Error::Snapshot(format!("it is of {there} sub-environments, and here are {n}")));
+            return Err(Error::Snapshot(format!("it has {there} sub-environments, and this vector {n}")));
         }
         let surplus = record.episodes.len().saturating_sub(buffer_length);
         record.episodes.drain(..surplus);

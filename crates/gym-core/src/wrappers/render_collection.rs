@@ -19,7 +19,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "RenderCollection", "gathers frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
+    "RenderCollection", "collects frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
 );
 
 super::reach!(RenderCollection<E>);

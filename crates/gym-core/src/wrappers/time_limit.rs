@@ -21,7 +21,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "TimeLimit", "truncates episodes after some steps", Config,
+    "TimeLimit", "truncates episodes after a number of steps", Config,
     env: |env, config: Config| TimeLimit::new(env, config.max_episode_steps)
 );
 

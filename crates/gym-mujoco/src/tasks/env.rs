@@ -93,7 +93,7 @@ impl<T: Task> MujocoEnv<T> {
     pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
         if version < 2 {
             let reason =
-                format!("there is no version {version}: set 2 to {NEWEST} with `Registration::version`");
+                format!("version {version} does not exist: set 2 to {NEWEST} with `Registration::version`");
             return Err(Error::argument("version", reason));
         }
         let version = version.min(NEWEST);

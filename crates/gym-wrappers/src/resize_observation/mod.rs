@@ -38,7 +38,7 @@ impl ObservationMap for Resize {
             [height, width] => ((height, width), 1),
             [height, width, channels] => ((height, width), channels),
             _ => {
-                let reason = format!("it needs pictures of two or three axes, and these are {inner}");
+                let reason = format!("it needs images with two or three axes, and the space is {inner}");
                 return Err(Config::refuse(reason));
             }
         };
@@ -60,6 +60,6 @@ impl ObservationMap for Resize {
 }
 
 gym_core::register_wrapper!(
-    "ResizeObservation", "resizes pictures by OpenCV's area filter", Config,
+    "ResizeObservation", "resizes images with OpenCV's area filter", Config,
     env: ResizeObservation::new, vector: ResizeObservation::new
 );

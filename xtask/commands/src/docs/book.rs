@@ -94,13 +94,13 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
     let file = file.canonicalize().map_err(|_| "leads nowhere".to_owned())?;
     let root = folder.canonicalize().map_err(|error| error.to_string())?;
     let Ok(inside) = file.strip_prefix(&root) else {
-        return Err("leads out of the book, where the built book has nothing".into());
+        return Err("leads out of the book".into());
     };
     if !anchor.is_empty() {
         let text = std::fs::read_to_string(&file).map_err(|error| error.to_string())?;
         let headings = prose(&text).filter(|line| line.starts_with('#'));
         if !headings.map(slug).any(|heading| heading == anchor) {
-            return Err("names a heading that is not there".into());
+            return Err("leads to a missing heading".into());
         }
     }
     Ok(Some(folder.join(inside)))

@@ -140,7 +140,7 @@ impl<D: Native> NativeVectorEnv<D> {
     /// Makes blocks and streams for all environments, none of which counts as reset.
     pub(super) fn make_room(&mut self, state: D::Packed, stream: &D::Stream) -> Result<()> {
         let full = |_| {
-            let reason = format!("num_envs is {}: so many do not fit in memory", self.num_envs);
+            let reason = format!("num_envs = {} does not fit in memory", self.num_envs);
             Error::argument(format!("a native vector of {}", D::NAME), reason)
         };
         let n = self.num_envs.div_ceil(LANES);

@@ -272,7 +272,10 @@ where
         let mut config = self.config().clone();
         for (name, value) in arguments {
             if !config.set_number(name, *value) {
-                return Err(Error::argument(name, format!("{} has no number of this name", Self::NAME)));
+                return Err(Error::argument(
+                    name,
+                    format!("{} has no argument of this name that is a number", Self::NAME),
+                ));
             }
         }
         Self::new(config)

@@ -94,7 +94,7 @@ pub trait Native:
     /// environments of a vector, as by default.
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
         let _ = arguments;
-        Err(Error::argument(Self::NAME, "its arguments are the same for all environments of a native vector"))
+        Err(Error::argument(Self::NAME, "a native vector of it has the same arguments for all environments"))
     }
 
     /// Packs a state.

@@ -86,14 +86,16 @@ impl<D: Native> NativeVectorEnv<D> {
             snapshot.get::<Stored<D::Stream>>()?;
         let own = self.stored(None)?;
         if (&name, &config) != (&own.name, &own.config) {
-            let reason =
-                format!("it is of a {name} with {config}, and this is a {} with {}", own.name, own.config);
+            let reason = format!(
+                "it was taken from {name} with {config}, and this is {} with {}",
+                own.name, own.config
+            );
             return Err(Error::Snapshot(reason));
         }
         if (num_envs, autoreset, limit) != (own.num_envs, own.autoreset, own.limit) {
             return Err(Error::Snapshot(format!(
-                "it is of {num_envs} environments with autoreset {autoreset:?} and a limit of {limit} steps, \
-                 and these are {} with {:?} and {}",
+                "it has {num_envs} environments, autoreset {autoreset:?} and a limit of {limit} steps, \
+                 and this vector has {}, {:?} and {}",
                 own.num_envs, own.autoreset, own.limit
             )));
         }
@@ -108,7 +110,7 @@ impl<D: Native> NativeVectorEnv<D> {
             None if numbers.drawn.is_empty() => {}
             None => {
                 return Err(Error::Snapshot(
-                    "its arguments are ranges, and those of this vector are not".into(),
+                    "its arguments were drawn from ranges, but this vector has none".into(),
                 ));
             }
         }
@@ -132,7 +134,7 @@ impl<D: Native> NativeVectorEnv<D> {
     /// The states, if all numbers are such that a vector can go on from them.
     fn check(&self, numbers: &Numbers<D::Stream>, varied: Option<&Varied<D>>) -> Result<Vec<D::Packed>> {
         let n = self.num_envs;
-        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} are not those of a {}", D::NAME)));
+        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} do not fit {}", D::NAME)));
         let Numbers { states, streams, steps, due, unset, left_out, drawn: _ } = numbers;
         let mut bytes = states.as_slice();
         if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {

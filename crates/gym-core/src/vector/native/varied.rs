@@ -104,7 +104,7 @@ impl<D: Native> Varied<D> {
     /// # Errors
     /// [`Error::Snapshot`] where they are not values of these ranges.
     pub(super) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
-        let refuse = || Error::Snapshot(format!("its arguments do not fit the ranges of this {}", D::NAME));
+        let refuse = || Error::Snapshot(format!("its arguments are outside the ranges of this {}", D::NAME));
         if drawn.len() != self.drawn.len() {
             return Err(refuse());
         }
@@ -131,7 +131,12 @@ impl<D: Native> Varied<D> {
             *value = match (each.range(), each.number(index)) {
                 (Some(range), _) => choose(range),
                 (None, Some(value)) => value,
-                (None, None) => return Err(Error::argument(name, "a native vector varies numbers alone")),
+                (None, None) => {
+                    return Err(Error::argument(
+                        name,
+                        "only arguments that are numbers can differ in a native vector",
+                    ));
+                }
             };
         }
         dynamics.with_numbers(&self.values)

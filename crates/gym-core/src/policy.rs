@@ -4,13 +4,13 @@ use serde_json::Value as Json;
 
 use crate::{BoxEnv, Element, Env, Error, Result, Space, Value, math};
 
-/// Chooses the action for an observation; `None` for what is not an observation of the environment.
+/// Chooses the action for an observation; `None` if the value is not an observation of the environment.
 pub type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
 
 /// A policy that plays an environment well, for [`Registration::policy`](crate::Registration::policy).
 #[derive(Clone, Copy, Debug)]
 pub struct Policy {
-    /// What it does, to go on after "the good policy".
+    /// A phrase that continues "the good policy", such as "drives right".
     pub description: &'static str,
     source: Source,
 }
@@ -22,7 +22,7 @@ enum Source {
 }
 
 impl Policy {
-    /// Rules: `start` gives what acts in one episode, or `None` for arguments that the rules do not fit.
+    /// Rules: `start` returns the controller of one episode, or `None` if the rules do not fit the arguments.
     pub const fn rules(description: &'static str, start: fn(&BoxEnv) -> Option<Controller>) -> Self {
         Self { description, source: Source::Rules(start) }
     }
@@ -32,7 +32,7 @@ impl Policy {
         Self { description: "is a network that `gym-ppo` trained", source: Source::Network(json) }
     }
 
-    /// What acts in one episode; `None` for an environment whose arguments it does not fit.
+    /// The controller of one episode; `None` if the policy does not fit the environment's arguments.
     ///
     /// # Errors
     /// A network that is damaged, or does not fit the environment's spaces.
@@ -44,12 +44,12 @@ impl Policy {
     }
 }
 
-/// A controller that looks at the observation alone.
+/// A controller that depends only on the observation.
 pub fn reflex<O: Element, A: Element>(mut act: impl FnMut(&O) -> A + 'static) -> Option<Controller> {
     Some(Box::new(move |_, seen| O::with(seen, |seen| act(seen).to_value())))
 }
 
-/// What keeps a normalized observation finite, as of the wrapper `NormalizeObservation`.
+/// Added to the variance, as by the wrapper `NormalizeObservation`.
 const EPSILON: f64 = 1e-8;
 
 fn network(json: &str, env: &BoxEnv) -> Result<Controller> {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::canvas::Canvas;
 use crate::{Error, Result};
 
-/// How an environment shows itself, under Gymnasium's names.
+/// Render modes, under Gymnasium's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -17,11 +17,11 @@ pub enum RenderMode {
     Human,
     /// `render` returns the current picture.
     RgbArray,
-    /// A frame is gathered at each reset and step; `render` hands them over.
+    /// Each reset and step collects a frame; `render` returns them all.
     RgbArrayList,
     /// `render` returns the current state as text with terminal colours.
     Ansi,
-    /// A text is gathered at each reset and step; `render` hands them over.
+    /// Each reset and step collects a text; `render` returns them all.
     AnsiList,
 }
 
@@ -40,7 +40,7 @@ impl RenderMode {
         }
     }
 
-    /// The mode of one item, for a mode that gathers a list; otherwise itself.
+    /// The mode of a single item, for a list mode; otherwise the mode itself.
     pub const fn single(self) -> Self {
         match self {
             Self::RgbArrayList => Self::RgbArray,
@@ -72,11 +72,11 @@ impl FromStr for RenderMode {
     }
 }
 
-/// What an environment says about its rendering.
+/// An environment's render modes, frame rate and frame size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
-    /// The modes that [`render`](crate::EnvExt::render) can be asked for; empty if there is nothing
-    /// to see. The `_list` forms follow from these and are not named.
+    /// The modes of [`render`](crate::EnvExt::render); empty if there are none. Their `_list` forms
+    /// are implied.
     pub render_modes: &'static [RenderMode],
     /// Frames per second at which the motion has its natural speed.
     pub render_fps: u32,

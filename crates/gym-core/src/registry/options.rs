@@ -3,12 +3,12 @@
 use super::id::nearest;
 use crate::{Error, Kwargs, Result};
 
-/// The reset options that an environment knows, each with an example as JSON; empty where it does not say.
+/// The reset options of an environment, each with an example as JSON; empty if the registration names none.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ResetOptions(pub(crate) &'static [(&'static str, &'static str)]);
 
 impl ResetOptions {
-    /// Refuses options of other names, where names are known.
+    /// Refuses unknown options, if the registration names any.
     pub(crate) fn check(self, id: &str, options: &Kwargs) -> Result<()> {
         let names = || self.0.iter().map(|(name, _)| *name);
         let unknown = options.keys().find(|option| names().all(|name| name != *option));

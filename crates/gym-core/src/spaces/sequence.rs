@@ -13,7 +13,7 @@ use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 
-/// The probability with which a sampled sequence ends after each element; Gymnasium's choice.
+/// The probability that a sampled sequence ends after an element, as in Gymnasium.
 const END_PROBABILITY: f64 = 0.25;
 
 /// Any number of elements of one space, in order: Gymnasium's `Sequence`.

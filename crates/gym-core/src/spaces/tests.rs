@@ -1,4 +1,4 @@
-//! What holds for every space, and samples that Gymnasium 1.4.0 drew (numpy 2.4.6).
+//! Rules for every space, and samples of Gymnasium 1.4.0 (numpy 2.4.6).
 
 use serde_json::{Value as Json, json};
 

@@ -90,7 +90,7 @@ pub trait VectorWrapper: Any + Send {
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
 
-    /// The wrapper's own name: that of its type, if it does not say otherwise.
+    /// The wrapper's name; the default is the name of its type.
     fn name(&self) -> &'static str {
         crate::env::short_type_name::<Self>()
     }

@@ -24,7 +24,7 @@ struct Stored<S: Stream> {
     numbers: Option<Numbers<S>>,
 }
 
-/// All that changes from step to step.
+/// The state.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Numbers<S: Stream> {

@@ -45,7 +45,7 @@ gym_core::discrete! {
     }
 }
 
-/// All that changes from step to step.
+/// The state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Height above the ground, in m.

@@ -124,12 +124,12 @@ impl<E: Env> AtariPreprocessing<E> {
         &self.settings
     }
 
-    /// The environment within.
+    /// The inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }
 
-    /// The environment within, without the wrapper.
+    /// The inner environment, without the wrapper.
     pub fn into_inner(self) -> E {
         self.env
     }

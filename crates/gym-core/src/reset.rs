@@ -8,7 +8,7 @@ use crate::{Error, Generator, Result, Seed};
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
 
-/// How to start an episode. `Reset::default()` carries the generator on and uses no options.
+/// How to start an episode. `Reset::default()` continues the generator and uses no options.
 ///
 /// ```
 /// use gym_core::Reset;

@@ -63,17 +63,17 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 /// - **Spaces.** A wrapper with another `Observation` or `Action` type has another
 ///   [`observation_space`](Self::observation_space) or [`action_space`](Self::action_space).
 pub trait Wrapper: Clone + Send + 'static {
-    /// The environment within.
+    /// The inner environment.
     type Inner: Env;
     /// What the agent sees.
     type Observation: Element;
     /// What the agent does.
     type Action: Element;
 
-    /// The environment within.
+    /// The inner environment.
     fn inner(&self) -> &Self::Inner;
 
-    /// The environment within.
+    /// The inner environment.
     fn inner_mut(&mut self) -> &mut Self::Inner;
 
     /// As [`Env::reset_into`].

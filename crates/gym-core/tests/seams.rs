@@ -1,5 +1,5 @@
-//! What happens around an episode: after `close`, where buffers shrink, where an id lacks its version, where an
-//! environment cuts its own episodes off.
+//! Cases around an episode: after `close`, shrinking buffers, ids without version, environments that truncate
+//! by themselves.
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{

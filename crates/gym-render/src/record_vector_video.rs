@@ -99,7 +99,7 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
         Self { first_only: true, ..self }
     }
 
-    /// The vector within.
+    /// The inner vector.
     pub fn get_ref(&self) -> &V {
         &self.envs
     }

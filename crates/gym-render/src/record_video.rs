@@ -74,7 +74,7 @@ impl<E: Env> RecordVideo<E> {
 
     tape_options!();
 
-    /// The environment within.
+    /// The inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }

@@ -5,24 +5,24 @@ use std::any::Any;
 use super::{Columns, VectorEnv, VectorReset, infos};
 use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
 
-/// The methods for whoever uses a vector. Every [`VectorEnv`] has them, and none can change them.
+/// The methods for callers. Every [`VectorEnv`] has them, and no implementation can override them.
 pub trait VectorEnvExt: VectorEnv {
-    /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns, to go with the columns of
-    /// the same step.
+    /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns. Pass the columns of the
+    /// same step.
     ///
-    /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
-    /// what is not there is zero in a column of numbers and `Null` in any other. With
-    /// [`Autoreset::SameStep`], `final_obs` and `final_info` tell of the episodes that have ended.
+    /// Each key has a column of `n` values and, as `_key`, a tuple of flags for the values that are
+    /// present. Missing values are zero in a column of numbers and `Null` in others. With
+    /// [`Autoreset::SameStep`], `final_obs` and `final_info` are about the episodes that ended.
     ///
-    /// Made of [`info`](Self::info), [`final_info`](Self::final_info) and
-    /// [`column_infos`](Self::column_infos), which is what a vector or a wrapper implements: so the order
-    /// of wrappers makes no difference.
+    /// It is made of [`info`](Self::info), [`final_info`](Self::final_info) and
+    /// [`column_infos`](Self::column_infos), which vectors and wrappers implement, so the order of
+    /// wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)
     }
 
-    /// The entries of the [`info`](Self::info) of one sub-environment by name: an element of what
-    /// Gymnasium's wrapper `DictInfoToList` gives.
+    /// The entries of the [`info`](Self::info) of one sub-environment by name: an element of the
+    /// list of Gymnasium's wrapper `DictInfoToList`.
     fn info_map(&self, index: usize) -> Info {
         let mut map = Info::new();
         self.info(index, &mut |key, value| {
@@ -39,16 +39,16 @@ pub trait VectorEnvExt: VectorEnv {
         Ok(self.action_space()?.sampler(seed))
     }
 
-    /// Columns for this vector, to be filled by `reset_into`.
+    /// Columns for this vector, which `reset_into` fills.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if there is no buffer for observations of the space.
+    /// [`Error::InvalidSpace`] if the observation space has no buffers.
     fn columns(&self) -> Result<Columns> {
         Columns::new(&self.single_observation_space(), self.num_envs())
     }
 
     /// Starts episodes, with new columns: `reset(42)` seeds the sub-environments with 42, 43, ...,
-    /// `reset(())` carries their generators on.
+    /// `reset(())` continues their generators.
     ///
     /// # Errors
     /// As [`reset_into`](Self::reset_into).
@@ -110,9 +110,8 @@ impl dyn VectorEnv {
     /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers if it
     /// is of that type.
     ///
-    /// The type of a wrapper names the vector within, which is `Box<dyn VectorEnv>` unless it says
-    /// otherwise. So it is for wrappers that a [`VectorSpec`] has made, and for the first wrapper around
-    /// [`make_vec`](crate::make_vec):
+    /// The type of a wrapper names the inner vector, by default `Box<dyn VectorEnv>`: so for wrappers
+    /// made by a [`VectorSpec`], and for the first wrapper around [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
     /// use gym_core::BoxVector;
@@ -136,8 +135,7 @@ impl dyn VectorEnv {
         }
     }
 
-    /// As `wrapper`, to be changed. What is reset or stepped past the wrappers around
-    /// it, these do not see.
+    /// As `wrapper`, mutable. Outer wrappers do not see resets and steps made through it.
     pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
         let mut layer = self;
         loop {

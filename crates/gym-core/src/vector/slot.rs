@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
 use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
-/// A sub-environment with what it answered last. Sync and async vectors are made of these.
+/// A sub-environment with its last result. Sync and async vectors are made of these.
 pub(crate) struct Slot<E> {
     pub(super) env: E,
     /// The action of the next step.
@@ -31,7 +31,7 @@ enum Stage {
     Running,
     Done,
     Panicked,
-    /// Somebody else has reset, stepped or restored it.
+    /// It was reset, stepped or restored from outside.
     Moved,
     Closed,
 }
@@ -48,12 +48,12 @@ pub(crate) enum Ask {
 pub(super) struct StoredSlot {
     env: Snapshot,
     stage: Stage,
-    /// Whether [`info`](Slot::info) tells something.
+    /// Whether [`info`](Slot::info) has entries.
     progress: Progress,
     observation: Value,
 }
 
-/// The error of a step that only a reset can help.
+/// The error of a step that needs a reset first.
 pub(super) fn episode_over() -> Error {
     Error::custom("the episode has ended and autoreset is disabled: call `reset_into` with a mask")
 }
@@ -92,7 +92,7 @@ impl<E: Env> Slot<E> {
         }
     }
 
-    /// Lends the environment to a caller, who may move it.
+    /// Lends the environment to a caller, who may step it.
     pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
         let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
         let before = moves(&self.env);
@@ -183,8 +183,8 @@ impl<E: Env> Slot<E> {
         Ok(outcome)
     }
 
-    /// Lets the environment answer a reset or a step. If it fails there is no reward, flag or info; if
-    /// it panics it must be reset.
+    /// Resets or steps the environment. After an error there is no reward, flag or info; after a panic
+    /// it must be reset.
     fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
         let result = catch_unwind(AssertUnwindSafe(|| ask(self)));
@@ -198,12 +198,12 @@ impl<E: Env> Slot<E> {
         result
     }
 
-    /// Forgets what it answered last, but for the observation.
+    /// Clears its last result, except the observation.
     pub(super) fn clear(&mut self) {
         (self.outcome, self.progress, self.has_final) = (Outcome::default(), Progress::Unchanged, false);
     }
 
-    /// Leaves what it answered in a row of the columns.
+    /// Writes its result to a row of the columns.
     pub(super) fn write(&self, spaces: &Spaces, columns: &mut Columns, row: usize) -> Result<()> {
         columns.rewards[row] = self.outcome.reward;
         columns.terminated[row] = self.outcome.terminated;
@@ -257,7 +257,7 @@ impl<E: Env> Slot<E> {
         self.env.clone().restore(&stored.env)
     }
 
-    /// Continues from what was stored, once it was [checked](Self::check_restore).
+    /// Continues from the stored state, after [`check_restore`](Self::check_restore).
     pub(super) fn restore(&mut self, stored: StoredSlot) -> Result<()> {
         self.env.restore(&stored.env)?;
         self.clear();
@@ -290,7 +290,7 @@ pub(super) struct Spaces {
 
 impl Spaces {
     /// The space of the observations of `n` sub-environments together. It is as large as their observations,
-    /// so it is made only for those who ask.
+    /// so it is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
         self.differing.clone().map_or_else(|| self.observation.batch(n), Ok)
     }
@@ -339,7 +339,7 @@ pub(super) fn restore<E: Env>(
     Ok(())
 }
 
-/// What a sub-environment takes of the memory, at least.
+/// The least memory of a sub-environment.
 pub(crate) fn slot_bytes<E>(observation: &Space) -> usize {
     size_of::<Slot<E>>() + 2 * 8 * observation.len_of_row()
 }

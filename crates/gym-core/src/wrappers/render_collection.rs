@@ -3,8 +3,8 @@
 use crate::render::{RenderMode, Rendered};
 use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
-/// Gathers what the environment within renders after each reset and step; `render` hands over the
-/// list and clears it. An episode of `T` steps gives `T + 1` items.
+/// Collects a frame or text after each reset and step; `render` returns the list and clears it. An
+/// episode of `T` steps has `T + 1` items.
 ///
 /// A reset drops what was not asked for.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
         Ok(())
     }
 
-    /// The frames gathered so far belong to the history that is left; they are dropped.
+    /// Drops the collected frames, which belong to the abandoned history.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner.restore(snapshot)?;
         self.items.clear();

@@ -40,7 +40,7 @@ pub trait Kernel {
     /// What comes of it.
     type Output;
 
-    /// Does it. To be marked `#[inline(always)]`, with all that it calls.
+    /// Does it. Mark it `#[inline(always)]`, with all that it calls.
     fn run<R: Real>(self, token: R::Token) -> Self::Output;
 }
 

@@ -1,4 +1,4 @@
-//! How the states of a block lie in memory, and in snapshots.
+//! The layout of a block's states in memory, and in snapshots.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::LANES;
 
-/// What is kept of an environment's state from step to step.
+/// The stored form of an environment's state between steps.
 pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// Those of [`LANES`] environments.
     type Block: Clone + fmt::Debug + Send + Sync + 'static;
@@ -24,9 +24,8 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// Appends its stored form.
     fn put(self, bytes: &mut Vec<u8>);
 
-    /// Reads what [`put`](Self::put) wrote and goes on behind it, or `None` where nothing of the kind is
-    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Dynamics::is_valid)
-    /// to say.
+    /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
+    /// [`Dynamics::is_valid`](crate::Dynamics::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

@@ -11,7 +11,7 @@ use crate::stored::{row, words};
 use crate::vector::Autoreset;
 use crate::{Error, Result, Snapshot};
 
-/// What the vector was built with, which is compared, and what it has come to.
+/// The arguments of the vector, which are compared, and its state.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Stored<S: Stream> {
@@ -131,7 +131,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// The states, if all numbers are such that a vector can go on from them.
+    /// The states, if all numbers are valid.
     fn check(&self, numbers: &Numbers<D::Stream>, varied: Option<&Varied<D>>) -> Result<Vec<D::Packed>> {
         let n = self.num_envs;
         let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} do not fit {}", D::NAME)));
@@ -166,7 +166,7 @@ impl<D: Native> NativeVectorEnv<D> {
             if !dynamics.is_valid(&state) {
                 return refuse("states");
             }
-            // numbers that follow from others are not believed
+            // numbers that follow from others are recomputed
             states.push(self.dynamics.pack(&state));
         }
         if bytes.is_empty() { Ok(states) } else { refuse("states") }

@@ -17,7 +17,7 @@ impl Snapshot {
     /// The snapshot of some state.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the state holds a map whose keys are not strings.
+    /// [`Error::Snapshot`] if the state contains a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
         exact::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }
@@ -38,8 +38,8 @@ impl Snapshot {
         Self::of(&Stored { env, config, episode })
     }
 
-    /// The name of the environment under all wrappers, where it was taken by
-    /// [`with_config`](Self::with_config).
+    /// The name of the environment inside all wrappers, if [`with_config`](Self::with_config) took
+    /// the snapshot.
     fn env(&self) -> Option<&str> {
         // a wrapper's snapshot is a list that begins with the inner one
         let mut json = &self.0;

@@ -7,16 +7,16 @@ use gym_core::{BoxEnv, DType, Element, Env, EnvExt, Error, Result, Space, Value,
 
 use crate::filter_observation::{dict_like, entries};
 
-/// Observes the rendered picture, alone or beside the observation.
+/// Observes the rendered frame, alone or beside the observation.
 ///
-/// A picture is drawn, and memory for it allocated, at each reset and step.
+/// Each reset and step renders a frame and allocates it.
 #[derive(Clone, Debug)]
 pub struct AddRenderObservation<E = BoxEnv> {
     inner: E,
     config: Config,
     space: Space,
     shape: [usize; 3],
-    /// Whether the observation within is a dict, which the picture is added to.
+    /// Whether the inner observation is a dict, to which the frame is added.
     extends_dict: bool,
     seen: Value,
 }
@@ -24,11 +24,11 @@ pub struct AddRenderObservation<E = BoxEnv> {
 gym_core::arguments! {
     /// The arguments of [`AddRenderObservation`].
     pub struct Config {
-        /// Whether the picture is observed alone, rather than in a dict.
+        /// Whether only the frame is observed, rather than a dict.
         pub render_only: bool = true,
-        /// The key of the picture.
+        /// The key of the frame.
         pub render_key: String = "pixels".into(),
-        /// The key of the observation, unless it is a dict itself; then the picture is added to it.
+        /// The key of the observation. If the observation is a dict, the frame is added to it.
         pub obs_key: String = "state".into(),
     }
 }
@@ -40,7 +40,7 @@ gym_core::register_wrapper!(
 reach!(AddRenderObservation<E>);
 
 impl<E: Env> AddRenderObservation<E> {
-    /// Observes pictures of `env`. Their size is found by rendering a copy of it after a reset.
+    /// Observes frames of `env`. A copy of it is reset and rendered to find their size.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] if `env` was made without the render mode `rgb_array`, and

@@ -129,7 +129,7 @@ pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Res
     if is_sorted { DictSpace::new(members) } else { DictSpace::in_order(members) }
 }
 
-/// The values of the dict in `out`, made anew unless it has as many entries, under these keys.
+/// The values of the dict in `out`, which is replaced unless it has these keys.
 pub(crate) fn entries<'a>(
     keys: impl ExactSizeIterator<Item = &'a String> + Clone,
     out: &'a mut Value,

@@ -11,7 +11,7 @@ use crate::within::{expect_picture, not_an_array};
 /// (`wrappers/transform_observation.py`, `GrayscaleObservation`).
 const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 
-/// Turns colour pictures `(height, width, 3)` into grey ones `(height, width)`.
+/// Turns colour images `(height, width, 3)` into grayscale `(height, width)`.
 pub type GrayscaleObservation<T = BoxEnv> = MapObservation<T, Grayscale>;
 
 gym_core::arguments! {

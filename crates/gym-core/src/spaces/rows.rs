@@ -1,4 +1,4 @@
-//! The rows of a batch, one at a time: without allocation where elements are numbers.
+//! The rows of a batch, one at a time: without allocation if elements are numbers.
 
 use crate::array::Array;
 use crate::{DType, Result, Value};
@@ -21,13 +21,13 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or there
-    /// is no such row; the row may then be half written.
+    /// is no such row; the row may then be partly written.
     pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
         self.put_at(batch, index, element).map_err(|fault| self.refuse(element, &fault))
     }
 
     /// Whether a value has the form of a batch of `n` elements; their bounds are not checked, and
-    /// numbers may be of any type that the space's type holds.
+    /// numbers may be of any type that fits the space's type.
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if not, with the place in the value.

@@ -25,8 +25,8 @@ const END_PROBABILITY: f64 = 0.25;
 /// ```
 ///
 /// An element is a [`Value::Tuple`]; of a [stacked](Self::stacked) space it is one array of all
-/// elements, or, where they are tuples or dicts, a tuple or dict of such arrays. A sample has a
-/// geometric length, 4 on average and never 0.
+/// elements, or, for tuples or dicts, a tuple or dict of such arrays. A sample has a geometric
+/// length, 4 on average and never 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SequenceSpace {

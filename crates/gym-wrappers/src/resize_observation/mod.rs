@@ -10,8 +10,8 @@ use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_picture, not_an_array};
 use area::AreaResize;
 
-/// Resizes pictures as OpenCV does with its area filter: the mean over what each new pixel covers where the
-/// picture shrinks, linear between pixels where it grows.
+/// Resizes images with OpenCV's area filter: the mean of the pixels that each new pixel covers when
+/// shrinking, linear interpolation when growing.
 pub type ResizeObservation<T = BoxEnv> = MapObservation<T, Resize>;
 
 gym_core::arguments! {

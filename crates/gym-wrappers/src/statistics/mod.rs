@@ -16,9 +16,10 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// A running estimate of mean and variance of each element of rows of numbers: Gymnasium's
 /// `RunningMeanStd`.
 ///
-/// [`NormalizeObservation`](gym_core::wrappers::NormalizeObservation) and
-/// [`NormalizeReward`](gym_core::wrappers::NormalizeReward) have one each, around environments and vectors.
-/// It is data: take it out of a training, store it as JSON, set it in an environment for evaluation.
+/// [`NormalizeObservation`](crate::NormalizeObservation) and
+/// [`NormalizeReward`](crate::NormalizeReward) keep one each, around an environment and around
+/// a vector alike. It is data: take it out of a training, store it as JSON, put it into an environment
+/// for evaluation.
 ///
 /// ```
 /// use crate::statistics::RunningMeanStd;

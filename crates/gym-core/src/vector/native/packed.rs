@@ -24,8 +24,9 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// Appends its stored form.
     fn put(self, bytes: &mut Vec<u8>);
 
-    /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
-    /// [`Dynamics::is_valid`](crate::Dynamics::is_valid) decides whether the state is valid.
+    /// Reads what [`put`](Self::put) wrote and goes on behind it, or `None` where nothing of the kind is
+    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Task::is_valid)
+    /// to say.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

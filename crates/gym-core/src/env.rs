@@ -178,7 +178,7 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// What [`render`](crate::EnvExt::render) gives; `None` where the environment was made without a render mode.
+    /// The mode of [`render`](crate::EnvExt::render); `None` if the environment was made without one.
     fn render_mode(&self) -> Option<RenderMode> {
         None
     }
@@ -208,8 +208,8 @@ pub trait Env: Clone + Send + 'static {
         short_type_name::<Self>().to_owned()
     }
 
-    /// The outermost layer of a type, a wrapper or the environment itself: what
-    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) look up.
+    /// The outermost layer of a type: a wrapper or the environment itself.
+    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) call it.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }

@@ -49,8 +49,8 @@ impl<E: Env> MaxAndSkipObservation<E> {
     /// Skips observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error) for a skip below 2, or observations that
-    /// are no arrays or integers.
+    /// [`Error::InvalidArgument`](gym_core::Error) for a skip below 2, or observations that are not
+    /// arrays or integers.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, space) = (config.into(), env.observation_space());
         if config.skip < 2 {

@@ -4,8 +4,8 @@ use crate::canvas::Canvas;
 use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 
-/// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
-/// what [`render`](crate::EnvExt::render) returns, one picture or text at a time.
+/// Adds a render mode to an environment: [`render`](crate::EnvExt::render) returns the frame of its
+/// [`draw`](Env::draw), or the text of its [`ansi`](Env::ansi).
 ///
 /// In the mode `human` each reset and step shows a frame in a window, no faster than the
 /// environment's frames per second. The window opens at the first reset. After it is closed,

@@ -17,9 +17,8 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// `RunningMeanStd`.
 ///
 /// [`NormalizeObservation`](crate::NormalizeObservation) and
-/// [`NormalizeReward`](crate::NormalizeReward) keep one each, around an environment and around
-/// a vector alike. It is data: take it out of a training, store it as JSON, put it into an environment
-/// for evaluation.
+/// [`NormalizeReward`](crate::NormalizeReward) have one each, around environments and vectors. It is
+/// data: take it out of a training, store it as JSON, set it in an environment for evaluation.
 ///
 /// ```
 /// use crate::statistics::RunningMeanStd;

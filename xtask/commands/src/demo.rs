@@ -40,7 +40,7 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    // whoever is free takes the next one: some take a hundred times as long as others
+    // a free thread takes the next one: some take a hundred times as long as others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
         let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();

@@ -50,7 +50,7 @@ impl EnvSpec {
     /// Makes the environment with its wrappers.
     ///
     /// # Errors
-    /// As [`make`](crate::make), and for a wrapper that is not known.
+    /// As [`make`](crate::make), and for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         EnvBuilder::from_spec(self.clone()).build()
     }

@@ -219,7 +219,7 @@ impl VectorSpec {
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`], and for a wrapper that is not known.
+    /// As [`make_vec`], and for an unknown wrapper.
     pub fn make(&self) -> Result<Box<dyn VectorEnv>> {
         self.vector_wrappers.iter().try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
     }

@@ -63,7 +63,7 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// With what the worker says about the environment that it has made.
+    /// With the worker's description of its environment.
     fn described(
         config: Config,
         render_mode: Option<RenderMode>,
@@ -115,7 +115,7 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// Whether Python is asked to take an action: it has the form of the space, and is finite.
+    /// Whether an action is sent to Python: it has the form of the space, and is finite.
     fn check_action(&self, action: &Value) -> Result<()> {
         let space = &self.spaces.1;
         let fits = match (space, action) {
@@ -163,7 +163,7 @@ impl Configure for PythonEnv {
     }
 }
 
-/// Another worker reads the environment; where that fails, the calls of the clone say so.
+/// Another worker reads the environment; if that fails, the clone's calls return the error.
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);
@@ -325,7 +325,7 @@ fn refused(name: &str) -> Error {
     ))
 }
 
-/// A picture of shape (height, width, 3), of bytes.
+/// An image of shape (height, width, 3), of bytes.
 fn frame(array: &gym_core::Array) -> Option<Frame> {
     let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else { return None };
     let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?);

@@ -1,4 +1,4 @@
-//! What the documents claim: that their snippets run, and that the names in them exist.
+//! Claims of the documents: their snippets run, and the names in them exist.
 
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ fn every_page_with_snippets_is_a_doc_test() {
     }
 }
 
-/// The names that specs know, as an unknown one is told them.
+/// The wrapper names of specs, as listed in the error of an unknown one.
 #[test]
 fn every_wrapper_of_the_registry_is_in_the_table() {
     let page = read("docs/wrappers.md");

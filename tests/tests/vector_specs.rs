@@ -1,5 +1,5 @@
-//! A vector's spec tells the truth: the vector that it makes steps identically, or there is no spec. And what
-//! a vector is asked for is made, or refused before memory runs out.
+//! A vector's spec makes a vector that steps identically, or there is no spec. A vector of any requested size
+//! is made, or refused before memory runs out.
 
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::*;

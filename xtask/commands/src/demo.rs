@@ -66,7 +66,7 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     Ok(())
 }
 
-/// Plays one environment, writes its files, and gives its row of the table.
+/// Plays one environment, writes its files, and returns its row of the table.
 fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
     let id = spec.id.clone();
     bar.set_message(id.clone());

@@ -1,4 +1,4 @@
-//! Which key is which action, while somebody plays.
+//! The keys of play.
 
 use gym::keys::{Idle, Keys};
 use gym::{BoxEnv, Env, Error, Result, Space, registry};

@@ -1,7 +1,7 @@
 //! Commands over every environment that is linked: `cargo xtask help`.
 //!
-//! The program `xtask` builds this crate with what a command needs, and runs it; for a plugin it makes a program that
-//! links the plugin and calls [`main_of`].
+//! The program `xtask` builds this crate with the features of a command, and runs it; for a plugin it makes a program
+//! that links the plugin and calls [`main_of`].
 
 mod bench;
 mod conform;
@@ -37,8 +37,7 @@ use crate::selection::Selection;
     after_help = "`cargo xtask web` builds a page that runs every environment in a browser; `cargo xtask web --help` says more."
 )]
 struct Arguments {
-    /// The folder of a crate with environments of its own, instead of those of this workspace, for every command but
-    /// `new`.
+    /// The folder of a crate whose environments replace those of this workspace, for every command except `new`.
     #[arg(long, global = true, value_name = "PATH")]
     plugin: Option<PathBuf>,
     #[command(subcommand)]
@@ -66,11 +65,11 @@ enum Command {
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
     Bench(bench::Arguments),
-    /// Checks that environments keep the rules.
+    /// Checks environments against the rules of gym-conform.
     Conform(conform::Arguments),
-    /// Starts a crate with an environment of your own.
+    /// Creates a crate with an environment of your own.
     New(new::Arguments),
-    /// Steps through every environment for a long time, and watches the memory.
+    /// Steps every environment for a long time, and checks that memory does not grow.
     Soak(soak::Arguments),
 }
 
@@ -125,7 +124,7 @@ impl log::Log for Stderr {
     }
 
     fn log(&self, record: &log::Record<'_>) {
-        // those of other crates are about their own inner workings
+        // warnings of other crates are not about environments
         if record.target().starts_with("gym") {
             eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
         }

@@ -1,4 +1,4 @@
-//! What an agent does: one of a game's actions, or a stick and a button by degrees.
+//! The actions of an agent: one of a game's actions, or a stick and a button by degrees.
 
 use std::f32::consts::PI;
 
@@ -11,8 +11,8 @@ use crate::action::Action;
 pub enum AtariAction {
     /// An index into the actions of the environment: the game's minimal set, or all 18.
     Index(usize),
-    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and how hard the button is
-    /// pressed.
+    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and pressure of the
+    /// button.
     Stick([f32; 3]),
 }
 

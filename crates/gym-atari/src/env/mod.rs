@@ -60,8 +60,7 @@ impl AtariEnv {
     /// The environment with these arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument that is not valid, and for a ROM that is missing: the message says what
-    /// to do.
+    /// [`Error::InvalidArgument`] for an invalid argument, and for a missing ROM, with the remedy.
     pub fn new(config: Config) -> Result<Self> {
         let rom = rom::load(config.check()?, config.rom_dir.as_deref())?;
         Self::with_rom(config, &rom)

@@ -23,7 +23,7 @@ pub(super) struct Page {
 /// Every page of a selection, crate by crate.
 ///
 /// # Errors
-/// If the documentation of a module lacks what its page is written from.
+/// If the documentation of a module lacks a part of its page.
 pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
     let mut registrations = selection.of(&[])?;
     registrations.sort_by_key(|entry| entry.source.module);
@@ -31,7 +31,7 @@ pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
     modules.map(|registrations| Page::read(registrations, selection)).collect()
 }
 
-/// What the pages say, and the page that lists them.
+/// The texts of the pages, and the page that lists them.
 pub(super) fn documents(pages: &[Page], returns: &Returns) -> Result<Vec<Document>> {
     let mut list = LIST_HEAD.to_owned();
     list.extend(pages.iter().map(Page::row));

@@ -80,7 +80,8 @@ fn ids(text: &str) -> impl Iterator<Item = &str> {
 fn every_id_in_the_documents_is_registered() {
     let mut seen = 0;
     for (page, text) in documents() {
-        for id in ids(&text) {
+        // the book's placeholder for a game of Atari
+        for id in ids(&text.replace("<Game>", "Breakout")) {
             // an example's own, or the Python package's name of one of ours
             let id = match id.split_once('/') {
                 Some(("my_envs", _)) => continue,

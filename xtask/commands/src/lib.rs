@@ -48,7 +48,7 @@ struct Arguments {
 enum Command {
     /// Lists the environments.
     List(list::Arguments),
-    /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
+    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to target/demo.
     Demo(demo::Arguments),
     /// Records one episode as a GIF, animated PNG or MP4.
     Gif(gif::Arguments),

@@ -9,7 +9,7 @@
 //! | start | bottom left, cell 36 |
 //! | end | terminated at the goal, bottom right, cell 47 |
 //! | limit | none |
-//! | info | `prob`: the probability of what happened |
+//! | info | `prob`: the probability of the outcome |
 //!
 //! Versions: v1 added `is_slippery`; v0, which Gymnasium no longer has, takes no arguments.
 //!

@@ -9,7 +9,7 @@
 //! | start | a cell `S`, each as likely as the other |
 //! | end | terminated at the goal `G` and in a hole `H` |
 //! | limit | 100 steps (`FrozenLake8x8-v1`: 200) |
-//! | info | `prob`: the probability of what happened |
+//! | info | `prob`: the probability of the outcome |
 //!
 //! Versions: v1 corrected the rewards. Gymnasium 1.2.1 added `success_rate` and `reward_schedule` to it.
 //!

@@ -6,10 +6,10 @@
 //! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
 //! | dynamics | walls and the border stop a move; see [`Config::is_rainy`] and [`Config::fickle_passenger`] for chance |
 //! | reward | -1 per step; 20 for a drop-off at the destination, -10 for a pick-up or drop-off where there is none to make |
-//! | start | any cell; the passenger waits at one stand and wants to another, all alike |
+//! | start | any cell; the passenger waits at one stand with another as destination, all uniform |
 //! | end | terminated with the drop-off at the destination |
 //! | limit | 200 steps |
-//! | info | `prob`: the probability of what happened; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
+//! | info | `prob`: the probability of the outcome; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
 //! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
 //! longer has, is that of 0.29 and takes none.

@@ -34,7 +34,7 @@ gym_core::arguments! {
     pub struct Config {
         /// Added to the variance; above 0.
         pub epsilon: f64 = 1e-8,
-        /// Whether it goes on estimating.
+        /// Whether to update the estimate.
         pub update_running_mean: bool = true,
     }
 }

@@ -31,7 +31,7 @@ gym_core::arguments! {
         pub gamma: f64 = 0.99,
         /// Added to the variance; above 0.
         pub epsilon: f64 = 1e-8,
-        /// Whether it goes on estimating.
+        /// Whether to update the estimate.
         pub update_running_mean: bool = true,
     }
 }

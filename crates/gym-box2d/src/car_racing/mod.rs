@@ -2,11 +2,11 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | a picture of the car and what is around it; `Box(0, 255, (96, 96, 3), uint8)` |
+//! | observation | an image of the car and its surroundings; `Box(0, 255, (96, 96, 3), uint8)` |
 //! | action | [`Action`]: steering, gas and brake, `Box([-1, 0, 0], 1, (3,), float32)`, or without `continuous` one of five, `Discrete(5)` |
 //! | reward | 1000 / number of tiles for each tile that a wheel touches first, less 0.1 per step; -100 for leaving the field |
 //! | start | at rest on the track; reset option `randomize` (boolean, true; with `domain_randomize`): whether to draw new colours |
-//! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` tells which |
+//! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` is true for a lap |
 //! | limit | 1000 steps |
 //!
 //! Versions: v3 terminates the episode when the lap is complete, with an entry of info; v2, which

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | observation | position of the cart, sines and cosines of the two angles, three velocities and the force of the rail's end on the cart, these clipped to 10; `Box(9, float64)` (versions 2 and 4: three such forces, 11 numbers) |
 //! | action | force on the cart, as a share of 500 N; `Box(-1, 1, (1,), float32)` |
-//! | reward | 10, less for a tip away from its highest place and for fast joints (version 5: the 10 only while the task goes on) |
+//! | reward | 10, less for a tip away from its highest place and for fast joints (version 5: the 10 only before the end of the task) |
 //! | start | upright, positions disturbed uniformly by up to 0.1, velocities normally with deviation 0.1 |
 //! | end | terminated when the tip is at 1 m or below; the poles reach 1.2 m |
 //! | limit | 1000 steps of 0.05 s |

@@ -60,7 +60,7 @@ pub struct RocketTask {
     config: Config,
 }
 
-/// What the task is, whoever steps it.
+/// The task.
 impl Task for RocketTask {
     type Config = Config;
     type State = State;

@@ -25,7 +25,7 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn put(self, bytes: &mut Vec<u8>);
 
     /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
-    /// [`Task::is_valid`](crate::Task::is_valid) decides whether the state is valid.
+    /// [`is_valid`](crate::Task::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

@@ -217,6 +217,20 @@ impl VectorSpec {
         env
     }
 
+    /// Makes the sub-environments, for a vector of one's own.
+    ///
+    /// # Errors
+    /// As [`EnvSpec::make`]; [`Error::InvalidArgument`] for more than memory holds, of which the first one tells.
+    pub fn envs(&self) -> Result<Vec<BoxEnv>> {
+        self.check_each()?;
+        let make = |index| self.env_at(index).make();
+        let first = make(0)?;
+        let observation = first.observation_space();
+        let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
+        size::check(self.num_envs, &observation, &first.action_space(), bytes)?;
+        std::iter::once(Ok(first)).chain((1..self.num_envs).map(make)).collect()
+    }
+
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
@@ -231,11 +245,11 @@ impl VectorSpec {
         let Self { env, autoreset_mode, threads, .. } = spec.clone();
         match self.vectorization_mode {
             VectorKind::Sync => {
-                let vector = SyncVectorEnv::new(envs(&spec)?)?;
+                let vector = SyncVectorEnv::new(self.envs()?)?;
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Async => {
-                let vector = AsyncVectorEnv::new(envs(&spec)?)?;
+                let vector = AsyncVectorEnv::new(self.envs()?)?;
                 let vector = match threads {
                     Some(threads) => vector.with_threads(threads)?,
                     None => vector,
@@ -265,17 +279,6 @@ impl VectorSpec {
 /// What an environment in the stack of `make` takes of the memory at least, beside its observations: its own
 /// state, its spec, and the boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
-
-/// The sub-environments; the first one tells whether there can be so many.
-fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
-    spec.check_each()?;
-    let make = |index| spec.env_at(index).make();
-    let first = make(0)?;
-    let observation = first.observation_space();
-    let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
-    size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
-    std::iter::once(Ok(first)).chain((1..spec.num_envs).map(make)).collect()
-}
 
 /// What a spec asks for that only environments can give.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {

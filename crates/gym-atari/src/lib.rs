@@ -3,6 +3,7 @@
 
 mod action;
 pub mod ale;
+mod blocks;
 mod bytes;
 pub mod cartridge;
 pub mod check;
@@ -15,6 +16,7 @@ mod mt19937;
 mod paddle;
 pub mod palette;
 mod preprocessing;
+mod program;
 pub mod recording;
 pub mod riot;
 pub mod rom;

@@ -6,8 +6,8 @@
 //! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for what is documented.
 
 mod decimal;
-mod instructions;
-mod run;
+pub(crate) mod instructions;
+pub(crate) mod run;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,12 +18,6 @@ use instructions::Operation;
 pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
-
-    /// Reads a byte that the processor has no use for.
-    #[inline(always)]
-    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        self.read(address, cycle, bus)
-    }
 
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
@@ -71,7 +65,7 @@ pub struct Cpu {
     /// The cycles since power-on.
     pub cycle: u64,
     /// The byte that was last on the bus.
-    bus: u8,
+    pub(crate) bus: u8,
     /// The program counter.
     pub pc: u16,
     /// The accumulator.

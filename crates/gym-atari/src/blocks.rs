@@ -222,7 +222,7 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
         _ => None,
     };
     // the documented ones but BRK and RTI
-    function.or_else(|| functions!(K, opcode, case::ANY,
+    function.or(functions!(K, opcode, case::ANY,
         0x01 0x05 0x06 0x08 0x09 0x0a 0x0d 0x0e 0x10 0x11 0x15 0x16 0x18 0x19 0x1d 0x1e
         0x20 0x21 0x24 0x25 0x26 0x28 0x29 0x2a 0x2c 0x2d 0x2e 0x30 0x31 0x35 0x36 0x38 0x39 0x3d 0x3e
         0x41 0x45 0x46 0x48 0x49 0x4a 0x4c 0x4d 0x4e 0x50 0x51 0x55 0x56 0x58 0x59 0x5d 0x5e
@@ -298,7 +298,7 @@ mod tests {
                     Mode::Implied => {}
                     Mode::Relative => rom.push((self.below(24) as u8).wrapping_sub(8)),
                     Mode::Absolute if operation == Operation::Jmp || operation == Operation::Jsr => {
-                        let address = 0x1000 + self.below(0x1000) as u16 | (self.below(8) as u16) << 13;
+                        let address = 0x1000 | self.below(0x10000) as u16;
                         rom.extend(address.to_le_bytes());
                     }
                     Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect => {
@@ -310,8 +310,8 @@ mod tests {
                     | Mode::ZeroPageY
                     | Mode::IndirectX
                     | Mode::IndirectY => {
-                        let address = self.below(0x130).min(0x2ff) as u8;
-                        rom.push(if address < 0x30 { address } else { address | 0x80 });
+                        let address = self.byte();
+                        rom.push(if address < 0x40 { address } else { address | 0x80 });
                     }
                 }
             }

@@ -148,10 +148,12 @@ impl Console {
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
         let Chips { riot, tia, screen: _, frame_ended, continued: _ } = &self.chips;
+        let mut tia = tia.clone();
+        tia.place_all();
         State {
             cpu: self.cpu,
             riot: riot.clone(),
-            tia: tia.clone(),
+            tia,
             banks: self.cartridge.banks().clone(),
             frame_ended: *frame_ended,
         }

@@ -128,6 +128,9 @@ pub(crate) struct Tia {
     /// Which pixels are to be painted.
     #[serde(skip)]
     differing: Differing,
+    /// Whether a whole line was searched for collisions since something changed.
+    #[serde(skip)]
+    searched: bool,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -177,6 +180,7 @@ impl Tia {
             from: [0; OBJECTS],
             mixed: 0,
             differing: Differing::ALL,
+            searched: false,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -191,6 +195,7 @@ impl Tia {
     /// What is painted from now on has nothing to do with what was painted before.
     pub(crate) fn start_picture(&mut self) {
         self.differing = Differing::ALL;
+        self.searched = false;
     }
 
     pub(crate) fn set_display(&mut self, display: Display) {
@@ -453,6 +458,7 @@ impl Tia {
     fn clear_collisions(&mut self, c: u32, screen: &mut Screen) {
         self.paint_to(3 * c, screen);
         self.collisions = 0;
+        self.searched = false;
     }
 
     #[inline(never)]
@@ -564,24 +570,26 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        let shift_of = |object: usize| shift(i32::from(self.hm[object] ^ 0x08));
         // where all 8 pulses come, only those objects move whose `HM` register is not 0
         let candidates = match c {
             ..=12 | 75.. => self.in_motion,
             21..=54 => 0,
             _ => MOVABLE,
         };
-        let moved =
-            draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
         // first copies that were left out come back
-        let moved = moved | u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
+        let mut moved = u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
+        let mut x = self.x;
+        for object in draw::bits(candidates) {
+            let shift = shift(i32::from(self.hm[object] ^ 0x08));
+            if shift != 0 {
+                moved |= 1 << object;
+                x[object] = objects::around(x[object], shift);
+            }
+        }
         if moved != 0 {
             self.change(moved, clock, screen);
             self.without_main = [false; 2];
-            for object in draw::bits(moved) {
-                let shift = shift(i32::from(self.hm[object] ^ 0x08));
-                self.x[object] = objects::around(self.x[object], shift);
-            }
+            self.x = x;
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             if c >= 75 {
@@ -595,13 +603,17 @@ impl Tia {
     /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
     #[inline(always)]
     fn beam(&mut self, cycle: u64) -> u32 {
-        let mut c = (cycle - self.line_start) as u32;
-        while c >= CYCLES_PER_LINE {
-            c -= CYCLES_PER_LINE;
-            self.line_start += u64::from(CYCLES_PER_LINE);
-            self.line += 1;
-        }
-        c
+        let c = (cycle - self.line_start) as u32;
+        if c < CYCLES_PER_LINE { c } else { self.next_line(c) }
+    }
+
+    /// Brings the beam to a line that starts within `c` cycles; gives the cycles of that line that have passed.
+    #[inline(never)]
+    fn next_line(&mut self, c: u32) -> u32 {
+        let lines = c / CYCLES_PER_LINE;
+        self.line_start += u64::from(lines * CYCLES_PER_LINE);
+        self.line += lines;
+        c % CYCLES_PER_LINE
     }
 
     /// The clock of the beam's line.

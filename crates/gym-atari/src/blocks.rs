@@ -25,6 +25,36 @@ pub(crate) struct Thread {
     left: u32,
 }
 
+impl Thread {
+    /// Goes through the rounds of a loop that waits by counting, such as `DEX`, `BNE` back to it, which has just branched to its
+    /// start: all but the last.
+    #[inline(never)]
+    fn count_down(&mut self, cartridge: &Cartridge) {
+        let Self { cpu, left } = self;
+        let Some([step, branch, 0xfd, _]) = cartridge.four_bytes(cpu.pc) else { return };
+        let counter = match step {
+            0xca => &mut cpu.x, // DEX
+            0x88 => &mut cpu.y, // DEY
+            _ => return,
+        };
+        let rounds = match branch {
+            0xd0 => counter.wrapping_sub(1), // BNE
+            0x10 => *counter,                // BPL
+            _ => return,
+        };
+        // a branch into another page takes longer
+        if cpu.pc & 0xff00 != cpu.pc.wrapping_add(3) & 0xff00 {
+            return;
+        }
+        let rounds = u32::from(rounds).min(*left / 2);
+        *counter -= rounds as u8;
+        let count = *counter;
+        cpu.flags(count);
+        cpu.cycle += 5 * u64::from(rounds);
+        *left -= 2 * rounds;
+    }
+}
+
 type Run = fn(&mut Thread, &mut Chips, &mut Cartridge, &[Op]);
 
 /// A decoded instruction.
@@ -69,6 +99,9 @@ fn run_blocks<K: Kind>(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartrid
             [first, ..] if block.len() < thread.left as usize => {
                 thread.left -= block.len() as u32;
                 (first.run)(&mut thread, chips, cartridge, block);
+                if thread.cpu.pc == pc {
+                    thread.count_down(cartridge);
+                }
             }
             _ => {
                 thread.left -= 1;
@@ -111,17 +144,27 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// What is known of the address that an instruction names; behind it, `next` is the lower 12 bits of the address.
+/// What is known of the addresses of an instruction; behind it, `next` is the lower 12 bits of the address.
 fn case_of<K: Kind>(Instruction { operation, mode }: Instruction, next: u16, low: u8, high: u8) -> u8 {
+    use Operation::{Adc, Jsr, Pha, Php, Pla, Plp, Rts, Sbc};
     let word = u16::from_le_bytes([low, high]);
     let in_rom = |last: u16| word & 0x1000 != 0 && last & 0x1000 != 0 && last & 0x0fff < K::PLAIN;
+    let in_ram = word & 0x1280 == 0x0080;
     match (mode, operation.access()) {
+        (_, _) if matches!(operation, Jsr | Rts | Pha | Php | Pla | Plp) => case::MEMORY,
+        (Mode::Immediate, _) if matches!(operation, Adc | Sbc) => case::MEMORY,
         (Mode::ZeroPage, _) if low >= 0x80 => case::RAM,
         (Mode::ZeroPage, Access::Write) => case::TIA | low & 0x3f,
         (Mode::Absolute, Access::Read) if in_rom(word) => case::ROM,
         (Mode::AbsoluteX | Mode::AbsoluteY, Access::Read) if in_rom(word.wrapping_add(0xff)) => case::ROM,
-        // a taken branch reads from the page of the next instruction
-        (Mode::Relative, _) if next | 0xff < K::PLAIN => case::ROM,
+        (Mode::Absolute, _) if in_ram => case::MEMORY,
+        (Mode::AbsoluteX | Mode::AbsoluteY, access) if in_ram || access == Access::Read => case::MEMORY,
+        (Mode::ZeroPageX | Mode::ZeroPageY | Mode::IndirectX | Mode::IndirectY, _) if low >= 0x80 => {
+            case::MEMORY
+        }
+        (Mode::Indirect, _) => case::MEMORY,
+        // a taken branch reads from the page of the next instruction; one over 5 bytes may end a loop that waits
+        (Mode::Relative, _) if next | 0xff < K::PLAIN && low != 0xfb => case::ROM,
         _ => case::ANY,
     }
 }
@@ -160,26 +203,40 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
     named && case == case::ANY
 }
 
-/// Executes the first instruction, and then those that follow.
-fn step<K: Kind, const OPCODE: u8, const CASE: u8>(
+/// Executes the first instruction, and then those that follow. It is compiled for a case, and if it turns out that the case
+/// does not cover what the instruction does, it is executed as in the case `AGAIN`.
+///
+/// All that is rare is left to that function, which is called last: a call before would cost each instruction the registers that it
+/// saves.
+fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     thread: &mut Thread,
     chips: &mut Chips,
     cartridge: &mut Cartridge,
     ops: &[Op],
 ) {
     let [Op { pc, at, low, high, .. }, rest @ ..] = ops else { return };
+    let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
+    let ends = const { ends_block(INSTRUCTIONS[OPCODE as usize].operation) };
     let Cpu { pc: start, bus: byte, cycle, .. } = thread.cpu;
+    if CASE != AGAIN && matches!(operation, Operation::Adc | Operation::Sbc) && thread.cpu.is_decimal() {
+        return step::<K, OPCODE, AGAIN, AGAIN>(thread, chips, cartridge, ops);
+    }
     let mut core = Core {
         cpu: thread.cpu,
         bus: Wires::<K, CASE>::new(chips, cartridge),
         left: thread.left,
         stopped: false,
     };
-    core.cpu.pc = start & 0xe000 | pc;
     core.cpu.cycle = cycle + u64::from(*at);
+    if ends {
+        core.cpu.pc = start & 0xe000 | pc;
+    }
     core.execute::<OPCODE>(*low, *high);
-    let Core { mut cpu, left, stopped, .. } = core;
-    if const { ends_block(INSTRUCTIONS[OPCODE as usize].operation) } {
+    let Core { mut cpu, left, stopped, bus: Wires { missed, .. } } = core;
+    if CASE != AGAIN && missed {
+        return step::<K, OPCODE, AGAIN, AGAIN>(thread, chips, cartridge, ops);
+    }
+    if ends {
         thread.cpu = cpu;
         thread.left = left;
         return;
@@ -194,15 +251,16 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8>(
         thread.cpu = cpu;
         return (next.run)(thread, chips, cartridge, rest);
     }
+    cpu.pc = (start & 0xe000 | pc).wrapping_add(const { LENGTHS[OPCODE as usize] as u16 });
     thread.cpu = cpu;
-    thread.left = if stopped { 0 } else { left + rest.len() as u32 };
+    thread.left = if stopped { 0 } else { thread.left + rest.len() as u32 };
 }
 
 /// A function for each of some opcodes, in a case.
 macro_rules! functions {
-    ($kind:ident, $opcode:ident, $case:expr, $($code:literal)*) => {
+    ($kind:ident, $opcode:ident, $case:expr, $again:expr, $($code:literal)*) => {
         match $opcode {
-            $($code => Some(step::<$kind, $code, { $case }>),)*
+            $($code => Some(step::<$kind, $code, { $case }, { $again }>),)*
             _ => None,
         }
     };
@@ -212,17 +270,26 @@ macro_rules! functions {
 #[rustfmt::skip]
 fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
     let function: Option<Run> = match case {
-        case::RAM => functions!(K, opcode, case::RAM,
+        case::RAM => functions!(K, opcode, case::RAM, case::ANY,
             0x05 0x06 0x24 0x25 0x26 0x45 0x46 0x65 0x66 0x84 0x85 0x86 0xa4 0xa5 0xa6 0xc4 0xc5 0xc6 0xe4 0xe5 0xe6),
-        case::ROM => functions!(K, opcode, case::ROM,
+        case::ROM => functions!(K, opcode, case::ROM, case::ANY,
             0x0d 0x2c 0x2d 0x4d 0x6d 0xac 0xad 0xae 0xcc 0xcd 0xec 0xed
             0x19 0x1d 0x39 0x3d 0x59 0x5d 0x79 0x7d 0xb9 0xbc 0xbd 0xbe 0xd9 0xdd 0xf9 0xfd
             0x10 0x30 0x50 0x70 0x90 0xb0 0xd0 0xf0),
+        case::MEMORY => functions!(K, opcode, case::MEMORY, case::ANY,
+            0x01 0x08 0x0d 0x0e 0x11 0x15 0x16 0x19 0x1d 0x1e
+            0x20 0x21 0x28 0x2c 0x2d 0x2e 0x31 0x35 0x36 0x39 0x3d 0x3e
+            0x41 0x48 0x4d 0x4e 0x51 0x55 0x56 0x59 0x5d 0x5e
+            0x60 0x61 0x68 0x69 0x6c 0x6d 0x6e 0x71 0x75 0x76 0x79 0x7d 0x7e
+            0x81 0x8c 0x8d 0x8e 0x91 0x94 0x95 0x96 0x99 0x9d
+            0xa1 0xac 0xad 0xae 0xb1 0xb4 0xb5 0xb6 0xb9 0xbc 0xbd 0xbe
+            0xc1 0xcc 0xcd 0xce 0xd1 0xd5 0xd6 0xd9 0xdd 0xde
+            0xe1 0xe9 0xec 0xed 0xee 0xf1 0xf5 0xf6 0xf9 0xfd 0xfe),
         case::TIA.. => store::<K>(opcode, case & 0x3f),
         _ => None,
     };
     // the documented ones but BRK and RTI
-    function.or(functions!(K, opcode, case::ANY,
+    function.or(functions!(K, opcode, case::ANY, case::ANY,
         0x01 0x05 0x06 0x08 0x09 0x0a 0x0d 0x0e 0x10 0x11 0x15 0x16 0x18 0x19 0x1d 0x1e
         0x20 0x21 0x24 0x25 0x26 0x28 0x29 0x2a 0x2c 0x2d 0x2e 0x30 0x31 0x35 0x36 0x38 0x39 0x3d 0x3e
         0x41 0x45 0x46 0x48 0x49 0x4a 0x4c 0x4d 0x4e 0x50 0x51 0x55 0x56 0x58 0x59 0x5d 0x5e
@@ -235,19 +302,22 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
 }
 
 /// `STA`, `STX` and `STY` to a register of the TIA.
+#[rustfmt::skip]
 fn store<K: Kind>(opcode: u8, register: u8) -> Option<Run> {
     macro_rules! registers {
-        ($($register:literal)*) => {
+        ($case:expr, $($register:literal)*) => {
             match register {
-                $($register => functions!(K, opcode, case::TIA | $register, 0x84 0x85 0x86),)*
+                $($register => functions!(K, opcode, $case | $register, case::ANY, 0x84 0x85 0x86),)*
                 _ => None,
             }
         };
     }
-    registers!(
-        0x00 0x01 0x02 0x03 0x04 0x05 0x06 0x07 0x08 0x09 0x0a 0x0b 0x0c 0x0d 0x0e 0x0f 0x10 0x11 0x12 0x13 0x14 0x15 0x16
-        0x17 0x18 0x19 0x1a 0x1b 0x1c 0x1d 0x1e 0x1f 0x20 0x21 0x22 0x23 0x24 0x25 0x26 0x27 0x28 0x29 0x2a 0x2b 0x2c
-    )
+    // most writes to these show
+    let shown: Option<Run> = registers!(case::TIA,
+        0x00 0x01 0x06 0x07 0x08 0x09 0x0d 0x0e 0x0f 0x10 0x11 0x12 0x13 0x14 0x1b 0x1c 0x2a 0x2c);
+    shown.or(registers!(case::TIA_UNSEEN,
+        0x02 0x03 0x04 0x05 0x0a 0x0b 0x0c 0x15 0x16 0x17 0x18 0x19 0x1a 0x1d 0x1e 0x1f
+        0x20 0x21 0x22 0x23 0x24 0x25 0x26 0x27 0x28 0x29 0x2b))
 }
 
 #[cfg(test)]

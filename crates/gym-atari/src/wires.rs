@@ -13,6 +13,8 @@ use crate::tia::Tia;
 pub(crate) struct Wires<'a, K, const CASE: u8> {
     chips: &'a mut Chips,
     cartridge: &'a mut Cartridge,
+    /// Whether the instruction did what its case does not cover; nothing has come of it then.
+    pub(crate) missed: bool,
     kind: PhantomData<K>,
 }
 
@@ -24,14 +26,18 @@ pub(crate) mod case {
     pub(crate) const RAM: u8 = 1;
     /// It is one of the ROM where reads do nothing else.
     pub(crate) const ROM: u8 = 2;
+    /// All are of RAM, or of the ROM where reads do nothing else; if not, the instruction misses.
+    pub(crate) const MEMORY: u8 = 3;
     /// It is this register of the TIA, or one of the 63 that follow.
     pub(crate) const TIA: u8 = 0x40;
+    /// The same; if the write shows, the instruction misses.
+    pub(crate) const TIA_UNSEEN: u8 = 0x80;
 }
 
 impl<'a, K, const CASE: u8> Wires<'a, K, CASE> {
     #[inline(always)]
     pub(crate) fn new(chips: &'a mut Chips, cartridge: &'a mut Cartridge) -> Self {
-        Self { chips, cartridge, kind: PhantomData }
+        Self { chips, cartridge, missed: false, kind: PhantomData }
     }
 }
 
@@ -99,6 +105,9 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
             K::peek(self.cartridge, address)
         } else if CASE == case::RAM || is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)]
+        } else if CASE == case::MEMORY {
+            self.missed |= !is_cartridge(address) || address & 0x0fff >= K::PLAIN;
+            K::peek(self.cartridge, address)
         } else if is_cartridge(address) {
             K::read(self.cartridge, address, bus)
         } else {
@@ -108,8 +117,18 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
 
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        if CASE >= case::TIA {
-            return self.chips.write_tia(u16::from(CASE - case::TIA), value, cycle);
+        let register = u16::from(CASE & 0x3f);
+        if CASE >= case::TIA_UNSEEN {
+            let ready = self.chips.tia.write_unseen(register, value, cycle);
+            self.missed = ready.is_none();
+            return ready.unwrap_or(Ready::Now);
+        } else if CASE >= case::TIA {
+            return self.chips.write_tia(register, value, cycle);
+        } else if CASE == case::MEMORY {
+            self.missed |= !is_ram(address);
+            if !self.missed {
+                self.chips.riot.ram[usize::from(address & 0x7f)] = value;
+            }
         } else if CASE == case::RAM || is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)] = value;
         } else if is_cartridge(address) {
@@ -122,9 +141,10 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
         Ready::Now
     }
 
+    /// Where it is known that a branch ends no loop that waits, there is nothing to look at.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
-        self.cartridge.four_bytes(address)
+        if CASE == case::ROM { None } else { self.cartridge.four_bytes(address) }
     }
 
     fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {

@@ -128,9 +128,15 @@ impl Cpu {
 
     /// Sets N and Z by `value`.
     #[inline(always)]
-    fn flags(&mut self, value: u8) -> u8 {
+    pub(crate) fn flags(&mut self, value: u8) -> u8 {
         self.result = u16::from(value);
         value
+    }
+
+    /// The flag D.
+    #[inline(always)]
+    pub(crate) fn is_decimal(&self) -> bool {
+        self.decimal
     }
 
     /// The flag N.

@@ -132,7 +132,9 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
             break;
         }
         let (low, high) = (byte(1), if length == 3 { byte(2) } else { 0 });
-        let case = case_of::<K>(instruction, low12 + length, low, high);
+        // `LDA INTIM`, `BNE` back to it
+        let waits = low == 0xfb && matches!(byte(length.wrapping_sub(5)), 0x2c | 0xac..=0xae);
+        let case = case_of::<K>(instruction, low12 + length, low, high, waits);
         let Some(run) = function::<K>(opcode, case) else { break };
         block.push(Op { run, pc: 0x1000 | low12, at, low, high });
         if ends_block(instruction.operation) {
@@ -144,8 +146,15 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// What is known of the addresses of an instruction; behind it, `next` is the lower 12 bits of the address.
-fn case_of<K: Kind>(Instruction { operation, mode }: Instruction, next: u16, low: u8, high: u8) -> u8 {
+/// What is known of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
+/// `waits` says whether it may end a loop that waits for a register.
+fn case_of<K: Kind>(
+    Instruction { operation, mode }: Instruction,
+    next: u16,
+    low: u8,
+    high: u8,
+    waits: bool,
+) -> u8 {
     use Operation::{Adc, Jsr, Pha, Php, Pla, Plp, Rts, Sbc};
     let word = u16::from_le_bytes([low, high]);
     let in_rom = |last: u16| word & 0x1000 != 0 && last & 0x1000 != 0 && last & 0x0fff < K::PLAIN;
@@ -163,8 +172,8 @@ fn case_of<K: Kind>(Instruction { operation, mode }: Instruction, next: u16, low
             case::MEMORY
         }
         (Mode::Indirect, _) => case::MEMORY,
-        // a taken branch reads from the page of the next instruction; one over 5 bytes may end a loop that waits
-        (Mode::Relative, _) if next | 0xff < K::PLAIN && low != 0xfb => case::ROM,
+        // a taken branch reads from the page of the next instruction
+        (Mode::Relative, _) if next | 0xff < K::PLAIN && !waits => case::ROM,
         _ => case::ANY,
     }
 }
@@ -208,6 +217,7 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
 ///
 /// All that is rare is left to that function, which is called last: a call before would cost each instruction the registers that it
 /// saves.
+#[inline(never)]
 fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     thread: &mut Thread,
     chips: &mut Chips,

@@ -13,6 +13,7 @@ use crate::cartridge::{Any, Cartridge, Fixed, Kind, Scheme, Switched, Windowed};
 use crate::cpu::Cpu;
 use crate::cpu::instructions::{Access, INSTRUCTIONS, Instruction, LENGTHS, Mode, Operation};
 use crate::cpu::run::Core;
+use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
 /// The instructions of a block at most: where a call is no jump, the stack holds as many.
@@ -26,31 +27,42 @@ pub(crate) struct Thread {
 }
 
 impl Thread {
-    /// Goes through the rounds of a loop that waits by counting, such as `DEX`, `BNE` back to it, which has just branched to its
-    /// start: all but the last.
+    /// Goes through the rounds of a loop of two instructions that only waits, which has just branched to its start: all but
+    /// the last.
     #[inline(never)]
-    fn count_down(&mut self, cartridge: &Cartridge) {
+    fn wait(&mut self, riot: &Riot, cartridge: &Cartridge) {
         let Self { cpu, left } = self;
-        let Some([step, branch, 0xfd, _]) = cartridge.four_bytes(cpu.pc) else { return };
-        let counter = match step {
-            0xca => &mut cpu.x, // DEX
-            0x88 => &mut cpu.y, // DEY
-            _ => return,
-        };
-        let rounds = match branch {
-            0xd0 => counter.wrapping_sub(1), // BNE
-            0x10 => *counter,                // BPL
-            _ => return,
-        };
+        let Some([first, low, high, last]) = cartridge.four_bytes(cpu.pc) else { return };
+        // DEX or DEY, or LDA of a register
+        let length = if first == 0xad { 5 } else { 3 };
         // a branch into another page takes longer
-        if cpu.pc & 0xff00 != cpu.pc.wrapping_add(3) & 0xff00 {
+        if cpu.pc & 0xff00 != cpu.pc.wrapping_add(length) & 0xff00 {
             return;
         }
-        let rounds = u32::from(rounds).min(*left / 2);
-        *counter -= rounds as u8;
-        let count = *counter;
-        cpu.flags(count);
-        cpu.cycle += 5 * u64::from(rounds);
+        let most = *left / 2;
+        let (rounds, cycles, result) = match (first, low, high, last) {
+            (0xca | 0x88, 0xd0 | 0x10, 0xfd, _) => {
+                let counter = if first == 0xca { &mut cpu.x } else { &mut cpu.y };
+                // BNE, which has found that it is not 0, or BPL
+                let rounds = if low == 0xd0 { counter.wrapping_sub(1) } else { *counter };
+                let rounds = u32::from(rounds).min(most);
+                *counter -= rounds as u8;
+                (rounds, 5, *counter)
+            }
+            (0xad, _, _, 0xd0) => {
+                // the branch took three cycles since the register was read
+                let read = cpu.cycle - 3;
+                let Some(zero) = riot.zero_from(u16::from_le_bytes([low, high])) else { return };
+                let rounds = (zero.saturating_sub(read + 1) / 7).min(u64::from(most)) as u32;
+                if rounds > 0 {
+                    cpu.a = riot.count(read + 7 * u64::from(rounds));
+                }
+                (rounds, 7, cpu.a)
+            }
+            _ => return,
+        };
+        cpu.flags(result);
+        cpu.cycle += cycles * u64::from(rounds);
         *left -= 2 * rounds;
     }
 }
@@ -100,7 +112,7 @@ fn run_blocks<K: Kind>(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartrid
                 thread.left -= block.len() as u32;
                 (first.run)(&mut thread, chips, cartridge, block);
                 if thread.cpu.pc == pc {
-                    thread.count_down(cartridge);
+                    thread.wait(&chips.riot, cartridge);
                 }
             }
             _ => {
@@ -168,9 +180,9 @@ fn case_of<K: Kind>(
         (Mode::AbsoluteX | Mode::AbsoluteY, Access::Read) if in_rom(word.wrapping_add(0xff)) => case::ROM,
         (Mode::Absolute, _) if in_ram => case::MEMORY,
         (Mode::AbsoluteX | Mode::AbsoluteY, access) if in_ram || access == Access::Read => case::MEMORY,
-        (Mode::ZeroPageX | Mode::ZeroPageY | Mode::IndirectX | Mode::IndirectY, _) if low >= 0x80 => {
-            case::MEMORY
-        }
+        (Mode::ZeroPageX | Mode::ZeroPageY, _) if low >= 0x80 => case::MEMORY,
+        // with both bytes of the pointer in RAM
+        (Mode::IndirectY, _) if (0x80..0xff).contains(&low) => case::MEMORY,
         (Mode::Indirect, _) => case::MEMORY,
         // a taken branch reads from the page of the next instruction
         (Mode::Relative, _) if next | 0xff < K::PLAIN && !waits => case::ROM,
@@ -287,14 +299,14 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
             0x19 0x1d 0x39 0x3d 0x59 0x5d 0x79 0x7d 0xb9 0xbc 0xbd 0xbe 0xd9 0xdd 0xf9 0xfd
             0x10 0x30 0x50 0x70 0x90 0xb0 0xd0 0xf0),
         case::MEMORY => functions!(K, opcode, case::MEMORY, case::ANY,
-            0x01 0x08 0x0d 0x0e 0x11 0x15 0x16 0x19 0x1d 0x1e
-            0x20 0x21 0x28 0x2c 0x2d 0x2e 0x31 0x35 0x36 0x39 0x3d 0x3e
-            0x41 0x48 0x4d 0x4e 0x51 0x55 0x56 0x59 0x5d 0x5e
-            0x60 0x61 0x68 0x69 0x6c 0x6d 0x6e 0x71 0x75 0x76 0x79 0x7d 0x7e
-            0x81 0x8c 0x8d 0x8e 0x91 0x94 0x95 0x96 0x99 0x9d
-            0xa1 0xac 0xad 0xae 0xb1 0xb4 0xb5 0xb6 0xb9 0xbc 0xbd 0xbe
-            0xc1 0xcc 0xcd 0xce 0xd1 0xd5 0xd6 0xd9 0xdd 0xde
-            0xe1 0xe9 0xec 0xed 0xee 0xf1 0xf5 0xf6 0xf9 0xfd 0xfe),
+            0x08 0x0d 0x0e 0x11 0x15 0x16 0x19 0x1d 0x1e
+            0x20 0x28 0x2c 0x2d 0x2e 0x31 0x35 0x36 0x39 0x3d 0x3e
+            0x48 0x4d 0x4e 0x51 0x55 0x56 0x59 0x5d 0x5e
+            0x60 0x68 0x69 0x6c 0x6d 0x6e 0x71 0x75 0x76 0x79 0x7d 0x7e
+            0x8c 0x8d 0x8e 0x91 0x94 0x95 0x96 0x99 0x9d
+            0xac 0xad 0xae 0xb1 0xb4 0xb5 0xb6 0xb9 0xbc 0xbd 0xbe
+            0xcc 0xcd 0xce 0xd1 0xd5 0xd6 0xd9 0xdd 0xde
+            0xe9 0xec 0xed 0xee 0xf1 0xf5 0xf6 0xf9 0xfd 0xfe),
         case::TIA.. => store::<K>(opcode, case & 0x3f),
         _ => None,
     };
@@ -333,7 +345,6 @@ fn store<K: Kind>(opcode: u8, register: u8) -> Option<Run> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::riot::Riot;
     use crate::screen::Screen;
     use crate::tia::{Display, Tia};
 

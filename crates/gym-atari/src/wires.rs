@@ -26,7 +26,7 @@ pub(crate) mod case {
     pub(crate) const RAM: u8 = 1;
     /// It is one of the ROM where reads do nothing else.
     pub(crate) const ROM: u8 = 2;
-    /// All are of RAM, or of the ROM where reads do nothing else; if not, the instruction misses.
+    /// A pointer is in RAM, and all others are of RAM or of the ROM where reads do nothing else; if not, the instruction misses.
     pub(crate) const MEMORY: u8 = 3;
     /// It is this register of the TIA, or one of the 63 that follow.
     pub(crate) const TIA: u8 = 0x40;
@@ -112,6 +112,15 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
             K::read(self.cartridge, address, bus)
         } else {
             self.chips.read(address, cycle, bus)
+        }
+    }
+
+    #[inline(always)]
+    fn read_pointer(&mut self, address: u8, cycle: u64, bus: u8) -> u8 {
+        if CASE == case::MEMORY {
+            self.chips.riot.ram[usize::from(address & 0x7f)]
+        } else {
+            self.read(u16::from(address), cycle, bus)
         }
     }
 

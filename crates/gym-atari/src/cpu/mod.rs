@@ -19,6 +19,12 @@ pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
 
+    /// Reads a byte of a pointer in page 0.
+    #[inline(always)]
+    fn read_pointer(&mut self, address: u8, cycle: u64, bus: u8) -> u8 {
+        self.read(u16::from(address), cycle, bus)
+    }
+
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
 

@@ -178,7 +178,14 @@ impl<B: Bus> Core<B> {
 
     #[inline(always)]
     fn zero_page_word(&mut self, pointer: u8) -> u16 {
-        u16::from_le_bytes([self.read(u16::from(pointer)), self.read(u16::from(pointer.wrapping_add(1)))])
+        u16::from_le_bytes([self.read_pointer(pointer), self.read_pointer(pointer.wrapping_add(1))])
+    }
+
+    #[inline(always)]
+    fn read_pointer(&mut self, address: u8) -> u8 {
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.read_pointer(address, self.cpu.cycle, self.cpu.bus);
+        self.cpu.bus
     }
 
     /// Adds an index to an address. The processor first reads without the carry into the page: where a page is

@@ -109,6 +109,22 @@ impl Tia {
     fn start_line(&mut self, screen: &mut Screen) {
         let Differing { here, below } = &mut self.differing;
         *here = std::mem::take(below);
+        let [first, second] = self.without_main;
+        if self.comb || first || second || self.reflected != (self.ctrlpf & 0x01 != 0) {
+            self.start_row(screen);
+        }
+        self.drawn_line += 1;
+        self.painted = 0;
+        if self.mixed != 0 {
+            self.stale |= std::mem::take(&mut self.mixed);
+            self.searched = false;
+        }
+        self.from = [0; OBJECTS];
+    }
+
+    /// Does what waits for a line to start, or for one of the picture to end.
+    #[inline(never)]
+    fn start_row(&mut self, screen: &mut Screen) {
         // a comb ahead of the picture waits for its first row
         if self.comb
             && let Some(row) = self.row()
@@ -133,13 +149,6 @@ impl Tia {
                 }
             }
         }
-        self.drawn_line += 1;
-        self.painted = 0;
-        if self.mixed != 0 {
-            self.stale |= std::mem::take(&mut self.mixed);
-            self.searched = false;
-        }
-        self.from = [0; OBJECTS];
     }
 
     /// The row of the picture that is being drawn.

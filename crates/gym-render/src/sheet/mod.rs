@@ -214,8 +214,8 @@ impl Sheet {
             self.pixels.clear();
         }
         match self.shrink.layout.widest {
-            ..=4 => self.draw::<4>(frame),
-            ..=12 => self.draw::<12>(frame),
+            0..=4 => self.draw::<4>(frame),
+            5..=12 => self.draw::<12>(frame),
             _ => self.draw::<{ MOST_SHRUNK + 4 }>(frame),
         }
     }

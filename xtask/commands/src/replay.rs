@@ -79,7 +79,7 @@ fn compare(path: &Path) -> Result<()> {
     }
 }
 
-/// Keeps what else the file says, such as its policy, and replaces the answers.
+/// Keeps the other parts of the file, such as its policy, and replaces the answers.
 fn write_answers(path: &Path, out: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
@@ -119,7 +119,7 @@ fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>
     Ok(None)
 }
 
-/// A trace and what else its file says.
+/// A trace and the other parts of its file.
 #[derive(serde::Serialize)]
 struct File<'a> {
     #[serde(flatten)]

@@ -81,7 +81,7 @@ struct Record {
 /// The episode of one environment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Running {
-    /// Wall-clock time is no part of a snapshot.
+    /// Snapshots do not contain wall-clock time.
     #[serde(skip, default = "Instant::now")]
     started: Instant,
     episode_return: f64,

@@ -1,4 +1,4 @@
-//! Bad input gives an `Err` that tells a newcomer what to do.
+//! Bad input gives an `Err` with the remedy.
 
 use gym::render::RenderMode;
 use gym::{Array, Env, EnvExt, Error, Kwargs, Reset, Value};
@@ -98,8 +98,13 @@ fn actions_outside_the_space() {
     for id in ["Pendulum-v1", "MountainCarContinuous-v0"] {
         let mut env = gym::make(id).unwrap();
         env.reset(0).unwrap();
-        let arrays: [Array; 5] =
-            [[f32::NAN].into(), [f32::INFINITY].into(), [0.0f32, 0.0].into(), [0.0f64].into(), [0i64].into()];
+        let arrays: [Array; 5] = [
+            [f32::NAN].into(),
+            [f32::INFINITY].into(),
+            [f64::NAN].into(),
+            [0.0f32, 0.0].into(),
+            [0i64; 2].into(),
+        ];
         for array in arrays {
             says(env.step(&Value::Array(array)), &["invalid action", "Box("]);
         }
@@ -167,7 +172,7 @@ fn snapshots_of_other_arguments() {
     }
 }
 
-/// Sizes from outside that no memory holds are refused before it is asked for.
+/// Sizes that do not fit in memory are refused before allocating.
 #[test]
 fn sizes_beyond_any_memory() {
     use gym::spaces::TextSpace;

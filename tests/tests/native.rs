@@ -324,7 +324,7 @@ where
         let items = D::Action::items(&batch, N).unwrap();
         let observations = columns.observations.as_slice::<f32>().unwrap().as_chunks::<O>().0;
         for i in (0..N).filter(|i| !due[*i]) {
-            let action = D::Action::from_item(items[i]);
+            let action = D::Action::from_item(D::Action::item(items, i));
             let one = dynamics.transition(&before[i], &action, &mut rng).unwrap();
             let place = || format!("{}: step {step} of {i}, from {:?}", D::NAME, before[i]);
             let bits = |state: &D::State| dynamics.pack(state).map(f64::to_bits);
@@ -481,8 +481,8 @@ fn what_only_scalar_environments_can_do_is_refused() {
         (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),
         (spec("FrozenLake-v1", json!({"map_name": null})), "random maps"),
         (EnvSpec { max_episode_steps: Some(70_000), ..plain("CartPole-v1") }, "65534"),
-        (wrapped, "to wrap"),
-        (rendered, "draws nothing"),
+        (wrapped, "cannot be wrapped"),
+        (rendered, "cannot render"),
     ] {
         let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
         assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");

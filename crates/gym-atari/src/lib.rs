@@ -1,5 +1,6 @@
 //! The Atari 2600 in pure Rust, and ale-py's environments on top.
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod action;
 pub mod ale;
@@ -24,7 +25,7 @@ mod tia;
 mod wires;
 mod words;
 
-pub use action::Action;
+pub use action::{Action, Command};
 pub use ale::Ale;
 pub use env::{AtariAction, AtariEnv, Config, Frameskip, ObsType};
 pub use preprocessing::{AtariPreprocessing, Preprocessing};

@@ -20,9 +20,9 @@
 //! | 9 to 13 | the same of the second leg | |
 //! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
 //!
-//! Differences from Gymnasium: the world is built anew at each reset, so that an episode depends on its
-//! seed alone. In Gymnasium it does so on a fresh environment, with which this one agrees; on a used one
-//! the same seed can give another episode.
+//! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its seed. In
+//! Gymnasium that holds only for a new environment, with which this one agrees; on a used one the same
+//! seed can give another episode.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.
@@ -40,8 +40,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot, Space,
-    pygame,
+    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration, Reset,
+    Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -70,7 +70,7 @@ static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
         [sin(angle) * LIDAR_RANGE, cos(angle) * LIDAR_RANGE]
     })
 });
-/// Pictures from one sweep of the beam to the next.
+/// Frames from one sweep of the beam to the next.
 const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
 const HULL_POLY: [[f64; 2]; 5] = [[-30.0, 9.0], [6.0, 9.0], [34.0, 1.0], [34.0, -8.0], [-30.0, -8.0]];
@@ -129,11 +129,11 @@ struct Episode {
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
-    /// Pictures taken, up to 99: the beam of the lidar sweeps with them.
+    /// Frames rendered, up to 99: the beam of the lidar sweeps with them.
     pictures: usize,
     /// That of the step that has begun.
     #[serde(skip)]
-    action: [f32; 4],
+    action: Continuous<4>,
 }
 
 impl BipedalWalker {
@@ -146,7 +146,7 @@ impl BipedalWalker {
     fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(self.config, rng));
-        episode.begin(&[0.0; 4]);
+        episode.begin(&Continuous::default());
         Ok(episode)
     }
 
@@ -229,17 +229,19 @@ impl Episode {
             prev_shaping: None,
             lidar: [1.0; LIDAR_RAYS],
             pictures: 0,
-            action: [0.0; 4],
+            action: Continuous::default(),
         }
     }
 
     /// The motors, and the first part of the world's step.
-    fn begin(&mut self, action: &[f32; 4]) {
-        for (i, (joint, a)) in self.joints.into_iter().zip(action).enumerate() {
+    fn begin(&mut self, action: &Continuous<4>) {
+        for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
-            let direction = if *a == 0.0 { 0.0 } else { a.signum() };
+            let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
             self.world.set_motor_speed(joint, speed * direction);
-            self.world.set_max_motor_torque(joint, MOTORS_TORQUE * a.abs().clamp(0.0, 1.0));
+            // exact but for this rounding, which is numpy's for an action of `float32` and Box2D's for others
+            let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
+            self.world.set_max_motor_torque(joint, torque as f32);
         }
         self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.action = *action;
@@ -268,11 +270,14 @@ impl Episode {
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
         shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // numpy's scalars: the reward is of 32 bits from the first motor on
-        let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before) as f32;
+        // numpy's scalars: for an action of `float32` the reward is of 32 bits from the first motor on
+        let single = self.action.precision == Precision::Single;
+        let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
+        let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));
         self.prev_shaping = Some(shaping);
-        for a in self.action {
-            reward -= (0.00035 * f64::from(MOTORS_TORQUE)) as f32 * a.abs().clamp(0.0, 1.0);
+        let cost = rounded(0.00035 * f64::from(MOTORS_TORQUE));
+        for a in self.action.numbers {
+            reward = rounded(reward - rounded(cost * a.abs().clamp(0.0, 1.0)));
         }
 
         let mut terminated = false;
@@ -283,10 +288,10 @@ impl Episode {
         if x > (TERRAIN_LENGTH - TERRAIN_GRASS) as f64 * TERRAIN_STEP {
             terminated = true;
         }
-        (state, Outcome { reward: f64::from(reward), terminated, truncated: false })
+        (state, Outcome { reward, terminated, truncated: false })
     }
 
-    /// Where a ray of the lidar ends if nothing is in its way.
+    /// The end of a lidar ray without an obstacle.
     fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
         let [right, down] = BEAMS[i];
@@ -329,7 +334,7 @@ impl Episode {
             && self.prev_shaping.is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
     }
 
-    /// How far the picture has moved along, in m.
+    /// The scroll position of the frame, in m.
     fn scroll(&self) -> f64 {
         f64::from(self.world.position(self.hull).x) - VIEWPORT_W / SCALE / 5.0
     }
@@ -355,7 +360,7 @@ impl Episode {
         let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
         let (p1, end, fraction) = (self.world.position(self.hull), self.ray_end(i), self.lidar[i]);
         let p2 = if fraction < 1.0 {
-            // where the engine says that the ray met the ground
+            // the engine's point of contact of the ray
             let end = vec2(end[0], end[1]);
             [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y]
                 .map(f64::from)
@@ -404,7 +409,7 @@ impl Episode {
 
 impl Env for BipedalWalker {
     type Observation = [f32; 24];
-    type Action = [f32; 4];
+    type Action = Continuous<4>;
 
     fn observation_space(&self) -> Space {
         // five times the rated speeds, for impacts
@@ -428,11 +433,11 @@ impl Env for BipedalWalker {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &[f32; 4], observation: &mut [f32; 24]) -> Result<Outcome> {
+    fn step_into(&mut self, action: &Continuous<4>, observation: &mut [f32; 24]) -> Result<Outcome> {
         let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if !begun {
-            if !action.iter().all(|a| a.is_finite()) {
+            if !action.is_finite() {
                 return Err(Error::action(action, &self.action_space()));
             }
             episode.begin(action);
@@ -464,11 +469,11 @@ impl Env for BipedalWalker {
         let Some(episode) = &self.episode else { return };
         let scroll = episode.scroll();
         canvas.clear(Color::BLACK);
-        // Gymnasium draws a wider picture, from the start of the ground, and shows its right end
+        // Gymnasium draws a wider image, from the start of the ground, and shows its right end
         let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
         canvas.push(pygame::flipped(VIEWPORT_H));
-        // whole pixels, as pygame takes them: at other sizes too the sky begins at the edge
+        // whole pixels, as in pygame: at other sizes too the sky begins at the edge
         let sky_left = (scroll * SCALE).trunc();
         let sky = pygame::corners([sky_left, 0.0], [sky_left + VIEWPORT_W, VIEWPORT_H]);
         let [a, b, c, d] = sky;
@@ -518,8 +523,8 @@ impl Lockstep for BipedalWalker {
         }
     }
 
-    fn begin_step(&mut self, action: &[f32; 4], worlds: &mut Worlds) {
-        let possible = action.iter().all(|a| a.is_finite());
+    fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
+        let possible = action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
             episode.begin(action);
             self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));
@@ -541,7 +546,7 @@ impl Configure for BipedalWalker {
     }
 }
 
-/// What is seen are velocities divided by rated speeds, which a world put together by hand exceeds.
+/// Observations contain velocities divided by rated speeds, which a hand-made world exceeds.
 const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",

@@ -4,9 +4,9 @@
 //! |---|---|
 //! | observation | position, velocity, angle and angular velocity of the craft, contacts of its legs; `Box(8, float32)`, see below |
 //! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)`: the main engine is off up to 0 and goes from half to full power at 1; the left engine fires below -0.5, the right one above 0.5 |
-//! | reward | what the step gained in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
+//! | reward | the step's gain in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
 //! | start | top centre, with a random push; reset options: none |
-//! | end | terminated when the hull touches the ground, the craft leaves the sides or lies still |
+//! | end | terminated when the hull touches the ground, the craft leaves the sides or comes to rest |
 //! | limit | 1000 steps |
 //!
 //! | number | observation | unit |
@@ -17,7 +17,7 @@
 //! | 5 | angular velocity | 2.5 rad/s |
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
-//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2, which
+//! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
 //! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
 //! global one.
 //!
@@ -35,8 +35,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot,
-    Space, Value, pygame,
+    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset,
+    Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -97,7 +97,7 @@ impl Config {
     fn takes(&self, action: &Action) -> bool {
         match action {
             Action::Fire(_) => !self.continuous,
-            Action::Throttle(throttles) => self.continuous && throttles.iter().all(|x| x.is_finite()),
+            Action::Throttle(throttles) => self.continuous && throttles.is_finite(),
         }
     }
 }
@@ -123,7 +123,7 @@ pub enum Action {
     Fire(Engine),
     /// With [`Config::continuous`]: main throttle, off up to 0, then from half to full power at 1;
     /// side throttle, left engine below -0.5, right engine above 0.5.
-    Throttle([f32; 2]),
+    Throttle(Continuous<2>),
 }
 
 impl From<Engine> for Action {
@@ -134,7 +134,7 @@ impl From<Engine> for Action {
 
 impl From<[f32; 2]> for Action {
     fn from(throttles: [f32; 2]) -> Self {
-        Self::Throttle(throttles)
+        Self::Throttle(throttles.into())
     }
 }
 
@@ -230,8 +230,11 @@ impl LunarLander {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(&self.config, self.version, rng));
         episode.render(&self.config, self.renders);
-        let idle =
-            if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
+        let idle = if self.config.continuous {
+            Action::Throttle(Continuous::default())
+        } else {
+            Action::Fire(Engine::Off)
+        };
         episode.begin(&self.config, &idle);
         Ok(episode)
     }
@@ -360,7 +363,7 @@ impl Episode {
             Action::Fire(Engine::Left) => (0.0, 1.0, -1.0),
             Action::Fire(Engine::Right) => (0.0, 1.0, 1.0),
             Action::Throttle(throttles) => {
-                let [main, side] = throttles.map(|throttle| f64::from(throttle).clamp(-1.0, 1.0));
+                let [main, side] = throttles.numbers.map(|throttle| throttle.clamp(-1.0, 1.0));
                 let m_power = if main > 0.0 { (main + 1.0) * 0.5 } else { 0.0 };
                 (m_power, if side.abs() > 0.5 { side.abs() } else { 0.0 }, side.signum())
             }
@@ -633,7 +636,7 @@ pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
         hover_todo = -s[3] * 0.5;
     }
     if continuous {
-        return Action::Throttle([hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)));
+        return [hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)).into();
     }
     Action::Fire(if hover_todo > angle_todo.abs() && hover_todo > 0.05 {
         Engine::Main

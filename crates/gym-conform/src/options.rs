@@ -24,7 +24,7 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     named.iter().map(read).collect()
 }
 
-/// An option that is not named is refused where some are, and ignored elsewhere.
+/// An unnamed option is refused if the registration names any, and ignored otherwise.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
     let names = subject.registration.as_ref().map(|registration| registration.reset_options);
@@ -44,7 +44,7 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Each named option takes its example, and refuses what is nothing like it.
+/// Each named option accepts its example, and refuses unlike values.
 pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     for (name, example) in examples(subject)? {
         if let Err(error) = subject.make()?.reset(Reset::seed(0).option(name, example.clone())) {

@@ -14,8 +14,8 @@ use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
-/// the environment itself does. All others are checked as they come.
+/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and `PassiveEnvChecker`, which
+/// would hide its own behaviour; others are checked unchanged.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
         Some(spec) => run(&Subject::of_spec(&|| spec.make(), spec.clone())).0,
@@ -23,9 +23,10 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     }
 }
 
-/// How to make an environment without what hides its faults, if its spec makes just what `make` does.
+/// How to make an environment without the wrappers that hide its faults, if its spec makes only the stack of
+/// `make`.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
-    // a panic shows again, and is told, when the first check makes an environment
+    // the first check makes an environment again, and reports a panic
     let stacks = catch_unwind(AssertUnwindSafe(|| {
         let made = make().ok()?;
         let spec = made.spec()?;
@@ -35,9 +36,9 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// The findings, and what was not checked for which reason.
+/// The findings, and the skipped checks with reasons.
 fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
-    // a panic shows again, and is told, in the check of equal seeds
+    // the check of equal seeds reports a panic
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
     let (mut findings, mut skipped, mut passed) = (Vec::new(), Vec::new(), Vec::new());
     let (mut errors, mut panics) = (Vec::new(), Vec::new());
@@ -47,7 +48,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
     };
     for check in CHECKS {
         if let Some(needed) = check.needs.iter().find(|needed| !passed.contains(*needed)) {
-            skipped.push(Skipped { check: check.name, reason: format!("it rests on {needed}") });
+            skipped.push(Skipped { check: check.name, reason: format!("it depends on {needed}") });
             continue;
         }
         let panicked = match catch_unwind(AssertUnwindSafe(|| (check.run)(subject))) {
@@ -61,7 +62,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // what has nothing to say stands in nobody's way
+                    // a check without a finding does not block others
                     passed.push(check.name);
                     skipped.push(Skipped { check: check.name, reason });
                     continue;
@@ -81,7 +82,7 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
     {
         findings.push(finding(no_panic, format!("during {}: {panicked}", check.name)));
     }
-    // A call that fails is told by the check that is about it; where none is, it is told here.
+    // The check of a call reports its failure; calls without a check are reported here.
     let is_explained = findings.iter().any(|finding| finding.severity == Severity::Error);
     for (check, error) in errors {
         if is_explained {
@@ -94,22 +95,22 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
 }
 
 /// Runs every check over registered environments, several at a time. Each is checked without `OrderEnforcing` and
-/// `PassiveEnvChecker`, which would hide what the environment itself does.
+/// `PassiveEnvChecker`, which would hide its own behaviour.
 ///
 /// # Errors
-/// What is wrong with an id. An environment that does not keep the rules is no error but a report.
+/// An error about an id. A broken rule is not an error but part of a report.
 pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and calls `begin` with each id before its first check, so that one that hangs or aborts is known.
+/// As [`reports`], and calls `begin` with each id before its first check, which shows the one that hangs or aborts.
 ///
 /// # Errors
 /// What is wrong with an id.
 pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
-    // whoever is free takes the next one: some take a hundred times as long as others
+    // a free thread takes the next one: some take a hundred times as long as others
     let next = AtomicUsize::new(0);
     let work = || {
         let mut reports = Vec::new();

@@ -7,6 +7,7 @@ pub mod array;
 mod boxed;
 pub mod canvas;
 mod clock;
+mod continuous;
 mod data;
 mod env;
 mod env_ext;
@@ -26,7 +27,7 @@ pub mod vector;
 mod wrapper;
 pub mod wrappers;
 
-/// What a program that uses environments needs: `use gym::prelude::*`.
+/// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
     #[doc(no_inline)]
     pub use crate::{
@@ -43,6 +44,7 @@ pub use inventory;
 pub use arguments::{Argument, ArgumentType, Arguments};
 pub use array::{Array, DType, Data};
 pub use boxed::BoxEnv;
+pub use continuous::{Continuous, Precision};
 pub use env::{Env, Outcome, Step};
 pub use env_ext::EnvExt;
 pub use error::{Error, Result};

@@ -1,7 +1,7 @@
-//! Dynamic values: what crosses the border of an erased environment.
+//! Dynamic values: the observations and actions of an erased environment.
 //!
-//! A typed environment observes `[f32; 4]` and takes an enum; [`BoxEnv`](crate::BoxEnv) speaks
-//! [`Value`] on both sides. [`Element`] is the bridge between the two.
+//! A typed environment observes `[f32; 4]` and takes an enum; [`BoxEnv`](crate::BoxEnv) uses
+//! [`Value`] for both. [`Element`] converts between them.
 
 use std::fmt;
 
@@ -9,9 +9,8 @@ use crate::array::{Array, Scalar};
 
 /// One dynamic value: an observation, an action, or an entry of `info`.
 ///
-/// Which variant belongs to which space is told by [`Space`](crate::Space): an element of a
-/// `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`, of a
-/// `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur in `info` alone.
+/// An element of a `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`,
+/// of a `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur only in `info`.
 ///
 /// ```
 /// use gym_core::Value;
@@ -47,7 +46,7 @@ pub enum Value {
     OneOf(usize, Box<Value>),
 }
 
-/// `clone_from` keeps the storage where kind, type and shape agree.
+/// `clone_from` keeps the storage if kind, type and shape agree.
 impl Clone for Value {
     fn clone(&self) -> Self {
         match self {
@@ -85,9 +84,9 @@ impl Clone for Value {
 pub struct GraphInstance {
     /// One row per node.
     pub nodes: Array,
-    /// One row per edge, or `None` where edges carry no feature.
+    /// One row per edge; `None` if edges have no features.
     pub edges: Option<Array>,
-    /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly where `edges` is.
+    /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly if `edges` is.
     pub edge_links: Option<Array>,
 }
 
@@ -266,6 +265,7 @@ impl fmt::Display for Value {
 /// | `i64`, `usize`, `u8`, `u32` | a `Discrete` |
 /// | an enum of [`discrete!`](crate::discrete) | a `Discrete`, from 0 on |
 /// | `[T; N]` of numbers | a `Box`, `MultiDiscrete` or `MultiBinary` of one axis |
+/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in the precision in which it comes |
 /// | [`Array`] | these of any shape |
 /// | [`String`] | a `Text` |
 /// | tuples of two to four of these | a `Tuple` |
@@ -274,19 +274,19 @@ impl fmt::Display for Value {
 /// A type of your own needs three functions: [`empty`](Self::empty), [`from_value`](Self::from_value)
 /// and [`write`](Self::write).
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is no observation or action type",
+    message = "`{Self}` is not an observation or action type",
     note = "the types are `i64`, `usize`, `u8`, `u32`, enums of `discrete!`, arrays `[T; N]` of numbers, `String`, and \
             tuples of two to four of these; `Array` takes any length and shape, and `Value` anything, such as dicts"
 )]
 pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
     /// A buffer for [`reset_into`](crate::Env::reset_into) and [`step_into`](crate::Env::step_into)
-    /// to fill; what it holds until then means nothing.
+    /// to fill; its content before is meaningless.
     fn empty() -> Self;
 
-    /// The typed form, or `None` where kind, type, shape or range do not fit.
+    /// The typed form; `None` if kind, type, shape or range do not fit.
     fn from_value(value: &Value) -> Option<Self>;
 
-    /// Writes the dynamic form, reusing the storage of `out` where it has the same type and shape.
+    /// Writes the dynamic form, reusing the storage of `out` if type and shape agree.
     fn write(&self, out: &mut Value);
 
     /// The dynamic form.
@@ -296,14 +296,14 @@ pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
         value
     }
 
-    /// Calls `f` with the typed form of `value`. Types that live inside a `Value` lend it instead
-    /// of copying.
+    /// Calls `f` with the typed form of `value`. A type that a `Value` contains is borrowed, not
+    /// copied.
     fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
         Self::from_value(value).map(|element| f(&element))
     }
 
-    /// Lets `f` fill a typed form, then leaves its dynamic form in `out`. Types that live inside
-    /// a `Value` are filled in place.
+    /// Calls `f` to fill a typed form, then writes its dynamic form to `out`. A type that a `Value`
+    /// contains is filled in place.
     fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
         let mut element = Self::empty();
         let result = f(&mut element);
@@ -339,8 +339,16 @@ impl Element for Array {
         Self::default()
     }
 
+    /// A tuple of numbers is an array of `float64`, as numpy's `asarray` makes one of a list.
     fn from_value(value: &Value) -> Option<Self> {
-        value.as_array().cloned()
+        match value {
+            Value::Array(array) => Some(array.clone()),
+            Value::Tuple(items) => {
+                let numbers: Option<Vec<f64>> = items.iter().map(Value::as_float).collect();
+                numbers.map(Self::from)
+            }
+            _ => None,
+        }
     }
 
     fn write(&self, out: &mut Value) {
@@ -352,7 +360,10 @@ impl Element for Array {
     }
 
     fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
-        value.as_array().map(f)
+        match value {
+            Value::Array(array) => Some(f(array)),
+            _ => Self::from_value(value).map(|array| f(&array)),
+        }
     }
 
     fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
@@ -511,9 +522,31 @@ macro_rules! discrete {
 
         impl $crate::vector::native::ActionColumn for $name {
             type Item = i64;
+            type Items<'a> = &'a [i64];
 
             fn items(batch: &$crate::Value, n: usize) -> Option<&[i64]> {
                 $crate::vector::native::indices(batch, n)
+            }
+
+            #[inline(always)]
+            fn item(items: &[i64], index: usize) -> i64 {
+                items[index]
+            }
+
+            #[inline(always)]
+            fn block<'r, 'a: 'r>(
+                items: &'a [i64],
+                first: usize,
+                len: usize,
+                room: &'r mut [i64; $crate::vector::native::LANES],
+            ) -> &'r [i64; $crate::vector::native::LANES] {
+                $crate::vector::native::block_of(items, first, len, room)
+            }
+
+            // without early exit, which would keep the compiler from vector instructions
+            #[inline(always)]
+            fn all_valid(items: &[i64], n: usize) -> bool {
+                items[..n].iter().fold(true, |valid, item| valid & Self::is_valid(*item))
             }
 
             #[inline(always)]
@@ -523,7 +556,7 @@ macro_rules! discrete {
 
             #[inline(always)]
             fn from_item(index: i64) -> Self {
-                // the compiler makes one minimum of it, where a look-up would keep it from vectors
+                // the compiler turns this into a minimum, which vectorises; a look-up would not
                 let mut action = Self::ALL[Self::ALL.len() - 1];
                 $(
                     if index == Self::$variant as i64 {

@@ -8,8 +8,8 @@ use tempfile::{NamedTempFile, TempPath};
 
 use gym_core::{Error, Result};
 
-/// A file being written under a temporary name in the folder where it belongs. Dropped without
-/// [`commit`](Self::commit), it is removed.
+/// A file that is written under a temporary name in its folder. Dropping it without
+/// [`commit`](Self::commit) removes it.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -28,7 +28,7 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), file: BufWriter::new(file), temporary })
     }
 
-    /// Where the file lies until it has its name, for a program that writes it in our place.
+    /// The temporary path, for another program that writes the file.
     pub fn temporary_path(&self) -> &Path {
         &self.temporary
     }
@@ -36,7 +36,7 @@ impl AtomicFile {
     /// Gives the file its name; one of that name is replaced.
     ///
     /// # Errors
-    /// [`Error::Io`] if the rest cannot be written; nothing is left behind then.
+    /// [`Error::Io`] if the rest cannot be written; then no file remains.
     pub fn commit(self) -> Result<()> {
         let Self { path, file, temporary } = self;
         let written = file.into_inner().map_err(io::IntoInnerError::into_error);
@@ -47,13 +47,13 @@ impl AtomicFile {
 
 /// A file of a name that no other has, in the folder of `path`.
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path ends without a file name");
+    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().ok_or_else(no_name)?);
     prefix.push(".");
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix).suffix(".tmp");
-    // as any file that a program writes, and not for its owner alone as temporary ones
+    // with the permissions of ordinary files, not those of temporary ones
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new(".")))
@@ -78,7 +78,7 @@ impl Seek for AtomicFile {
 /// Writes a whole file at once.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be written; what was at `path` is then still there.
+/// [`Error::Io`] if it cannot be written; the old file is then unchanged.
 pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     let mut file = AtomicFile::create(path)?;
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(names(&folder), ["a.txt"]);
     }
 
-    /// A process id is no name: in a container each run has the same.
+    /// A process id is not unique: in a container each run has the same.
     #[test]
     fn what_a_killed_run_left_behind_does_not_stop_the_next() {
         let folder = TempDir::new().unwrap();

@@ -16,13 +16,13 @@ pub(crate) enum Affine {
 impl Affine {
     /// The map from `inner` to the box between `min` and `max`, and that box.
     ///
-    /// Infinite bounds must stay as they are; an element with one of them is shifted so that its finite
-    /// bound fits.
+    /// Infinite bounds must stay infinite; an element with one infinite bound is shifted so that its
+    /// finite bound fits.
     pub(crate) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
         let (shape, dtype) = (inner.shape(), inner.dtype());
         if !dtype.is_float() {
             return Err(Error::custom(format!(
-                "the numbers are {dtype}, which holds no fractions: cast them with DtypeObservation first"
+                "{dtype} holds no fractions: cast the observations with DtypeObservation first"
             )));
         }
         let (min, min_is_f32) = min.numbers("the lower bound", inner)?;
@@ -32,7 +32,7 @@ impl Affine {
         for (new, old) in min.iter().zip(&low).chain(max.iter().zip(&high)) {
             if (new.is_infinite() || old.is_infinite()) && new != old {
                 return Err(Error::custom(format!(
-                    "the new bound {new} stands for {old}: a bound is infinite where it was, and only there"
+                    "the new bound {new} replaces {old}: both must be finite, or both infinite"
                 )));
             }
         }
@@ -85,13 +85,22 @@ impl Affine {
 
     fn apply(&self, array: &mut Array, f32s: fn(f32, f32, f32) -> f32, f64s: fn(f64, f64, f64) -> f64) {
         match self {
+            // numbers of `float64` stay so
+            Self::F32 { gradient, intercept } if array.dtype() == DType::F64 => {
+                map_rows(array, gradient, intercept, |x: f64, a, b| f64s(x, f64::from(a), f64::from(b)));
+            }
             Self::F32 { gradient, intercept } => map_rows(array, gradient, intercept, f32s),
             Self::F64 { gradient, intercept } => map_rows(array, gradient, intercept, f64s),
         }
     }
 }
 
-fn map_rows<T: Scalar>(array: &mut Array, gradient: &[T], intercept: &[T], f: fn(T, T, T) -> T) {
+fn map_rows<T: Scalar, C: Copy>(
+    array: &mut Array,
+    gradient: &[C],
+    intercept: &[C],
+    f: impl Fn(T, C, C) -> T,
+) {
     let numbers = array.as_mut_slice::<T>().unwrap_or_default();
     for row in numbers.chunks_exact_mut(gradient.len().max(1)) {
         for (x, (a, b)) in row.iter_mut().zip(gradient.iter().zip(intercept)) {

@@ -22,8 +22,7 @@ pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -
         Some("svg") => plot.write_svg(path),
         Some("png") => plot.write_png(path),
         _ => {
-            let reason =
-                format!("`{}` names no known format: the extensions are .svg and .png", path.display());
+            let reason = format!("`{}` has no known extension: use .svg or .png", path.display());
             Err(Error::argument("--plot", reason))
         }
     }

@@ -41,7 +41,7 @@ pub(crate) fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
     if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
         Ok(number)
     } else {
-        Err(Fault::new(format!("{number} is no number of type {dtype}")))
+        Err(Fault::new(format!("{number} is not a number of type {dtype}")))
     }
 }
 

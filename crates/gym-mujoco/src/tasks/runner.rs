@@ -1,8 +1,8 @@
-//! What Hopper and Walker2d have in common: to run in a plane without falling.
+//! The common parts of Hopper and Walker2d, which run in a plane without falling.
 
 use std::marker::PhantomData;
 
-use gym_core::{Generator, Result};
+use gym_core::{Array, Generator, Result};
 use serde::{Deserialize, Serialize};
 
 use super::arguments::TaskArguments;
@@ -20,7 +20,7 @@ pub trait RunnerArguments: TaskArguments {
     fn settings(&self) -> Settings;
 }
 
-/// How a runner is rewarded, and when it counts as fallen.
+/// The rewards of a runner, and the conditions of a fall.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub(super) forward_reward_weight: f64,
@@ -80,7 +80,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         uniform_velocities(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let settings = &self.settings;
         let before = data.qpos[0];
         simulation.step(data, action);

@@ -10,7 +10,7 @@ use super::Document;
 use crate::policy::Policy;
 use crate::selection::Selection;
 
-/// What the pages are written from, so that they need not be played for each time.
+/// The stored returns of the pages, so that they need not be measured each time.
 const FILE: &str = "docs/environments/returns.json";
 
 /// Seeds 0 to this, excluded.

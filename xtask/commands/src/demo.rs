@@ -11,6 +11,7 @@ use gym::rendering::Recorder;
 use gym::{EnvSpec, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::output::say;
 use crate::plots;
 use crate::policy::{Episode, Policy};
 use crate::run::summary;
@@ -58,11 +59,11 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     rows.sort_unstable();
     bar.finish_and_clear();
-    println!("Random policy, {} episodes each: mean [min, max]", arguments.episodes);
+    say!("Random policy, {} episodes each: mean [min, max]", arguments.episodes)?;
     for (_, row) in rows {
-        println!("{row}");
+        say!("{row}")?;
     }
-    println!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display());
+    say!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display())?;
     Ok(())
 }
 

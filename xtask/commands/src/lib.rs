@@ -3,6 +3,9 @@
 //! The program `xtask` builds this crate with what a command needs, and runs it; for a plugin it makes a program that
 //! links the plugin and calls [`main_of`].
 
+// they panic where the output cannot be written
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod bench;
 #[cfg(feature = "conform")]
 mod conform;
@@ -14,6 +17,7 @@ mod list;
 #[cfg(feature = "families")]
 mod mjcf;
 mod new;
+mod output;
 mod play;
 mod plots;
 mod policy;
@@ -28,6 +32,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use gym::{Error, Result};
 
+use crate::output::tell;
 use crate::selection::Selection;
 
 #[derive(Parser)]
@@ -89,8 +94,9 @@ fn start(selection: Selection) -> ExitCode {
     log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
     match command(Arguments::parse(), selection) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             ExitCode::FAILURE
         }
     }
@@ -129,7 +135,7 @@ impl log::Log for Stderr {
     fn log(&self, record: &log::Record<'_>) {
         // those of other crates are about their own inner workings
         if record.target().starts_with("gym") {
-            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+            tell!("{}: {}", record.level().as_str().to_lowercase(), record.args());
         }
     }
 

@@ -171,6 +171,13 @@ pub const CHECKS: &[Check] = &[
         "a vector gathers each entry in a column of one type, and loggers read it after every step",
         "show the same entries with the same types after every step, and after every reset",
     ),
+    warning!(
+        "info-without-nan",
+        info::no_nan,
+        EPISODES,
+        "loggers take means of entries, and one NaN makes NaN of all",
+        "leave the entry out where there is nothing to tell, or give a number",
+    ),
     error!(
         "reset-needed",
         episodes::reset_needed,

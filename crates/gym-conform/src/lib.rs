@@ -21,6 +21,10 @@
 //! among the `[dev-dependencies]`. Without the feature `checks` there are recorded episodes alone, the module [`trace`],
 //! and the allocator stays.
 //!
+//! Some faults no check sees, and a test of your own should: an action that is refused in states that neither random nor held
+//! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode
+//! by itself, which looks like a jump. What a step after the end of an episode answers is left to the environment, as in Gymnasium.
+//!
 //! Each [`Finding`] says what is wrong and where, why it matters, and how to mend it. An environment that must
 //! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
 
@@ -94,6 +98,6 @@ pub use matching::{InfoComparison, Matching, environments_match};
 #[cfg(feature = "checks")]
 pub use report::{Excused, Format, Report, Skipped};
 #[cfg(feature = "checks")]
-pub use run::{check, reports, reports_with};
+pub use run::{Progress, Slow, check, reports, reports_with};
 #[cfg(feature = "checks")]
 pub use suite::{assert_conforms, ids_of};

@@ -2,7 +2,7 @@
 //!
 //! This program has next to no dependencies, so that it says within seconds what it builds:
 //! - Commands that play are built with optimisation; `list`, `help` and `new` without, unless the others are there.
-//! - `play` is built with windows, `conform` with the allocator that counts.
+//! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for what asks for it.
 //! - `web` builds the gallery for the browser, and is part of this program.
 //! - With `--plugin PATH` a program is built that links the crate in that folder.
 
@@ -51,8 +51,13 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
             cargo.arg("--target-dir").arg(target_dir());
         }
     }
-    if let Some(feature) = build.feature {
-        cargo.args(["--features", feature]);
+    let mut features: Vec<&str> = build.feature.into_iter().collect();
+    if plugin.is_none() && !build.rapier {
+        cargo.arg("--no-default-features");
+        features.push("families");
+    }
+    if !features.is_empty() {
+        cargo.args(["--features", &features.join(",")]);
     }
     let status = cargo.arg("--").args(&arguments).status();
     let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
@@ -70,6 +75,8 @@ fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
 struct Build {
     profile: &'static str,
     feature: Option<&'static str>,
+    /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to build.
+    rapier: bool,
 }
 
 impl Build {
@@ -96,7 +103,12 @@ impl Build {
             true if !is_built() => "quick",
             _ => "release",
         };
-        Self { profile, feature }
+        let is_over_all =
+            command.is_some_and(|command| ["conform", "docs", "soak"].contains(&command)) && !asks_for_help;
+        let names_it =
+            arguments.iter().any(|argument| argument.to_str().is_some_and(|text| text.contains("rapier")));
+        let shows_all = arguments.iter().any(|argument| argument == "--all");
+        Self { profile, feature, rapier: in_dev || is_over_all || names_it || shows_all }
     }
 }
 
@@ -152,6 +164,17 @@ mod tests {
         assert_eq!(feature("play CartPole-v1"), Some("human"));
         assert_eq!(feature("play Taxi-v4 --terminal"), None);
         assert_eq!(feature("bench"), None, "allocations are not counted where time is measured");
+    }
+
+    #[test]
+    fn rapier_is_built_for_what_asks_for_it() {
+        let rapier = |line: &str| Build::of(&arguments(line), false).rapier;
+        for line in ["run rapier/LunarLander-v3", "conform", "docs --check", "demo --all"] {
+            assert!(rapier(line), "{line}");
+        }
+        for line in ["list", "demo", "run LunarLander-v3", "conform --help", ""] {
+            assert!(!rapier(line), "{line}");
+        }
     }
 
     #[test]

@@ -584,20 +584,17 @@ gym_core::register!(
     hardcore("BipedalWalkerHardcore-v3").lockstep::<BipedalWalker>().kwargs(r#"{"hardcore": true}"#)
 );
 
-#[cfg(feature = "rapier")]
 const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
     WORLD,
     ("observation-in-space", "on impact rapier's joints can turn faster than five times their rated speed"),
     common::RAPIER_ALLOCATES,
 ];
 
-#[cfg(feature = "rapier")]
-gym_core::register!(
+gym_core::register!(common::on_rapier(
     walker("rapier/BipedalWalker-v3").kwargs(r#"{"physics": "rapier"}"#).exceptions(RAPIER_EXCEPTIONS)
-);
-#[cfg(feature = "rapier")]
-gym_core::register!(
+));
+gym_core::register!(common::on_rapier(
     hardcore("rapier/BipedalWalkerHardcore-v3")
         .kwargs(r#"{"hardcore": true, "physics": "rapier"}"#)
         .exceptions(RAPIER_EXCEPTIONS)
-);
+));

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::vector::lockstep::Together;
-use gym_core::{Error, Result};
+use gym_core::{Error, Registration, Result};
 
 use crate::physics::{FixtureId, LANES, Lanes, Vec2, World};
 
@@ -63,8 +63,12 @@ pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
 /// Sweeps over the positions in a step: 2 * 30.
 pub(crate) const POSITION_ITERATIONS: u32 = 60;
 
+/// An id of the namespace `rapier/`, which stays registered where the engine is left out.
+pub(crate) const fn on_rapier(registration: Registration) -> Registration {
+    if cfg!(feature = "rapier") { registration } else { registration.needs("the feature `rapier`", || false) }
+}
+
 /// An exception to the checks of gym-conform.
-#[cfg(feature = "rapier")]
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
 
 /// The rules of a version of `env`: those of 3 hold for later ones too.

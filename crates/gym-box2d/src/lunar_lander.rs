@@ -690,15 +690,13 @@ gym_core::register!(
     throttled("LunarLanderContinuous-v3").lockstep::<LunarLander>().kwargs(r#"{"continuous": true}"#)
 );
 
-#[cfg(feature = "rapier")]
-gym_core::register!(
+gym_core::register!(common::on_rapier(
     lander("rapier/LunarLander-v3")
         .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"physics": "rapier"}"#)
-);
-#[cfg(feature = "rapier")]
-gym_core::register!(
+));
+gym_core::register!(common::on_rapier(
     throttled("rapier/LunarLanderContinuous-v3")
         .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
         .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
-);
+));

@@ -294,3 +294,17 @@ fn steps_without_sweeps_are_steps() {
         assert!(world.position(thigh).y.is_finite(), "{physics:?}");
     }
 }
+
+#[cfg(not(feature = "rapier"))]
+#[test]
+fn the_engine_that_was_left_out_is_named() {
+    let registration = gym_core::registry::find("rapier/LunarLander-v3").expect("registered all the same");
+    assert!(!registration.needs.expect("a need").is_met());
+    for made in [
+        gym_core::make("rapier/LunarLander-v3"),
+        gym_core::builder("CarRacing-v3").arg("physics", "rapier").build(),
+    ] {
+        let error = made.map(drop).unwrap_err().to_string();
+        assert!(error.contains("build with the feature `rapier`"), "{error}");
+    }
+}

@@ -8,8 +8,8 @@ use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, 
 
 /// A task for an agent: Gymnasium's `Env`.
 ///
-/// An episode starts with [`reset`](EnvExt::reset), which gives the first observation. Then each
-/// [`step`](EnvExt::step) takes an action and gives the next observation, a reward, and whether the
+/// An episode starts with [`reset`](crate::EnvExt::reset), which gives the first observation. Then each
+/// [`step`](crate::EnvExt::step) takes an action and gives the next observation, a reward, and whether the
 /// episode has ended: `terminated` if the task itself ended it, `truncated` if something outside
 /// the task did, such as a time limit.
 ///
@@ -180,7 +180,7 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// What [`render`](EnvExt::render) gives; `None` where the environment was made without a render mode.
+    /// What [`render`](crate::EnvExt::render) gives; `None` where the environment was made without a render mode.
     fn render_mode(&self) -> Option<RenderMode> {
         None
     }
@@ -211,7 +211,7 @@ pub trait Env: Clone + Send + 'static {
     }
 
     /// The outermost layer of a type, a wrapper or the environment itself: what
-    /// [`wrapper`](EnvExt::wrapper) and [`unwrapped`](EnvExt::unwrapped) look up.
+    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) look up.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }

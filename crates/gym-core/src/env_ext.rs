@@ -31,7 +31,7 @@ pub trait EnvExt: Env {
     /// The picture or text that the render mode asks for.
     ///
     /// # Errors
-    /// As [`render_into`](Self::render_into).
+    /// As [`render_into`](crate::Env::render_into).
     fn render(&mut self) -> Result<Rendered> {
         let mut rendered = Rendered::Shown;
         self.render_into(&mut rendered)?;
@@ -41,7 +41,7 @@ pub trait EnvExt: Env {
     /// Random actions from the action space, of this environment's own action type.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if that type cannot hold what the space describes, which is a
+    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold what the space describes, which is a
     /// mistake in the environment.
     fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
         self.action_space().sampler(seed).typed()

@@ -8,7 +8,7 @@ use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
 ///
-/// After [`step`](crate::step), `time`, `qpos` and `qvel` are new; everything else belongs to the last forward call that the
+/// After [`step`], `time`, `qpos` and `qvel` are new; everything else belongs to the last forward call that the
 /// step made, as in MuJoCo. With the integrator Euler this is the state before the step, with RK4 its last stage.
 ///
 /// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional vectors are rotation, then
@@ -81,7 +81,7 @@ pub struct Data {
     pub qacc_smooth: Vec<f64>,
     /// Forces of constraints (nv).
     pub qfrc_constraint: Vec<f64>,
-    /// External force on each body by contacts; current after [`rne_post_constraint`](crate::physics::rne_post_constraint).
+    /// External force on each body by contacts; current after [`rne_post_constraint`].
     pub cfrc_ext: Vec<[f64; 6]>,
 
     /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own.
@@ -188,7 +188,7 @@ pub struct Contact {
 impl Data {
     /// The data of a model in its initial configuration, with everything allocated that a step needs.
     ///
-    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call [`forward`](crate::forward) to see
+    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call [`forward`] to see
     /// positions of bodies.
     #[must_use]
     pub fn new(m: &Model) -> Self {

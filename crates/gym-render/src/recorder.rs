@@ -80,7 +80,7 @@ impl Recorder {
     /// frames are recorded, nothing is rendered any more.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if it has another render mode, what [`EnvExt::render`] answers, and
+    /// [`Error::UnsupportedMode`] if it has another render mode, what [`EnvExt::render`](gym_core::EnvExt::render) answers, and
     /// as [`VideoWriter::write`].
     pub fn capture<E: Env>(&mut self, env: &mut E) -> Result<()> {
         if self.frames >= self.max_frames {

@@ -42,7 +42,7 @@ impl<E: Env> FrameStackObservation<E> {
     /// Stacks the observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for a size of 0, or a padding that is not
+    /// [`Error::InvalidArgument`](gym_core::Error) for a size of 0, or a padding that is not
     /// an element of the space; [`Error::InvalidSpace`](gym_core::Error::InvalidSpace) if the space does not
     /// batch.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {

@@ -49,7 +49,7 @@ impl<E: Env> MaxAndSkipObservation<E> {
     /// Skips observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for a skip below 2, or observations that
+    /// [`Error::InvalidArgument`](gym_core::Error) for a skip below 2, or observations that
     /// are no arrays or integers.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, space) = (config.into(), env.observation_space());

@@ -52,7 +52,7 @@ impl<T> NormalizeObservation<T> {
     /// Normalizes the observations of `inner`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] unless they are arrays or integers.
+    /// [`Error::InvalidArgument`](gym_core::Error) unless they are arrays or integers.
     pub fn new<Kind>(inner: T, config: impl Into<Config>) -> Result<Self>
     where
         T: Within<Kind>,

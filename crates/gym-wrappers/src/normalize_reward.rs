@@ -50,7 +50,7 @@ impl<T> NormalizeReward<T> {
     /// Normalizes the rewards of `inner`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a `gamma` outside `[0, 1]` or an `epsilon` that is not above 0.
+    /// [`Error::InvalidArgument`](gym_core::Error) for a `gamma` outside `[0, 1]` or an `epsilon` that is not above 0.
     pub fn new<Kind>(inner: T, config: impl Into<Config>) -> Result<Self>
     where
         T: Within<Kind>,

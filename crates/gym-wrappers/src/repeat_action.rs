@@ -31,7 +31,7 @@ impl<E: Env> RepeatAction<E> {
     /// Repeats the actions for `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for 0 repeats.
+    /// [`Error::InvalidArgument`](gym_core::Error) for 0 repeats.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let config = config.into();
         match config.num_repeats {

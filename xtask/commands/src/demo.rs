@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
+use gym::registry::EnvId;
 use gym::render::RenderMode;
 use gym::rendering::Recorder;
-use gym::{EnvSpec, Error, Result};
+use gym::{EnvSpec, Error, Registration, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output::say;
@@ -28,6 +29,9 @@ pub(crate) struct Arguments {
     /// Frames of each GIF at most.
     #[arg(long, default_value_t = 200)]
     max_frames: u64,
+    /// Every version of each task instead of the newest, and those on rapier2d.
+    #[arg(long)]
+    all: bool,
 }
 
 /// Episodes of environments without a time limit are cut off here.
@@ -35,7 +39,10 @@ const STEP_LIMIT: u32 = 10_000;
 
 pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     std::fs::create_dir_all(&arguments.out).map_err(|error| Error::io(&arguments.out, error))?;
-    let registrations = selection.of(&[])?;
+    let mut registrations = selection.of(&[])?;
+    if !arguments.all {
+        registrations = newest(registrations);
+    }
     let bar = ProgressBar::new(registrations.len() as u64 * arguments.episodes).with_style(
         ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
@@ -46,7 +53,11 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     let work = || {
         let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
         iter::from_fn(next)
-            .map(|(i, registration)| Ok((i, show(registration.spec()?, arguments, &bar)?)))
+            .map(|(i, registration)| {
+                let row = show(registration.spec()?, arguments, &bar)?;
+                bar.suspend(|| println!("{}", gif_path(registration.id(), arguments).display()));
+                Ok((i, row))
+            })
             .collect::<Result<Vec<_>>>()
     };
     let rows = thread::scope(|scope| {
@@ -67,6 +78,24 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     Ok(())
 }
 
+/// The newest version of each task, on its own engine.
+fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
+    let ids: Vec<EnvId> =
+        registrations.iter().filter_map(|registration| registration.id().parse().ok()).collect();
+    let is_newest = |registration: &Registration| {
+        registration.id().parse::<EnvId>().is_ok_and(|id| {
+            id.namespace.as_deref() != Some("rapier")
+                && !ids.iter().any(|other| other.same_name(&id) && *other > id)
+        })
+    };
+    registrations.into_iter().filter(is_newest).collect()
+}
+
+/// Where the recording of an environment goes.
+fn gif_path(id: &str, arguments: &Arguments) -> PathBuf {
+    arguments.out.join(format!("{}.gif", crate::file_stem(id)))
+}
+
 /// Plays one environment, writes its files, and gives its row of the table.
 fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
     let id = spec.id.clone();
@@ -83,7 +112,7 @@ fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Strin
 
 /// Plays the episodes of one environment and records the first ones.
 fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
-    let path = arguments.out.join(format!("{}.gif", crate::file_stem(&spec.id)));
+    let path = gif_path(&spec.id, arguments);
     let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
     let mut env = EnvSpec { max_episode_steps, render_mode: Some(RenderMode::RgbArray), ..spec }.make()?;
     let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);

@@ -529,9 +529,8 @@ gym_core::register!(racing("CarRacing-v3").clip(Clip {
     frames: 60,
     size: (300, 200)
 }));
-#[cfg(feature = "rapier")]
-gym_core::register!(
+gym_core::register!(common::on_rapier(
     racing("rapier/CarRacing-v3")
         .exceptions(&[VERBOSE, common::RAPIER_ALLOCATES])
         .kwargs(r#"{"physics": "rapier"}"#)
-);
+));

@@ -14,7 +14,7 @@ use super::{
 
 /// Which engine moves a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(try_from = "String", into = "String")]
 pub enum Physics {
     /// Box2D 2.3, to the last bit.
     #[default]
@@ -22,6 +22,31 @@ pub enum Physics {
     /// rapier2d, under the same rules of contact, joints and sleep.
     #[cfg(feature = "rapier")]
     Rapier,
+}
+
+impl From<Physics> for String {
+    fn from(physics: Physics) -> Self {
+        match physics {
+            Physics::Box2d => "box2d".into(),
+            #[cfg(feature = "rapier")]
+            Physics::Rapier => "rapier".into(),
+        }
+    }
+}
+
+impl TryFrom<String> for Physics {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        match name.as_str() {
+            "box2d" => Ok(Self::Box2d),
+            #[cfg(feature = "rapier")]
+            "rapier" => Ok(Self::Rapier),
+            #[cfg(not(feature = "rapier"))]
+            "rapier" => Err("this build lacks rapier2d: build with the feature `rapier`".into()),
+            _ => Err(format!("`{name}` is not an engine: choose `box2d` or `rapier`")),
+        }
+    }
 }
 
 impl gym_core::ArgumentType for Physics {

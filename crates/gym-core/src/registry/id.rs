@@ -34,8 +34,8 @@ impl EnvId {
         Self { version: None, ..self.clone() }.to_string()
     }
 
-    /// Whether the other id differs in its version alone.
-    pub(super) fn same_name(&self, other: &Self) -> bool {
+    /// Whether the other id has the same namespace and name.
+    pub fn same_name(&self, other: &Self) -> bool {
         self.namespace == other.namespace && self.name == other.name
     }
 }

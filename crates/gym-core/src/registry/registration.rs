@@ -55,7 +55,7 @@ pub trait Configure: Env {
 }
 
 crate::arguments! {
-    /// The [`Configure::Config`] or [`Dynamics::Config`] of an environment that takes no arguments.
+    /// The [`Configure::Config`] or [`Task::Config`](crate::Task::Config) of an environment that takes no arguments.
     #[derive(Copy, Eq)]
     pub struct NoArguments {}
 }

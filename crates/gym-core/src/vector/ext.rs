@@ -7,21 +7,21 @@ use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
 
 /// The methods for whoever uses a vector. Every [`VectorEnv`] has them, and none can change them.
 pub trait VectorEnvExt: VectorEnv {
-    /// The entries of all [`info`](Self::info)s as Gymnasium's dict of columns, to go with the columns of
+    /// The entries of all [`info`](crate::vector::VectorEnv::info)s as Gymnasium's dict of columns, to go with the columns of
     /// the same step.
     ///
     /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
     /// what is not there is zero in a column of numbers and `Null` in any other. With
-    /// [`Autoreset::SameStep`], `final_obs` and `final_info` tell of the episodes that have ended.
+    /// [`Autoreset::SameStep`](crate::vector::Autoreset::SameStep), `final_obs` and `final_info` tell of the episodes that have ended.
     ///
-    /// Made of [`info`](Self::info), [`final_info`](Self::final_info) and
-    /// [`column_infos`](Self::column_infos), which is what a vector or a wrapper implements: so the order
+    /// Made of [`info`](crate::vector::VectorEnv::info), [`final_info`](crate::vector::VectorEnv::final_info) and
+    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which is what a vector or a wrapper implements: so the order
     /// of wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)
     }
 
-    /// The entries of the [`info`](Self::info) of one sub-environment by name: an element of what
+    /// The entries of the [`info`](crate::vector::VectorEnv::info) of one sub-environment by name: an element of what
     /// Gymnasium's wrapper `DictInfoToList` gives.
     fn info_map(&self, index: usize) -> Info {
         let mut map = Info::new();
@@ -34,7 +34,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// Random actions for all sub-environments, as Gymnasium's `envs.action_space` draws them.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] as [`Space::batch`].
+    /// [`Error::InvalidSpace`] as [`Space::batch`](crate::Space::batch).
     fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler> {
         Ok(self.action_space()?.sampler(seed))
     }
@@ -51,7 +51,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// `reset(())` carries their generators on.
     ///
     /// # Errors
-    /// As [`reset_into`](Self::reset_into).
+    /// As [`reset_into`](crate::vector::VectorEnv::reset_into).
     fn reset(&mut self, reset: impl Into<VectorReset>) -> Result<Columns> {
         let mut columns = self.columns()?;
         self.reset_into(&reset.into(), &mut columns)?;
@@ -61,7 +61,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// Takes a step, with new columns.
     ///
     /// # Errors
-    /// As [`step_into`](Self::step_into).
+    /// As [`step_into`](crate::vector::VectorEnv::step_into).
     fn step(&mut self, actions: &Value) -> Result<Columns> {
         let mut columns = self.columns()?;
         self.step_into(actions, &mut columns)?;
@@ -108,7 +108,7 @@ impl dyn VectorEnv {
     /// is of that type.
     ///
     /// The type of a wrapper names the vector within, which is `Box<dyn VectorEnv>` unless it says
-    /// otherwise. So it is for wrappers that a [`VectorSpec`] has made, and for the first wrapper around
+    /// otherwise. So it is for wrappers that a [`VectorSpec`](crate::vector::VectorSpec) has made, and for the first wrapper around
     /// [`make_vec`](crate::make_vec):
     ///
     /// ```no_run

@@ -121,7 +121,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 /// sub-environments take their steps together.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
+/// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
 pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     spec.check_each()?;
     let version = find(&spec.env.id)?.rules();

@@ -79,7 +79,7 @@ pub type BoxVector = Box<dyn VectorEnv>;
 /// # }
 /// ```
 ///
-/// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`], and so does
+/// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`](crate::VectorWrapper), and so does
 /// `Box<dyn VectorEnv>`.
 pub trait VectorEnv: Any + Send {
     /// How many sub-environments there are: at least one.
@@ -131,7 +131,7 @@ pub trait VectorEnv: Any + Send {
         let _ = (index, visit);
     }
 
-    /// Shows `visit` the entries of [`infos`](Self::infos) that are columns already, each with its mask
+    /// Shows `visit` the entries of [`infos`](crate::vector::VectorEnvExt::infos) that are columns already, each with its mask
     /// under the key with an underscore before it. They stand for the entries of
     /// [`info`](Self::info) under the same key.
     fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {

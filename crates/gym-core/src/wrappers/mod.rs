@@ -1,6 +1,6 @@
 //! Environments around environments: each changes one thing and forwards the rest.
 //!
-//! A wrapper takes any [`Env`], typed or erased, and is an `Env` again.
+//! A wrapper takes any [`Env`](crate::Env), typed or erased, and is an `Env` again.
 
 pub mod order_enforcing;
 pub mod passive_env_checker;

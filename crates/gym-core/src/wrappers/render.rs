@@ -5,7 +5,7 @@ use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, p
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 
 /// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
-/// what [`render`](EnvExt::render) returns, one picture or text at a time.
+/// what [`render`](crate::EnvExt::render) returns, one picture or text at a time.
 ///
 /// In the mode `human` each reset and step shows a picture in a window, no faster than the
 /// environment's frames per second. The window opens at the first reset. Once it is closed, nothing

@@ -16,8 +16,8 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// Mean and variance of each element of a row of numbers, estimated as rows come in: Gymnasium's
 /// `RunningMeanStd`.
 ///
-/// [`NormalizeObservation`](gym_core::wrappers::NormalizeObservation) and
-/// [`NormalizeReward`](gym_core::wrappers::NormalizeReward) keep one each, around an environment and around
+/// [`NormalizeObservation`](crate::NormalizeObservation) and
+/// [`NormalizeReward`](crate::NormalizeReward) keep one each, around an environment and around
 /// a vector alike. It is data: take it out of a training, store it as JSON, put it into an environment
 /// for evaluation.
 ///

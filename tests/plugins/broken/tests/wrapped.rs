@@ -4,6 +4,7 @@ use broken_envs as _;
 use gym_conform::Severity;
 use gym_core::{EnvSpec, Result, WrapperSpec};
 use gym_render as _;
+use gym_wrappers as _;
 use serde_json::{Value as Json, json};
 
 /// Kept observations are restored as they were shown, and not every environment shows elements of its space alone.

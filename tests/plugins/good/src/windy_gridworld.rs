@@ -19,7 +19,10 @@ use gym_core::keys::json;
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, EnvExt, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
+use gym_core::{
+    Dynamics, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, Value,
+};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -92,7 +95,9 @@ impl Task for WindyGridworldDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        (0..ROWS).contains(&state.row) && (0..COLUMNS).contains(&state.column) && (0..=3).contains(&state.wind)
+        (0..ROWS).contains(&state.row)
+            && (0..COLUMNS).contains(&state.column)
+            && (0..=3).contains(&state.wind)
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gym_core::{Dynamics, Env, EnvExt, Generator, Result, Value};
+use gym_core::{Dynamics, Env, EnvExt, Generator, Result, Task, Value};
 use sutton_envs::windy_gridworld::{Config, State, WindyGridworldDynamics};
 
 /// The least number of steps to the goal, by trying every action in every state that can be reached.
@@ -43,6 +43,11 @@ fn it_is_found_by_id_with_arguments() -> Result<()> {
     let step = env.step(&Value::Int(2))?;
     assert_eq!((step.reward, step.done()), (-1.0, false));
     let error = gym_core::builder("sutton/WindyGridworld-v0").arg("kings", true).build().unwrap_err();
-    assert!(error.to_string().contains("unknown argument `kings`: did you mean `king`? (there are `king`, `stochastic`)"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("unknown argument `kings`: did you mean `king`? (there are `king`, `stochastic`)"),
+        "{error}"
+    );
     Ok(())
 }

@@ -25,7 +25,7 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn put(self, bytes: &mut Vec<u8>);
 
     /// Reads what [`put`](Self::put) wrote and goes on behind it, or `None` where nothing of the kind is
-    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Dynamics::is_valid)
+    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Task::is_valid)
     /// to say.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }

@@ -2,7 +2,6 @@
 //! without optimisation, where each move of a value takes its size of the stack: `.ci/run` runs this test so.
 
 use gym::render::RenderMode;
-use gym::vector::{VectorEnvExt, VectorKind};
 use gym::{Env, EnvExt, Reset, Result, registry};
 
 /// A quarter of what a thread has.
@@ -21,15 +20,6 @@ fn use_all(id: &str) -> Result<()> {
         env.render()?;
     }
     drop((env, clone));
-    for kind in [VectorKind::Sync, VectorKind::Async, VectorKind::Native] {
-        // not every environment has native vectors
-        let Ok(mut envs) = gym::builder(id).vector(2).kind(kind).build() else { continue };
-        let mut columns = envs.columns()?;
-        envs.reset_into(&0.into(), &mut columns)?;
-        let actions = envs.action_space()?.sampler(0).sample();
-        envs.step_into(&actions, &mut columns)?;
-        envs.restore(&envs.snapshot()?)?;
-    }
     gym::make(id)?.reset(Reset::default()).map(drop)
 }
 

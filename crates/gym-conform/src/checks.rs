@@ -237,7 +237,7 @@ pub const CHECKS: &[Check] = &[
     warning!(
         "generator-lent",
         seeding::generator_lent,
-        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets"],
+        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets", "reset-carries-on"],
         "wrappers with randomness, such as StickyAction, draw from the environment's generator",
         "return the generator from `Env::generator`, seeded as `reset` says",
     ),

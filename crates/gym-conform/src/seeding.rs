@@ -61,7 +61,7 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
     }
     // what is counted from episode to episode, or from reset to reset, shows late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
-    let first = roll_out(&mut env, seed, STEPS)?;
+    let first = roll_out(&mut subject.make()?, seed, STEPS)?;
     carry_on(&mut env, seed, steps)?;
     same(
         &first,

@@ -55,7 +55,7 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
         iter::from_fn(next)
             .map(|(i, registration)| {
                 let row = show(registration.spec()?, arguments, &bar)?;
-                bar.suspend(|| println!("{}", gif_path(registration.id(), arguments).display()));
+                bar.suspend(|| say!("{}", gif_path(registration.id(), arguments).display()))?;
                 Ok((i, row))
             })
             .collect::<Result<Vec<_>>>()

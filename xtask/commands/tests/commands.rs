@@ -343,10 +343,14 @@ fn an_output_that_cannot_be_written_is_no_panic() {
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        assert_eq!(run(arguments, writer.into(), Stdio::piped()), (Some(0), String::new()), "{arguments:?}");
+        let (code, said) = run(arguments, writer.into(), Stdio::piped());
+        assert!(
+            code == Some(0) && !said.contains("error") && !said.contains("panic"),
+            "{arguments:?}: {said}"
+        );
         let (code, said) = run(arguments, full(), Stdio::piped());
         assert!(
-            code == Some(1) && said.starts_with("error: standard output: No space left"),
+            code == Some(1) && said.contains("error: standard output: No space left"),
             "{arguments:?}: {said}"
         );
     }

@@ -211,7 +211,7 @@ twists! {
     "reset-forgets.late" PaysFromAnEpisodeOn {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
-            env.mind.own += u64::from(outcome.done());
+            env.mind.own = env.mind.own.saturating_add(outcome.done().into());
             let carried = if env.mind.own > 110 { 0.5 } else { 0.0 };
             Ok(Outcome { reward: outcome.reward + carried, ..outcome })
         }

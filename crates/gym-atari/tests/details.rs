@@ -51,7 +51,9 @@ fn latched_triggers_are_released() {
     for (latch, after) in [(&on[..], 0), (&off_and_on, 0x80)] {
         let mut ale = played(&rom(&program(latch)));
         let mut trigger = |action| {
-            (0..3).for_each(|_| drop(ale.act(action, 1.0)));
+            for _ in 0..3 {
+                ale.act(action, 0.0);
+            }
             ale.ram().0[0x10] & 0x80
         };
         assert_eq!(trigger(Action::Noop), 0x80);

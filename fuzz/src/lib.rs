@@ -1,4 +1,4 @@
-//! Fuzz targets: whatever text comes from outside gives an `Err` or works, and never panics.
+//! Fuzz targets: any text from outside works or gives an `Err`, and never panics.
 //!
 //! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features libfuzzer
 //! TARGET`), and under this crate's own runner, which needs a stable toolchain only

@@ -1,4 +1,4 @@
-//! Inputs to start from: what the library itself writes.
+//! Seed inputs, written by the library itself.
 
 use gym::trace::{Event, Trace};
 use gym::{Env, EnvExt, Reset, registry};

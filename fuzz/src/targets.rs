@@ -1,4 +1,4 @@
-//! What is done with an input. An assertion that fails here is a defect, as a panic is.
+//! The use of an input. A failing assertion is a defect, as is a panic.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -12,8 +12,8 @@ use serde_json::Value as Json;
 /// Steps of an environment that came into being.
 const STEPS: usize = 12;
 
-/// Larger requests are honest ones to fill the memory or the day, and are not tried; those beyond any
-/// memory are, as they must be refused.
+/// Larger requests that would fill the memory or take too long are not tried; those beyond any memory
+/// are, because they must be refused.
 const REASONABLE: f64 = 300.0;
 const BEYOND_ANY_MEMORY: f64 = 1e15;
 
@@ -211,7 +211,7 @@ pub fn specs(input: &[u8]) {
     }
 }
 
-/// What a caller does with an environment.
+/// The calls of a user of an environment.
 fn play(env: &mut BoxEnv) {
     look(env);
     steps(env);

@@ -70,5 +70,6 @@ mod documents {
         Training: "docs/training.md",
         Vectors: "docs/vectors.md",
         Wrappers: "docs/wrappers.md",
+        WritingWrappers: "docs/writing-wrappers.md",
     }
 }

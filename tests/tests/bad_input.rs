@@ -1,4 +1,4 @@
-//! Bad input gives an `Err` that tells a newcomer what to do.
+//! Bad input gives an `Err` with the remedy.
 
 use gym::render::RenderMode;
 use gym::{Array, Env, EnvExt, Error, Kwargs, Reset, Value};
@@ -176,7 +176,7 @@ fn snapshots_of_other_arguments() {
     }
 }
 
-/// Sizes from outside that no memory holds are refused before it is asked for.
+/// Sizes that do not fit in memory are refused before allocating.
 #[test]
 fn sizes_beyond_any_memory() {
     use gym::spaces::TextSpace;

@@ -1,4 +1,4 @@
-//! The book keeps its promise that every Rust snippet in it runs as a test.
+//! Claims of the documents: their snippets run, and the names in them exist.
 
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ fn every_page_with_snippets_is_a_doc_test() {
     }
 }
 
-/// The names that specs know, as an unknown one is told them.
+/// The wrapper names of specs, as listed in the error of an unknown one.
 #[test]
 fn every_wrapper_of_the_registry_is_in_the_table() {
     let page = read("docs/wrappers.md");
@@ -53,4 +53,108 @@ fn every_wrapper_of_the_registry_is_in_the_table() {
     for name in names.split(", ") {
         assert!(page.contains(&format!("`{name}`")), "docs/wrappers.md lacks {name}");
     }
+}
+
+/// The README and every page of the book, with its text.
+fn documents() -> Vec<(String, String)> {
+    let mut all = vec![PathBuf::from("README.md")];
+    pages(Path::new("docs"), &mut all);
+    all.into_iter().map(|path| (path.display().to_string(), read(&path))).collect()
+}
+
+/// The longest words of the characters that `is_part` accepts.
+fn words(text: &str, is_part: impl Fn(char) -> bool) -> impl Iterator<Item = &str> {
+    text.split(move |c| !is_part(c)).filter(|word| !word.is_empty())
+}
+
+/// `[namespace/]Name-vVersion`
+fn ids(text: &str) -> impl Iterator<Item = &str> {
+    let words = words(text, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/'));
+    words.filter(|word| {
+        word.rsplit_once("-v")
+            .is_some_and(|(_, version)| !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit()))
+    })
+}
+
+#[test]
+fn every_id_in_the_documents_is_registered() {
+    let mut seen = 0;
+    for (page, text) in documents() {
+        // the book's placeholder for a game of Atari
+        for id in ids(&text.replace("<Game>", "Breakout")) {
+            // an example's own, or the Python package's name of one of ours
+            let id = match id.split_once('/') {
+                Some(("my_envs", _)) => continue,
+                Some(("rustgym", name)) => name,
+                _ => id,
+            };
+            if let Err(error) = gym::registry::find(id) {
+                panic!("{page}: {error}");
+            }
+            seen += 1;
+        }
+    }
+    assert!(seen > 200, "{seen} ids");
+}
+
+#[test]
+fn the_readme_names_every_environment() {
+    let readme = read("README.md");
+    let names = gym::registry::self_contained();
+    // the second engine's tasks have the names of the first one's
+    let names = names.iter().map(gym::Registration::id).filter(|id| !id.starts_with("rapier/"));
+    for id in names {
+        let name = id.rsplit_once("-v").map_or(id, |(name, _)| name);
+        assert!(readme.contains(&format!("`{name}")), "README.md lacks {id}");
+    }
+    let games = gym::atari::games::GAMES.len();
+    assert!(readme.contains(&format!("{games} games")), "README.md: there are {games} games");
+}
+
+#[test]
+fn default_features_are_named() {
+    let manifest = read("crates/gym/Cargo.toml");
+    let line = manifest.lines().find_map(|line| line.strip_prefix("default = ["));
+    let features: Vec<_> = words(line.expect("a list"), |c| c.is_ascii_alphanumeric()).collect();
+    assert!(features.len() > 5, "{features:?}");
+    for page in ["README.md", "docs/first-steps.md"] {
+        let text = read(page);
+        for feature in &features {
+            assert!(text.contains(&format!("`{feature}`")), "{page} lacks the feature {feature}");
+        }
+    }
+}
+
+#[test]
+fn columns_have_the_fields_that_the_book_names() {
+    let source = read("crates/gym-core/src/vector/columns.rs");
+    let mut seen = 0;
+    for (page, text) in documents() {
+        for code in text.split('`').filter_map(|code| code.strip_prefix("columns.")) {
+            let name = words(code, |c| c.is_ascii_alphanumeric() || c == '_').next().unwrap_or_default();
+            let is_there = ["pub ", "pub fn "].iter().any(|start| {
+                source.contains(&format!("{start}{name}:")) || source.contains(&format!("{start}{name}("))
+            });
+            assert!(is_there, "{page}: `Columns` has no `{name}`");
+            seen += 1;
+        }
+    }
+    assert!(seen > 2, "{seen} fields");
+}
+
+/// The README's two ratios are the smallest and the largest of the tables.
+#[test]
+fn the_readme_tells_the_measured_speed() {
+    let tables = read("docs/benchmarks.md") + &read("docs/atari.md");
+    let ratios = tables.split('(').skip(1).filter_map(|rest| rest.split_once("x)")?.0.parse::<f64>().ok());
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for ratio in ratios {
+        (least, most) = (least.min(ratio), most.max(ratio));
+    }
+    let readme = read("README.md");
+    let told: Vec<f64> = readme
+        .split(" times (")
+        .filter_map(|text| text.rsplit(' ').next()?.trim().replace(',', "").parse().ok())
+        .collect();
+    assert_eq!(told[..2], [least, (most / 100.0).floor() * 100.0], "from {least} to {most} times");
 }

@@ -1,4 +1,4 @@
-//! What each environment draws, call by call, beside the calls kept in `tests/drawings`.
+//! The drawing calls of each environment, compared with those in `tests/drawings`.
 //!
 //! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test drawings` keeps the new
 //! ones: look at the pictures (`cargo xtask gif ID`) before that.

@@ -42,6 +42,7 @@ fn texts_are_gathered() {
         env.step(&actions.sample()).unwrap();
         let Rendered::Texts(texts) = env.render().unwrap() else { panic!("{id} renders no texts") };
         assert_eq!(texts.len(), 2, "{id}");
+        assert_eq!(env.render().unwrap(), Rendered::Texts(Vec::new()), "{id}: an empty list of texts");
         assert!(texts[0] != texts[1] || id == "CliffWalking-v1", "{id}");
     }
 }

@@ -490,8 +490,8 @@ fn what_only_scalar_environments_can_do_is_refused() {
         (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),
         (spec("FrozenLake-v1", json!({"map_name": null})), "random maps"),
         (EnvSpec { max_episode_steps: Some(70_000), ..plain("CartPole-v1") }, "65534"),
-        (wrapped, "to wrap"),
-        (rendered, "draws nothing"),
+        (wrapped, "cannot be wrapped"),
+        (rendered, "cannot render"),
     ] {
         let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
         assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");

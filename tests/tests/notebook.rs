@@ -1,4 +1,4 @@
-//! `docs/notebook.ipynb` runs as it stands, and holds what it showed when it ran.
+//! `docs/notebook.ipynb` runs, and contains its outputs.
 
 include!(concat!(env!("OUT_DIR"), "/notebook.rs"));
 

@@ -1,5 +1,5 @@
-//! What a seed alone decides in the Box2D environments, and how whole episodes of a policy turn out, as in Gymnasium.
-//! Their traces, step by step, are among those of `parity.rs`.
+//! Starts from a seed and whole episodes of a policy in the Box2D environments, as in Gymnasium. `parity.rs` has
+//! their traces, step by step.
 
 use std::f64::consts::PI;
 

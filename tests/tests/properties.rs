@@ -1,4 +1,4 @@
-//! What holds for every space, id, spec and snapshot, tried on random ones.
+//! Rules for every space, id, spec and snapshot, checked on random ones.
 
 use gym::registry::EnvId;
 use gym::spaces::{

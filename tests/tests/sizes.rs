@@ -1,4 +1,4 @@
-//! Pictures of other sizes than Gymnasium's are not drawn as pygame does. They look alike all the same.
+//! Frames of other sizes than Gymnasium's are not drawn as by pygame, but look similar.
 
 use gym::render::{Frame, painter};
 use gym::{Env, EnvExt, registry};

@@ -1,4 +1,4 @@
-//! Vectors against their sub-environments stepped by hand, and what goes wrong in them.
+//! Vectors against their sub-environments stepped by hand, and failures.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

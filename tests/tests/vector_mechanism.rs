@@ -1,5 +1,5 @@
-//! Every wrapper of vectors lets through what it does not change: each method of `VectorEnv` is called on
-//! every wrapper around a spy.
+//! Every wrapper of vectors forwards the methods that it does not change: each method of `VectorEnv` is
+//! called on every wrapper around a spy.
 
 use std::any::Any;
 use std::collections::BTreeSet;

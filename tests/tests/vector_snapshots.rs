@@ -331,7 +331,7 @@ fn statistics_of_fewer_environments_are_refused() {
         assert_eq!(running.len(), N);
         running.pop();
         let error = envs.restore(&serde_json::from_value(fewer).unwrap()).unwrap_err().to_string();
-        assert!(error.contains("it is of 4 sub-environments, and here are 5"), "{error}");
+        assert!(error.contains("it has 4 sub-environments, and this vector 5"), "{error}");
         assert_eq!(envs.snapshot().unwrap(), now);
     }
 }

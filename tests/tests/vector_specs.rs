@@ -1,5 +1,5 @@
-//! A vector's spec tells the truth: the vector that it makes steps identically, or there is no spec. And what
-//! a vector is asked for is made, or refused before memory runs out.
+//! A vector's spec makes a vector that steps identically, or there is no spec. A vector of any requested size
+//! is made, or refused before memory runs out.
 
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::*;
@@ -279,7 +279,7 @@ fn a_number_that_cannot_be_is_refused_at_once() {
                 let error = make_vec(id, n, kind).map(drop).unwrap_err();
                 assert!(matches!(error, Error::InvalidArgument { .. }), "{id} {kind:?} {n}: {error}");
                 let text = error.to_string();
-                let says = ["at least one", "at most", "do not fit", "has none"];
+                let says = ["at least one", "at most", "does not fit", "has none"];
                 assert!(says.iter().any(|says| text.contains(says)), "{id} {kind:?} {n}: {text}");
             }
         }

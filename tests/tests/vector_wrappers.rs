@@ -1,4 +1,4 @@
-//! Wrappers of vectors: what the traces of Gymnasium do not show. The traces are in parity.rs.
+//! Wrappers of vectors, beyond the traces of Gymnasium, which are in parity.rs.
 
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
 use gym::wrappers::NormalizeReward;

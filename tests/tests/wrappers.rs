@@ -1,4 +1,4 @@
-//! The wrappers of the main job, on typed and on erased environments alike.
+//! The common wrappers, on typed and erased environments.
 
 use gym::classic::cartpole::{Action, Config};
 use gym::classic::{CartPole, Pendulum};

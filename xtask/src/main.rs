@@ -33,6 +33,10 @@ fn main() -> ExitCode {
 
 fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let (plugin, arguments) = take_plugin(arguments)?;
+    // `help web`, as `help` has every other command
+    if matches!(&arguments[..], [help, web] if help == "help" && web == "web") {
+        return web::web(None, &["--help".into()]).map(|()| ExitCode::SUCCESS);
+    }
     if arguments.first().is_some_and(|command| command == "web") {
         return web::web(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
     }
@@ -94,6 +98,7 @@ impl Build {
                 .exists()
         };
         let feature = match command {
+            _ if asks_for_help => None,
             Some("conform") => Some("conform"),
             Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => Some("human"),
             _ => None,
@@ -163,6 +168,7 @@ mod tests {
         assert_eq!(feature("conform CartPole-v1"), Some("conform"));
         assert_eq!(feature("play CartPole-v1"), Some("human"));
         assert_eq!(feature("play Taxi-v4 --terminal"), None);
+        assert_eq!(feature("conform --help"), None, "help is quick");
         assert_eq!(feature("bench"), None, "allocations are not counted where time is measured");
     }
 

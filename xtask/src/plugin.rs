@@ -41,8 +41,10 @@ impl Plugin {
         let is_it = |package: &&Json| {
             package["manifest_path"].as_str().map(Path::new) == Some(&folder.join("Cargo.toml"))
         };
-        let package =
-            list(&metadata["packages"]).iter().find(is_it).ok_or_else(|| wrong("it is no package".into()))?;
+        let package = list(&metadata["packages"])
+            .iter()
+            .find(is_it)
+            .ok_or_else(|| wrong("it is not a package".into()))?;
         let is_library =
             |target: &&Json| list(&target["kind"]).iter().any(|kind| kind == "lib" || kind == "rlib");
         let library = list(&package["targets"]).iter().find(is_library);

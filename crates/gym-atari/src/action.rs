@@ -43,12 +43,12 @@ pub enum Action {
     DownLeftFire,
 }
 
-/// What is done in a frame: an action, and how fast it turns a paddle.
+/// The input of a frame: an action, and the speed of a paddle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command {
     /// The action.
     pub action: Action,
-    /// The share of a paddle's full speed, ale-py's `paddle_strength`; joysticks do not know it.
+    /// The share of a paddle's full speed, ale-py's `paddle_strength`; joysticks ignore it.
     pub paddle_strength: f32,
 }
 

@@ -1,6 +1,6 @@
-//! A game as an agent meets it: how it starts, what an action does for a frame, and what came of it.
+//! A game for an agent: its start, the effect of an action on a frame, and the reward.
 //!
-//! The rules are those that ale-py 0.12.1 shows from outside; `NOTICE.md` says how they were found.
+//! The rules are those observed from outside in ale-py 0.12.1; see `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +13,18 @@ use crate::paddle::Paddle;
 
 /// RAM when the ROM is loaded, the same each time. Later it stays as it is while the power is off.
 const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
-/// What the timer starts with when the ROM is loaded, before the game is started for the first time.
+/// The timer's value when the ROM is loaded, before the game is started for the first time.
 const LOADING_TIMER: u8 = 0x33;
-/// What the timer starts with, for each time that the power is switched on.
+/// The timer's values, for each time that the power is switched on.
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
 const IDLE_FRAMES: u8 = 60;
 /// The frames that RESET is pressed for after a mode was chosen, in games that have several, and once more.
 const RESET_FRAMES: u8 = 4;
-/// After so many presses of SELECT the mode is what it is; ale-py goes on for ever.
+/// The most presses of SELECT; ale-py continues forever.
 const MOST_PRESSES: u32 = 256;
 
-/// The pictures that there are, drawn in turn.
+/// The pictures, drawn in turn.
 const PICTURES: u32 = 2;
 
 /// A game that is being played.
@@ -37,7 +37,7 @@ pub struct Ale {
     progress: Progress,
 }
 
-/// What loading the ROM leaves behind: it starts the game once.
+/// The state after loading the ROM, which starts the game once.
 #[derive(Clone, Debug)]
 struct Loaded {
     ram: [u8; 128],
@@ -51,14 +51,14 @@ pub struct Settings {
     pub mode: Option<u16>,
     /// The difficulty; `None` for the game's default.
     pub difficulty: Option<u8>,
-    /// After how many frames an episode ends; `None` for never.
+    /// The number of frames after which an episode ends; `None` for never.
     pub max_frames: Option<u32>,
 }
 
-/// Where a game stands, beside the console.
+/// The state of a game, beside the console.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Progress {
-    /// How often the power has been switched on.
+    /// The number of times the power was switched on.
     power_ons: usize,
     /// Draws whether an action sticks.
     generator: Mt19937,
@@ -72,7 +72,7 @@ struct Progress {
     episode_frame_number: u32,
 }
 
-/// A game that can be stored: all but ROM and picture.
+/// The stored form of a game: all except ROM and picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     console: ConsoleState,
@@ -87,7 +87,7 @@ pub(crate) struct Moment {
 }
 
 impl Ale {
-    /// A game from its ROM, with the generator of sticky actions seeded. It stands at the start of an episode.
+    /// A game from its ROM, with the generator of sticky actions seeded, at the start of an episode.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
         let cartridge = Cartridge::new(rom, game.scheme);
         let mut ale = Self {
@@ -113,7 +113,7 @@ impl Ale {
         ale
     }
 
-    /// Starts the first episode after loading the ROM, with the generator of sticky actions seeded anew.
+    /// Starts the first episode after loading the ROM, with the generator of sticky actions reseeded.
     pub fn reload(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
@@ -190,14 +190,14 @@ impl Ale {
         self.progress.episode_frame_number += 1;
     }
 
-    /// Plays a frame; gives its reward. The command before it is repeated instead with probability
-    /// `repeat_action_probability`. Does nothing once the game is over.
+    /// Plays a frame and returns its reward. With probability `repeat_action_probability` it
+    /// repeats the last command instead. Does nothing once the game is over.
     pub fn act(&mut self, command: impl Into<Command>, repeat_action_probability: f64) -> i32 {
         let command = self.stick(command.into(), repeat_action_probability);
         self.play(command, true)
     }
 
-    /// What is executed: this command, or with a probability the one before.
+    /// The executed command: this one, or with a probability the one before.
     pub(crate) fn stick(&mut self, command: Command, repeat_action_probability: f64) -> Command {
         if self.progress.generator.random() < repeat_action_probability {
             self.progress.previous
@@ -206,7 +206,7 @@ impl Ale {
         }
     }
 
-    /// Plays a frame with exactly this command. An unseen frame leaves the picture as it is.
+    /// Plays a frame with exactly this command. An unseen frame does not change the picture.
     pub(crate) fn play(&mut self, command: Command, seen: bool) -> i32 {
         self.progress.previous = command;
         if self.has_ended() {
@@ -220,7 +220,7 @@ impl Ale {
         self.game.rewards.of(before, after)
     }
 
-    /// Plays frames with one command; gives the sum of their rewards. Only the last two are drawn.
+    /// Plays frames with one command and returns the sum of their rewards. Only the last two are drawn.
     ///
     /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an older one. So both pictures are
     /// always what they would be with every frame drawn: where two whole ones do not come out, the frames are played
@@ -319,7 +319,7 @@ impl Ale {
         &self.console
     }
 
-    /// The lives that are left; 0 where a game has none.
+    /// The remaining lives; 0 if a game has none.
     pub fn lives(&self) -> i32 {
         self.progress.lives
     }
@@ -349,7 +349,7 @@ impl Ale {
         self.progress.episode_frame_number
     }
 
-    /// Chooses how the episodes that follow are played. Mode and difficulty must be among the game's.
+    /// Sets mode and difficulty of later episodes, which must be among the game's.
     pub fn configure(&mut self, settings: Settings) {
         self.settings = settings;
     }

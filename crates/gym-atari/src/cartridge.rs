@@ -1,4 +1,4 @@
-//! Cartridges: the program, and how it switches the banks that do not fit into the 4096 addresses.
+//! Cartridges: the program, and the switching of banks that do not fit into the 4096 addresses.
 //!
 //! The schemes are those of Kevin Horton's "Cart Information" (1997), under his names.
 

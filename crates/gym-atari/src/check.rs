@@ -1,4 +1,4 @@
-//! Whether games come out as in ale-py: checksums of what they do, beside those that ale-py 0.12.1 gave.
+//! Comparison of games with ale-py 0.12.1, by checksums.
 //!
 //! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`.
 
@@ -27,7 +27,7 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// What ale-py 0.12.1 gave; `None` for a game that was not recorded.
+    /// The checksum of ale-py 0.12.1; `None` for a game that was not recorded.
     pub fn recorded(game: &str) -> Option<Self> {
         let line = RECORDED.lines().find(|line| line.split(' ').next() == Some(game))?;
         let mut sums = line.split(' ').skip(1).map(|sum| u32::from_str_radix(sum, 16).ok());

@@ -1,5 +1,6 @@
 //! The Atari 2600 in pure Rust, and ale-py's environments on top.
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod action;
 pub mod ale;

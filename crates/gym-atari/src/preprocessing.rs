@@ -1,4 +1,4 @@
-//! What the field does to Atari before a network sees it: Gymnasium's `AtariPreprocessing`.
+//! The usual preprocessing of Atari observations: Gymnasium's `AtariPreprocessing`.
 //!
 //! Source: Gymnasium 1.4.0, `wrappers/atari_preprocessing.py`; Machado et al., "Revisiting the Arcade Learning
 //! Environment" (2018).
@@ -19,9 +19,9 @@ gym_core::arguments! {
     /// How an environment is preprocessed.
     #[derive(Copy, Eq)]
     pub struct Preprocessing {
-        /// An episode starts with at least one and at most so many steps of doing nothing; 0 for none.
+        /// The largest number of no-op steps at the start of an episode, which are at least one; 0 for none.
         pub noop_max: u32 = 30,
-        /// For how many frames an action is executed.
+        /// The number of frames for each action.
         pub frame_skip: u32 = 4,
         /// Height and width of the observation.
         pub screen_size: [usize; 2] = [84, 84],
@@ -32,8 +32,8 @@ gym_core::arguments! {
 
 /// Observes the game small and in gray: the brighter of the last two frames of each step, shrunk.
 ///
-/// The frames that nobody looks at are played without being drawn. A spec names the wrapper `AtariPreprocessing`, with the
-/// arguments of [`Preprocessing`], and puts it around what `make` gives.
+/// Skipped frames are emulated but not drawn. In a spec the wrapper is named `AtariPreprocessing`, with the arguments
+/// of [`Preprocessing`], around the environment of `make`.
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
@@ -78,16 +78,16 @@ gym_core::register_wrapper!(
 );
 
 impl<E: Env> AtariPreprocessing<E> {
-    /// Preprocesses an [`AtariEnv`] whose own `frameskip` is 1, or what `make` gives for one. Frames are played within the
-    /// `AtariEnv`, so no other wrapper may be between.
+    /// Preprocesses an [`AtariEnv`] with `frameskip` 1, directly or from `make`. It plays frames in the `AtariEnv`
+    /// itself, so no other wrapper may be between.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an environment that is no [`AtariEnv`], another wrapper around it, another
-    /// `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the picture.
+    /// [`Error::InvalidArgument`] for an environment that is not an [`AtariEnv`], another wrapper around it,
+    /// another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the picture.
     pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
         let refuse = |reason: String| Err(Preprocessing::refuse(reason));
         let Some(atari) = within(&env) else {
-            return refuse(format!("{} is no game of the Atari 2600", env.describe()));
+            return refuse(format!("{} is not an Atari environment", env.describe()));
         };
         let stack = env.describe();
         // what `make` gives says its id within
@@ -124,12 +124,12 @@ impl<E: Env> AtariPreprocessing<E> {
         &self.settings
     }
 
-    /// The environment within.
+    /// The inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }
 
-    /// The environment within, without the wrapper.
+    /// The inner environment, without the wrapper.
     pub fn into_inner(self) -> E {
         self.env
     }

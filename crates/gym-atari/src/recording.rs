@@ -1,5 +1,4 @@
-//! Recordings of a game, frame by frame, without ROM or picture: what ale-py answered, to be compared with what this
-//! crate answers.
+//! Recordings of a game in ale-py, frame by frame, without ROM or picture, for comparison with this crate.
 
 use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! Where the games come from: ROMs are the user's, and none is part of this crate.
+//! ROMs, which the user provides; this crate contains none.
 
 use std::env;
 use std::fs;
@@ -31,7 +31,7 @@ impl Rom {
             Some(game) => Ok(Self { game, md5, bytes: bytes.into() }),
             None => Err(Error::argument(
                 "a ROM",
-                format!("its MD5 is {md5}, which is no game's: {} games are known", games::GAMES.len()),
+                format!("no game has the MD5 {md5}: {} games are known", games::GAMES.len()),
             )),
         }
     }
@@ -60,7 +60,7 @@ impl Rom {
 /// The ROMs that were [provided](provide).
 static PROVIDED: Mutex<Vec<Rom>> = Mutex::new(Vec::new());
 
-/// Provides a ROM from memory: [`load`] takes it where no folder is named. For platforms without files.
+/// Provides a ROM from memory, for platforms without files: [`load`] uses it if no folder is named.
 pub fn provide(rom: Rom) {
     let mut provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
     provided.retain(|other| other.game.name != rom.game.name);
@@ -125,7 +125,7 @@ impl RomDir {
             return Err(Error::argument(
                 game.title,
                 format!(
-                    "the ROM {} has the MD5 {md5}, not {}: it is another game or another edition",
+                    "the ROM {} has the MD5 {md5}, not {}: it is another game or edition",
                     path.display(),
                     game.md5
                 ),
@@ -138,7 +138,7 @@ impl RomDir {
 /// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file where [`RomDir::find`] looks.
 ///
 /// # Errors
-/// As [`RomDir::rom`]; without any folder, what to do about it.
+/// As [`RomDir::rom`]; without any folder, an error with the remedy.
 pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     if folder.is_none()
         && let Some(rom) = provided(game)

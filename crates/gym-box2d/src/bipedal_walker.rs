@@ -20,9 +20,9 @@
 //! | 9 to 13 | the same of the second leg | |
 //! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
 //!
-//! Differences from Gymnasium: the world is built anew at each reset, so that an episode depends on its
-//! seed alone. In Gymnasium it does so on a fresh environment, with which this one agrees; on a used one
-//! the same seed can give another episode.
+//! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its seed. In
+//! Gymnasium that holds only for a new environment, with which this one agrees; on a used one the same
+//! seed can give another episode.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.
@@ -70,7 +70,7 @@ static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
         [sin(angle) * LIDAR_RANGE, cos(angle) * LIDAR_RANGE]
     })
 });
-/// Pictures from one sweep of the beam to the next.
+/// Frames from one sweep of the beam to the next.
 const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
 const HULL_POLY: [[f64; 2]; 5] = [[-30.0, 9.0], [6.0, 9.0], [34.0, 1.0], [34.0, -8.0], [-30.0, -8.0]];
@@ -129,7 +129,7 @@ struct Episode {
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
-    /// Pictures taken, up to 99: the beam of the lidar sweeps with them.
+    /// Frames rendered, up to 99: the beam of the lidar sweeps with them.
     pictures: usize,
     /// That of the step that has begun.
     #[serde(skip)]
@@ -286,7 +286,7 @@ impl Episode {
         (state, Outcome { reward: f64::from(reward), terminated, truncated: false })
     }
 
-    /// Where a ray of the lidar ends if nothing is in its way.
+    /// The end of a lidar ray without an obstacle.
     fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
         let [right, down] = BEAMS[i];
@@ -329,7 +329,7 @@ impl Episode {
             && self.prev_shaping.is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
     }
 
-    /// How far the picture has moved along, in m.
+    /// The scroll position of the frame, in m.
     fn scroll(&self) -> f64 {
         f64::from(self.world.position(self.hull).x) - VIEWPORT_W / SCALE / 5.0
     }
@@ -355,7 +355,7 @@ impl Episode {
         let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
         let (p1, end, fraction) = (self.world.position(self.hull), self.ray_end(i), self.lidar[i]);
         let p2 = if fraction < 1.0 {
-            // where the engine says that the ray met the ground
+            // the engine's point of contact of the ray
             let end = vec2(end[0], end[1]);
             [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y]
                 .map(f64::from)
@@ -464,11 +464,11 @@ impl Env for BipedalWalker {
         let Some(episode) = &self.episode else { return };
         let scroll = episode.scroll();
         canvas.clear(Color::BLACK);
-        // Gymnasium draws a wider picture, from the start of the ground, and shows its right end
+        // Gymnasium draws a wider image, from the start of the ground, and shows its right end
         let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
         canvas.push(pygame::flipped(VIEWPORT_H));
-        // whole pixels, as pygame takes them: at other sizes too the sky begins at the edge
+        // whole pixels, as in pygame: at other sizes too the sky begins at the edge
         let sky_left = (scroll * SCALE).trunc();
         let sky = pygame::corners([sky_left, 0.0], [sky_left + VIEWPORT_W, VIEWPORT_H]);
         let [a, b, c, d] = sky;
@@ -541,7 +541,7 @@ impl Configure for BipedalWalker {
     }
 }
 
-/// What is seen are velocities divided by rated speeds, which a world put together by hand exceeds.
+/// Observations contain velocities divided by rated speeds, which a hand-made world exceeds.
 const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",

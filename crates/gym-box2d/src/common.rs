@@ -29,11 +29,11 @@ impl Together for Worlds {
     }
 }
 
-/// A reset or a step that was begun before it was asked for.
+/// A reset or step that was begun ahead of its call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     pub(crate) call: Call,
-    /// Where the world's velocities are solved, if together with others.
+    /// The lane in which the world's velocities are solved, if with others.
     lane: Option<usize>,
 }
 
@@ -49,7 +49,7 @@ impl Ahead {
         Self { call, lane: world.enter(lanes) }
     }
 
-    /// Solves the velocities, or takes those that were.
+    /// Solves the velocities, or takes the solved ones.
     pub(crate) fn collect(self, world: &mut World, Worlds(lanes): &Worlds) {
         match self.lane {
             Some(lane) => world.leave(lanes, lane),
@@ -71,15 +71,14 @@ pub(crate) const fn on_rapier(registration: Registration) -> Registration {
 /// An exception to the checks of gym-conform.
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
 
-/// The rules of a version of `env`: those of 3 hold for later ones too.
+/// The rules of a version of `env`: later ones have those of 3.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for a version that never was.
 pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
     match version {
         0 | 1 => {
-            let reason =
-                format!("there is no version {version} of it: set 2 or 3 with `Registration::version`");
+            let reason = format!("version {version} does not exist: set 2 or 3 with `Registration::version`");
             Err(Error::argument(env, reason))
         }
         _ => Ok(version.min(3)),

@@ -4,9 +4,9 @@
 //! |---|---|
 //! | observation | position, velocity, angle and angular velocity of the craft, contacts of its legs; `Box(8, float32)`, see below |
 //! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)`: the main engine is off up to 0 and goes from half to full power at 1; the left engine fires below -0.5, the right one above 0.5 |
-//! | reward | what the step gained in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
+//! | reward | the step's gain in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
 //! | start | top centre, with a random push; reset options: none |
-//! | end | terminated when the hull touches the ground, the craft leaves the sides or lies still |
+//! | end | terminated when the hull touches the ground, the craft leaves the sides or comes to rest |
 //! | limit | 1000 steps |
 //!
 //! | number | observation | unit |
@@ -17,7 +17,7 @@
 //! | 5 | angular velocity | 2.5 rad/s |
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
-//! Versions: v3 draws the wind anew at each reset and widens the bounds of the observation; v2, which
+//! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
 //! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
 //! global one.
 //!

@@ -63,7 +63,7 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// With what the worker says about the environment that it has made.
+    /// With the worker's description of its environment.
     fn described(
         config: Config,
         render_mode: Option<RenderMode>,
@@ -115,7 +115,7 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// Whether Python is asked to take an action: it has the form of the space, and is finite.
+    /// Whether an action is sent to Python: it has the form of the space, and is finite.
     fn check_action(&self, action: &Value) -> Result<()> {
         let space = &self.spaces.1;
         let fits = match (space, action) {
@@ -163,7 +163,7 @@ impl Configure for PythonEnv {
     }
 }
 
-/// Another worker reads the environment; where that fails, the calls of the clone say so.
+/// Another worker reads the environment; if that fails, the clone's calls return the error.
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);
@@ -218,7 +218,7 @@ impl Env for PythonEnv {
             if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
                 let (before, after) = (&self.spaces, &spaces);
                 return Err(Error::Contract(format!(
-                    "the spaces of `{}` are {} and {} after the reset, and were {} and {}",
+                    "the spaces of `{}` changed at the reset: they are {} and {}, and were {} and {}",
                     self.name, after.0, after.1, before.0, before.1
                 )));
             }
@@ -320,12 +320,12 @@ impl Env for PythonEnv {
 
 fn refused(name: &str) -> Error {
     Error::Snapshot(format!(
-        "`{name}` is stored by Python's pickle, and restoring runs code that the snapshot names: add \
-         `.arg(\"allow_pickle\", true)` where snapshots come from you alone"
+        "`{name}` is stored with Python's pickle, and restoring runs code that the snapshot names: add \
+         `.arg(\"allow_pickle\", true)` if you trust the snapshots"
     ))
 }
 
-/// A picture of shape (height, width, 3), of bytes.
+/// An image of shape (height, width, 3), of bytes.
 fn frame(array: &gym_core::Array) -> Option<Frame> {
     let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else { return None };
     let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?).ok()?;

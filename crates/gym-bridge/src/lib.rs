@@ -11,9 +11,9 @@
 //! # }
 //! ```
 //!
-//! The environment lives in a Python process of its own, the *worker*. Nothing of Python is linked, environments run in
-//! parallel, and a crash or a hang of the worker is an `Err`. The worker ends with its environment, and with this process,
-//! however that ends.
+//! The environment runs in a separate Python process, the *worker*. Nothing of Python is linked, environments run in
+//! parallel, and a crash or a hang of the worker is an `Err`. The worker ends with its environment, and with this
+//! process, even after a crash.
 //!
 //! | argument | default | meaning |
 //! |---|---|---|
@@ -27,11 +27,11 @@
 //!
 //! - The render mode goes to Python, which draws: `rgb_array`, `ansi`, their `_list` forms, and `human` in Python's own window.
 //! - All ten kinds of spaces are converted, and spaces of texts such as minigrid's. Spaces may change at a reset, as
-//!   highway-env's do, if the form of their elements stays.
-//! - `info` holds numbers, texts, arrays, lists and dicts; other objects are left out.
+//!   highway-env's do, if their elements keep their form.
+//! - `info` contains numbers, texts, arrays, lists and dicts; other objects are left out.
 //! - The generator lives in Python, so wrappers that draw from [`Env::generator`](gym_core::Env::generator) refuse.
-//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); where that fails, the calls of the
-//!   clone are errors that say so.
+//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); if that fails, the clone's
+//!   calls return the error.
 
 mod config;
 mod env;

@@ -15,7 +15,7 @@ pub(crate) fn pair(described: &Value) -> Result<(Space, Space)> {
 }
 
 fn malformed() -> Error {
-    Error::custom("the worker describes a space in a form that is not known here")
+    Error::custom("the worker described a space in an unknown form")
 }
 
 fn space(described: &Value) -> Result<Space> {
@@ -67,7 +67,7 @@ fn text(min_length: usize, max_length: usize, charset: &str) -> Result<Space> {
     Ok(TextSpace::new(min_length, max_length)?.with_charset(charset)?.into())
 }
 
-/// A space of texts that does not say which: any printable ASCII, such as minigrid's missions.
+/// A space of texts without a charset, such as minigrid's missions: any printable ASCII.
 fn any_text() -> Result<Space> {
     const LONGEST: usize = 10_000;
     text(0, LONGEST, &(' '..='~').collect::<String>())

@@ -79,7 +79,7 @@ fn write_array(array: &Array, out: &mut Vec<u8>) {
     out.extend(array.to_bytes());
 }
 
-/// Reads values, one after the other. `None` stands for bytes that no worker of ours writes.
+/// Reads values, one after the other; `None` for invalid bytes.
 pub(crate) struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
         Some(value)
     }
 
-    /// Reads into what was read before: arrays of the same type and shape keep their storage.
+    /// Reads into an earlier value: arrays of the same type and shape keep their storage.
     pub(crate) fn value_into(&mut self, value: &mut Value) -> Option<()> {
         /// Deeper than any space or info of a sound environment.
         const DEPTH: usize = 64;
@@ -258,7 +258,7 @@ mod tests {
                 for byte in [0, 1, 6, 7, 8, 255] {
                     let mut damaged = bytes.clone();
                     damaged[i] = byte;
-                    // whatever it is, it ends, and takes no more memory than there are bytes
+                    // any input ends, and needs no more memory than its bytes
                     let _ = Reader::new(&damaged).value();
                 }
             }

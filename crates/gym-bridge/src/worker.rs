@@ -1,4 +1,4 @@
-//! The Python process of an environment, and how it is asked.
+//! The Python process of an environment, and its requests.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::OwnedFd;
@@ -17,7 +17,7 @@ const SCRIPT: &str = include_str!("worker.py");
 /// A reply longer than this is not one.
 const LONGEST: usize = 1 << 30; // bytes
 
-/// What a worker is asked for, by the numbers that `worker.py` knows.
+/// The requests to a worker, with the numbers in `worker.py`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Request {
     Make,
@@ -86,7 +86,7 @@ impl Worker {
     /// Asks, and waits for the reply.
     ///
     /// # Errors
-    /// The exception that Python raised; how the worker ended, if it did; that it took too long.
+    /// Python's exception, the worker's exit status, or a timeout.
     pub(crate) fn ask(&mut self, request: Request, values: &[&Value]) -> Result<Reader<'_>> {
         if let Some(how) = &self.ended {
             return Err(Error::custom(how.clone()));
@@ -120,7 +120,7 @@ impl Worker {
         self.pipe.read_exact(&mut self.frame)
     }
 
-    /// Ends the worker after a failure of the pipe, and says how it came to that.
+    /// Ends the worker after a failure of the pipe, and returns the cause.
     fn end(&mut self, request: Request, error: &io::Error) -> Error {
         let (name, asked) = (self.name.clone(), request.name());
         let how = match error.kind() {
@@ -135,7 +135,7 @@ impl Worker {
                 let status = self.wait(Duration::from_secs(1));
                 let status = status.map_or_else(|| error.to_string(), |status| status.to_string());
                 format!(
-                    "the worker of `{name}` ended during `{asked}` ({status}): what it said is on standard error; make the \
+                    "the worker of `{name}` ended during `{asked}` ({status}): standard error has its messages; make the \
                      environment anew"
                 )
             }
@@ -158,7 +158,7 @@ impl Worker {
     }
 
     fn kill(&mut self) {
-        // Both fail only where the process has ended already.
+        // Both fail only if the process has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -169,7 +169,7 @@ impl Drop for Worker {
         if self.ended.is_some() {
             return;
         }
-        // Videos may have to be finished, but nobody waits for an environment that hangs.
+        // Give the worker time to finish videos, but do not wait for one that hangs.
         let goodbye = Duration::from_secs(2);
         let asked =
             self.pipe.set_read_timeout(Some(goodbye)).is_ok() && self.ask(Request::Close, &[]).is_ok();
@@ -181,10 +181,7 @@ impl Drop for Worker {
 
 /// Bytes that the script does not write.
 pub(crate) fn malformed(name: &str, request: Request) -> Error {
-    Error::custom(format!(
-        "the worker of `{name}` answered `{}` with something that is no answer",
-        request.name()
-    ))
+    Error::custom(format!("the worker of `{name}` sent an invalid reply to `{}`", request.name()))
 }
 
 /// What Python raised.

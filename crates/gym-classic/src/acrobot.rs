@@ -1,4 +1,4 @@
-//! Acrobot: swing the tip of a two-link arm above a line, with a motor in the elbow alone.
+//! Acrobot: swing the tip of a two-link arm above a line, with a motor only in the elbow.
 //!
 //! | | |
 //! |---|---|
@@ -81,7 +81,7 @@ gym_core::arguments! {
     }
 }
 
-/// Whose equation gives the acceleration of the lower link.
+/// The source of the equation for the lower link's acceleration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Equation {
@@ -121,8 +121,8 @@ pub struct State {
     pub dtheta1: f64,
     /// Angular velocity of the second link, in rad/s.
     pub dtheta2: f64,
-    /// Whether the episode has just begun: the numbers are then those of `float32`, and so are the
-    /// sines and cosines observed.
+    /// Whether the episode has just begun: the numbers are then `float32`, and so are the observed
+    /// sines and cosines.
     pub fresh: bool,
 }
 
@@ -223,7 +223,7 @@ impl Task for AcrobotDynamics {
         canvas.push(pygame::flipped(500.0));
         let goal = [-2.2, 2.2].map(|x| [x * scale + MIDDLE, scale + MIDDLE]);
         canvas.pygame(Primitive::Lines { points: &goal, closed: false, width: 1 }, Color::BLACK);
-        // the first state is of 32 bits, and so is what numpy computes from it
+        // the first state has 32 bits, and so have numpy's results from it
         let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
         let (sin, cos) = if state.fresh {
             let (sin, cos) = numpy_sin_cos_f32(state.theta1 as f32);
@@ -250,7 +250,7 @@ impl Task for AcrobotDynamics {
     }
 }
 
-/// What the equations need, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and `LINK_COM_POS_2`.
+/// The constants of the equations, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and `LINK_COM_POS_2`.
 const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 19] {
     let Config {
         dt,
@@ -319,7 +319,7 @@ impl Equations for AcrobotDynamics {
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         let [negative, zero, positive] = self.config.AVAIL_TORQUE;
-        // not by index, which would keep the compiler from vectors
+        // not by index, which would prevent vectorisation
         [if action == Action::Negative {
             negative
         } else if action == Action::Zero {
@@ -370,7 +370,7 @@ impl Equations for AcrobotDynamics {
         state.fresh
     }
 
-    /// The first state of an episode is of `float32`, and so is what numpy computes of it.
+    /// The first state of an episode is `float32`, and so are numpy's results from it.
     fn see_otherwise(&self, state: &State) -> Option<[f32; 6]> {
         let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
         let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
@@ -446,8 +446,8 @@ fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R;
     add(y0, sum, sixth)
 }
 
-/// An angle brought between ±π turn by turn, as Gymnasium does it, for the same rounding, unless this
-/// would take forever.
+/// An angle between ±π, reduced turn by turn as in Gymnasium for the same rounding, unless this would
+/// take too long.
 #[inline(always)]
 fn wrap<R: Real>(x: R) -> R {
     const MANY: f64 = 1e4;

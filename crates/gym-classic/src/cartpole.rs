@@ -38,8 +38,8 @@ pub type CartPole = Stateful<CartPoleDynamics>;
 gym_core::arguments! {
     /// Arguments.
     ///
-    /// Gymnasium computes `total_mass` and `polemass_length` in its constructor alone: an attribute that is set later, such as
-    /// `masspole`, leaves them as they are. Here they follow from the other arguments unless they are given themselves.
+    /// Gymnasium computes `total_mass` and `polemass_length` only in its constructor: setting an attribute later, such
+    /// as `masspole`, does not change them. Here they follow from the other arguments unless given.
     #[derive(Copy)]
     pub const struct Config {
         /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
@@ -80,14 +80,14 @@ gym_core::arguments! {
     }
 }
 
-/// How positions and velocities go from one state to the next.
+/// The integration of positions and velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Integrator {
     /// Positions move with the old velocities.
     #[default]
     #[serde(rename = "euler")]
     Euler,
-    /// Positions move with the new velocities. In Gymnasium, any name but `euler` says so.
+    /// Positions move with the new velocities. In Gymnasium, any name except `euler` selects this.
     #[serde(rename = "semi-implicit euler")]
     SemiImplicitEuler,
 }
@@ -121,7 +121,7 @@ pub struct State {
     pub theta_dot: f64,
     /// Whether the episode has already terminated: steps beyond earn nothing.
     pub fallen: bool,
-    /// Whether no step was taken yet. A start may lie anywhere, as reset options say.
+    /// Whether no step was taken yet. Reset options may start anywhere.
     #[serde(default)]
     pub fresh: bool,
 }
@@ -136,7 +136,7 @@ pub struct CartPoleDynamics {
 }
 
 impl CartPoleDynamics {
-    /// Whether an episode goes on with the cart and the pole there.
+    /// Whether an episode continues with this cart and pole.
     fn is_within(&self, x: f64, theta: f64) -> bool {
         x.abs() <= self.config.x_threshold && theta.abs() <= self.config.theta_threshold_radians
     }
@@ -184,7 +184,7 @@ impl Equations for CartPoleDynamics {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
-    /// What lies beyond the thresholds ended its episode, and is not stepped again in a vector.
+    /// A state beyond the thresholds ended its episode, and is not stepped again in a vector.
     #[inline(always)]
     fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
         State { x, x_dot, theta, theta_dot, fallen: !fresh && !self.is_within(x, theta), fresh }
@@ -325,8 +325,8 @@ impl Task for CartPoleDynamics {
         Ok(State { x, x_dot, theta, theta_dot, fallen: false, fresh: true })
     }
 
-    /// With the usual constants: between the start and the end of an episode cart and pole lie within the thresholds, as they did one step
-    /// before, so that no velocity leads further than from one threshold to the other.
+    /// With the default constants: during an episode cart and pole are within the thresholds, as one step before, so no
+    /// velocity exceeds the distance of the thresholds per step.
     fn is_valid(&self, state: &State) -> bool {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;

@@ -2,15 +2,15 @@
 
 use gym_core::{Error, Result};
 
-/// The largest magnitude of a constant: far beyond any planet, and far below what overflows in one step.
+/// The largest magnitude of a constant: far beyond any planet, and far below an overflow in one step.
 const LIMIT: f64 = 1e6;
 
-/// Refuses constants that are no numbers to work with.
+/// Refuses constants that are not finite or too large.
 pub(crate) fn finite<const N: usize>(env: &str, constants: [(&str, f64); N]) -> Result<()> {
     within(env, constants, -LIMIT)
 }
 
-/// Refuses limits that are no numbers to work with, or negative.
+/// Refuses limits that are NaN or negative.
 pub(crate) fn limits<const N: usize>(env: &str, limits: [(&str, f64); N]) -> Result<()> {
     within(env, limits, 0.0)
 }

@@ -9,7 +9,7 @@
 //! | `Acrobot-v1` | swing a two-link arm above a line |
 //!
 //! All have [native vectors](gym_core::vector::native), with the same bits: the equations are written once,
-//! for one environment and for as many as a vector register holds.
+//! for one environment or as many as a SIMD register holds.
 //!
 //! Linking this crate registers them; name it (`use gym_classic as _;`) if nothing else of it is
 //! used.

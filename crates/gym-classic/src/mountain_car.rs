@@ -41,9 +41,9 @@ gym_core::arguments! {
         pub max_speed: f64 = 0.07,
         /// Where the goal is.
         pub goal_position: f64 = 0.5,
-        /// What the motor adds to the velocity in a step.
+        /// The change of velocity by the motor in a step.
         pub force: f64 = 0.001,
-        /// What the slope adds to the velocity in a step, at most.
+        /// The largest change of velocity by the slope in a step.
         pub gravity: f64 = 0.0025,
     }
 }
@@ -193,7 +193,7 @@ impl Task for MountainCarDynamics {
     }
 }
 
-/// What is observed of both mountain cars.
+/// The observation of both mountain cars.
 pub(crate) fn valley(min_position: f64, max_position: f64, max_speed: f64) -> Space {
     Space::boxed([min_position as f32, -max_speed as f32], [max_position as f32, max_speed as f32])
 }

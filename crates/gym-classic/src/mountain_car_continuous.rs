@@ -47,7 +47,7 @@ gym_core::arguments! {
         pub max_speed: f64 = 0.07,
         /// Where the goal is.
         pub goal_position: f64 = 0.45,
-        /// What a force of 1 adds to the velocity in a step.
+        /// The change of velocity by a force of 1 in a step.
         pub power: f64 = 0.0015,
     }
 }
@@ -59,7 +59,7 @@ pub struct State {
     pub position: f64,
     /// Velocity per step.
     pub velocity: f64,
-    /// Whether the episode has just begun, and the numbers are not yet those of `float32`.
+    /// Whether the episode has just begun, and the numbers are not yet `float32`.
     pub fresh: bool,
 }
 
@@ -247,7 +247,7 @@ mod tests {
 
     use super::*;
 
-    /// The force is clipped, and what was asked for is paid.
+    /// The force is clipped; the reward is of the unclipped action.
     #[test]
     fn the_cost_is_that_of_the_action_as_given() {
         let step = |force: f32| {

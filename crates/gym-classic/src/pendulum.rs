@@ -86,7 +86,7 @@ struct Start {
     y_init: Option<f64>,
 }
 
-/// What the equations need, with the square of the length.
+/// The constants of the equations, with the square of the length.
 const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     let Config { g, m, l, max_speed, max_torque, dt } = *config;
     // numpy takes both to `float32`, as the torque is
@@ -241,10 +241,10 @@ impl Task for PendulumDynamics {
 /// Where the axle is, both ways.
 const MIDDLE: f64 = 250.0;
 
-/// An arrow around the axle, as large as the torque and in its direction. Gymnasium shows a picture of
-/// one; this is drawn, with the same size and place.
+/// An arrow around the axle, with the torque's size and direction. Gymnasium loads an image; this is
+/// drawn, with the same size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // for a radius of 1; Gymnasium's circle is no circle and off the axle, so this one is neither
+    // for a radius of 1; Gymnasium's arrow is not quite circular and off the axle, so this one is too
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;

@@ -2,7 +2,7 @@
 
 use gym_core::math::atan2;
 
-/// Pushes to the side that a weighted sum of the state calls for: a linear controller, in sign alone.
+/// Pushes to the side given by the sign of a weighted sum of the state: a linear controller.
 pub(crate) fn cartpole([x, x_dot, theta, theta_dot]: &[f32; 4]) -> i64 {
     i64::from(x + 1.6 * x_dot + 18.0 * theta + 3.0 * theta_dot > 0.0)
 }
@@ -16,12 +16,12 @@ pub(crate) fn mountain_car([position, velocity]: &[f32; 2]) -> i64 {
     if low < *velocity && *velocity < high { 2 } else { 0 }
 }
 
-/// Drives along with the velocity, which gathers energy, and gently, since force costs reward.
+/// Drives in the direction of the velocity, which adds energy, and gently, because force costs reward.
 pub(crate) fn mountain_car_continuous([_, velocity]: &[f32; 2]) -> [f32; 1] {
     [if *velocity < 0.0 { -0.4 } else { 0.4 }]
 }
 
-/// Gathers energy until the pole is near the top, then holds it there.
+/// Adds energy until the pole is near the top, then holds it there.
 pub(crate) fn pendulum([cos, sin, theta_dot]: &[f32; 3]) -> [f32; 1] {
     let theta = atan2(f64::from(*sin), f64::from(*cos)) as f32;
     // per unit of inertia: that at the top is 15
@@ -31,7 +31,7 @@ pub(crate) fn pendulum([cos, sin, theta_dot]: &[f32; 3]) -> [f32; 1] {
     [torque.clamp(-2.0, 2.0)]
 }
 
-/// Pushes the lower link along with its own motion, which gathers energy.
+/// Pushes the lower link in the direction of its motion, which adds energy.
 pub(crate) fn acrobot(seen: &[f32; 6]) -> i64 {
     let [_, _, _, _, _, dtheta2] = *seen;
     if dtheta2 < 0.0 { 0 } else { 2 }

@@ -14,8 +14,9 @@ fn the_goal_itself_counts() {
     assert_eq!((after.state.position, after.state.velocity), (0.6, 0.07));
     assert!(after.terminated);
 
-    let config =
-        mountain_car_continuous::Config { goal_position: f64::from(0.6f32), goal_velocity: f64::from(0.07f32), ..Default::default() };
+    // its numbers are those of float32
+    let [goal_position, goal_velocity] = [0.6f32, 0.07].map(f64::from);
+    let config = mountain_car_continuous::Config { goal_position, goal_velocity, ..Default::default() };
     let car = mountain_car_continuous::MountainCarContinuousDynamics::new(config).unwrap();
     let before = mountain_car_continuous::State { position: 0.55, velocity: 0.07, fresh: false };
     let after = car.transition(&before, &[1.0], &mut rng).unwrap();

@@ -1,4 +1,4 @@
-//! Checks of what `step` takes and what it refuses.
+//! Checks of the actions that `step` accepts and refuses.
 
 use crate::inputs::{corners, invalid};
 use crate::subject::{SEEDS, Subject, carry_on, same};

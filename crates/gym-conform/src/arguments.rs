@@ -31,7 +31,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         let set = |other: &Json| {
             let changed = (name.clone(), other.clone());
             move |around: &Variant| {
-                // the switch itself is no surrounding of its own
+                // the switch itself is not a surrounding
                 let is_other = around.spec.kwargs.get(name).is_none_or(|now| now == value);
                 is_other.then(|| around.clone().with_arguments([changed.clone()]))
             }

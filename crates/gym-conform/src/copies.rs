@@ -73,11 +73,11 @@ fn unused(subject: &Subject<'_>) -> Verdict {
     same(&roll_out(&mut new, 0, STEPS)?, &roll_out(&mut used, 0, STEPS)?, what)
 }
 
-/// Whether a copy taken in the middle of an episode goes on as an original of which none was taken.
+/// Whether a copy taken in the middle of an episode continues like an original that was not copied.
 fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result<BoxEnv>) -> Verdict {
     let long = subject.long()?;
     let [early, other, late] = SEEDS;
-    // a copy taken early that goes on for long, and one taken late
+    // a copy taken early that runs long, and one taken late
     for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
         let mut env = subject.after(seed, before)?;
         let copied = copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after));
@@ -93,7 +93,7 @@ fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result
     Ok(())
 }
 
-/// What no environment writes is refused, and a refusal changes nothing.
+/// Content that no environment writes is refused, and a refusal changes nothing.
 pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let state = |snapshot: &Snapshot| snapshot.get::<Json>();
@@ -115,7 +115,7 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     same(&carry_on(&mut midway()?, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)
 }
 
-/// What `restore` accepts is a state that the environment can be in.
+/// `restore` accepts only states that the environment can reach.
 pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
     subject.damaged()?.illegal()
 }

@@ -7,7 +7,7 @@ use serde_json::{Map, Value as Json, json};
 /// A way to a part: keys of objects and indices of arrays.
 type Path = Vec<String>;
 
-/// One part of a snapshot, and what could stand there instead.
+/// One part of a snapshot, and its replacements.
 pub(crate) struct Damage {
     pointer: String,
     other: Json,
@@ -51,7 +51,7 @@ impl Damage {
 }
 
 /// Every kind of damage to every field and container, and a few kinds to the first and the last element of a long
-/// array. The snapshot of a large world, which takes long to read, has a few kinds for each field.
+/// array. A large snapshot, which takes long to read, gets a few kinds for each field.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
     /// More parts are a large world's.
     const MANY: usize = 200;
@@ -93,7 +93,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     let others = |part: &Json, _| match part {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
-            // a number may be several in one, such as row, column and passenger
+            // a number may encode several, such as row, column and passenger
             (Some(int), _) => (0..10)
                 .flat_map(|power| [1 << power, -(1 << power)])
                 .map(|by| json!(int.saturating_add(by)))
@@ -106,7 +106,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     damages_by(good, representatives(good), others)
 }
 
-/// What could stand there instead: something of another kind, of another size, or a little off.
+/// The replacements: a value of another kind, of another size, or slightly off.
 fn others(part: &Json) -> Vec<Json> {
     let mut others = match part {
         Json::Number(number) => {
@@ -149,16 +149,16 @@ enum Place {
     Last,
 }
 
-/// Every part once, of those that differ in the index within a long array alone the first and the last.
+/// Every part once; of a long array only the first and the last element.
 fn representatives(json: &Json) -> Vec<(Path, Place)> {
-    /// Longer arrays are lists, of elements much alike.
+    /// Longer arrays count as lists of similar elements.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
     for path in paths(json) {
         let mut kind = Vec::new();
         for (depth, step) in path.iter().enumerate() {
             let items = json.pointer(&pointer(&path[..depth])).and_then(Json::as_array);
-            // tuples have few elements, each of its own meaning
+            // tuples have few elements with different meanings
             kind.push(if items.is_some_and(|items| items.len() > TUPLE) { "*" } else { step });
         }
         let kind = kind.join("/");
@@ -174,7 +174,7 @@ fn representatives(json: &Json) -> Vec<(Path, Place)> {
     chosen
 }
 
-/// The ways to all parts, containers before what they hold.
+/// The paths to all parts, containers before their contents.
 fn paths(json: &Json) -> Vec<Path> {
     fn walk(json: &Json, path: &mut Path, paths: &mut Vec<Path>) {
         paths.push(path.clone());

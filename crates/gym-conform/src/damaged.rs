@@ -1,4 +1,4 @@
-//! What an environment does with damaged snapshots, each tried once for all checks.
+//! The reaction of an environment to damaged snapshots, each tried once for all checks.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -24,9 +24,9 @@ impl Damaged {
         let good = env.snapshot()?.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
-        // what goes wrong without damage is for other checks to tell
+        // other checks report failures without damage
         let steps = sound_steps(env.clone(), &space)?;
-        // what a refusal leaves behind depends on how far it was read
+        // the state after a refusal depends on how far the snapshot was read
         let mut looked_at = String::new();
         for damage in damages(&good) {
             let snapshot = damage.done_to(&mut stored, Snapshot::of)?;
@@ -101,7 +101,7 @@ impl Damaged {
     }
 }
 
-/// For how many steps, up to some, nothing is wrong.
+/// The number of steps without a fault, up to a limit.
 fn sound_steps(mut env: BoxEnv, space: &Space) -> Result<usize> {
     const STEPS: usize = 20;
     let mut actions = env.action_sampler(0)?;

@@ -104,7 +104,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
             continue;
         }
         if mode == RenderMode::Human {
-            // opens a window: what it shows are the pictures of rgb_array
+            // opens a window, which shows the frames of rgb_array
             if !metadata.render_modes.contains(&RenderMode::RgbArray) {
                 return broken(
                     "`render_modes` names human without rgb_array, though both show the same drawing",

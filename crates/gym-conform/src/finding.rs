@@ -1,4 +1,4 @@
-//! What a check says about an environment.
+//! The result of a check.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Severity {
-    /// Something that users rely on does not hold.
+    /// A rule that users rely on is broken.
     Error,
     /// It works, and is harder to use than it has to be.
     Warning,

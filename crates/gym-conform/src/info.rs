@@ -24,7 +24,7 @@ pub(crate) fn consistent(subject: &Subject<'_>) -> Verdict {
     })
 }
 
-/// Vectors gather entries in columns: each has one type, and is there after every step.
+/// Vectors collect entries in columns: each has one type, and is present after every step.
 pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     let mut forms: BTreeMap<String, String> = BTreeMap::new();
     let mut keys: [Option<BTreeSet<String>>; 2] = [None, None];
@@ -33,7 +33,7 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
             Shown::Reset(_, info) => (0, "reset", info),
             Shown::Step(_, info) => (1, "step", info),
         };
-        // comes at the end of an episode, from a wrapper
+        // a wrapper adds it at the end of an episode
         let info = || info.iter().filter(|(key, _)| *key != "episode");
         let now: BTreeSet<String> = info().map(|(key, _)| key.clone()).collect();
         let before = keys[kind].get_or_insert_with(|| now.clone());

@@ -3,7 +3,7 @@
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Space, Value};
 
-/// The first elements and the last one of a space of numbers, and where it has several numbers, mixtures of both.
+/// The first and last elements of a space of numbers, and mixtures of both if it has several numbers.
 pub(crate) fn corners(space: &Space) -> Vec<Value> {
     const FIRST: i64 = 8;
     match space {
@@ -78,14 +78,14 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         ];
         actions.extend(others.into_iter().flatten().map(Value::Array));
     }
-    // an element of the space is what it takes
+    // elements of the space are valid
     actions.retain(|action| !space.contains(action));
     actions
 }
 
 /// The array with a single element that no action has there.
 fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
-    /// Pictures have thousands, all treated alike.
+    /// Images have thousands, all treated the same.
     const MAX: usize = 16;
     let (dtype, shape) = (valid.dtype(), valid.shape());
     let elements = 0..valid.len().min(MAX);

@@ -1,5 +1,5 @@
 //! The rules of [`Env`](gym_core::Env) as checks that run against any environment: Gymnasium's `check_env`, its passive
-//! checker and `check_environments_match`, and what Rust allows beyond them.
+//! checker and `check_environments_match`, and more that Rust allows.
 //!
 //! A plugin's tests run all checks over all of its environments in one line (see [`suite!`]), `cargo xtask
 //! conform` over everything that is linked, or over a crate on disk.
@@ -17,9 +17,8 @@
 //! assert_eq!(findings[0].check, "constructs"); // there is no such environment here
 //! ```
 //!
-//! Whoever links this crate counts allocations: it replaces the program's allocator by one that counts, so it belongs
-//! among the `[dev-dependencies]`. Without the feature `checks` there are recorded episodes alone, the module [`trace`],
-//! and the allocator stays.
+//! This crate replaces the program's allocator by one that counts, so make it a dev-dependency. Without the feature
+//! `checks` it has only recorded episodes, the module [`trace`], and does not replace the allocator.
 //!
 //! Some faults no check sees, and a test of your own should: an action that is refused in states that neither random nor held
 //! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode

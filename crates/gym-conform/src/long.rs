@@ -1,4 +1,4 @@
-//! Longer runs than those that are compared: what happens late, where one action is held, and after odd actions.
+//! Longer runs than the compared ones: late states, one action held, and unusual actions.
 
 use crate::inputs::{corners, huge};
 use crate::look::look;
@@ -31,7 +31,7 @@ impl LongRuns {
             runs.run(&mut env, &format!("{action} held"), HELD, || action.clone())?;
         }
         for action in huge(&space) {
-            // what is beyond the space may be refused
+            // actions beyond the space may be refused
             if env.reset(1).is_ok() && env.step(&action).is_ok() {
                 runs.run(&mut env, &format!("{action}, which is accepted, held"), ODD, || action.clone())?;
             }

@@ -3,7 +3,7 @@
 use crate::subject::alike;
 use gym_core::{Element, Env, EnvExt, Error, Info, Result};
 
-/// How much of `info` two environments must share.
+/// The parts of `info` that two environments must share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InfoComparison {
@@ -23,7 +23,7 @@ pub enum InfoComparison {
 /// What [`environments_match`] compares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matching {
-    /// How many steps to take; 0 compares the reset alone.
+    /// The number of steps; 0 compares only the reset.
     pub num_steps: usize,
     /// Seeds the resets and the actions.
     pub seed: u64,
@@ -35,7 +35,7 @@ pub struct Matching {
     pub skip_terminal: bool,
     /// Leaves out `truncated`.
     pub skip_truncated: bool,
-    /// Leaves out what `render` returns. It is left out as well unless both environments have a render mode
+    /// Does not compare rendering. By default rendering is compared if both environments have a render mode
     /// other than `human`.
     pub skip_render: bool,
     /// What to compare of `info`.
@@ -80,7 +80,7 @@ impl Default for Matching {
 /// ```
 ///
 /// # Errors
-/// [`Error::Custom`] with the first difference, and whatever a reset or a step answers.
+/// [`Error::Custom`] with the first difference, and the errors of a reset or step.
 pub fn environments_match<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching) -> Result<()> {
     let differ = |what: &str, a: &dyn std::fmt::Display, b: &dyn std::fmt::Display| {
         Err(Error::custom(format!("the environments differ in {what}: {a} and {b}")))

@@ -1,4 +1,4 @@
-//! Checks of what steps give: observations and rewards.
+//! Checks of the results of steps: observations and rewards.
 
 use crate::subject::{SEEDS, Shown, Subject, alike, each_event, roll_out_into};
 use crate::verdict::{Verdict, broken};

@@ -45,7 +45,7 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Each named option takes its example, and refuses what is nothing like it.
+/// Each named option accepts its example, and refuses unlike values.
 pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     for (name, example) in examples(subject)? {
         if let Err(error) = subject.make()?.reset(Reset::seed(0).option(name, example.clone())) {

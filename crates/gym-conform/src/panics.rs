@@ -46,7 +46,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     odd_arguments(subject)
 }
 
-/// Runs `f`, whose errors are no matter here.
+/// Runs `f` and ignores its errors.
 fn attempt(what: &str, f: impl FnOnce() -> Result<()>) -> Verdict {
     match catch_unwind(AssertUnwindSafe(f)) {
         Ok(_) => Ok(()),
@@ -95,7 +95,7 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     Ok(actions)
 }
 
-/// The options that the registration names, and some that stand in it nowhere, with values that none of them expects.
+/// The options that the registration names, and some that it does not, with unexpected values.
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values =
         [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
@@ -106,7 +106,7 @@ fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Jso
         .flat_map(move |name| values.clone().map(|value| (name, value)))
 }
 
-/// Arguments of each name with values out of range, and an episode with those that are accepted.
+/// Each argument with values out of range, and an episode with accepted ones.
 fn odd_arguments(subject: &Subject<'_>) -> Verdict {
     let Some((spec, kwargs)) = subject.arguments() else { return Ok(()) };
     for (name, default) in &kwargs {

@@ -36,11 +36,11 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Shows `visit` the pictures of some steps, each with the text of its observation and the place to name it by.
+/// Calls `visit` with the frames of some steps, each with the text of its observation and its place.
 fn each_frame(subject: &Subject<'_>, mut visit: impl FnMut(&Frame, &str, &str) -> Verdict) -> Verdict {
     let env = subject.make()?;
     if !env.metadata().render_modes.contains(&RenderMode::RgbArray) {
-        return skipped("it draws no pictures");
+        return skipped("it cannot be drawn");
     }
     if painter().is_none() {
         return skipped("no crate that draws is linked: add gym-render and `use gym_render as _;`");

@@ -1,4 +1,4 @@
-//! Checks of what is said about an environment.
+//! Checks of the facts in a registration.
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};

@@ -9,7 +9,7 @@ use crate::checks::CHECKS;
 use crate::finding::{Finding, Severity};
 use gym_core::{Error, Result};
 
-/// What the checks found out about one environment.
+/// The findings about one environment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Report {
@@ -17,7 +17,7 @@ pub struct Report {
     pub id: String,
     /// The rules it breaks.
     pub findings: Vec<Finding>,
-    /// The rules it breaks for a reason that its registration gives.
+    /// The rules it breaks with a reason in its registration.
     pub excused: Vec<Excused>,
     /// The rules that were not checked.
     pub skipped: Vec<Skipped>,

@@ -68,9 +68,10 @@ impl fmt::Display for Slow {
     }
 }
 
-/// How to make an environment without what hides its faults, if its spec makes just what `make` does.
+/// How to make an environment without the wrappers that hide its faults, if its spec makes only the stack of
+/// `make`.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
-    // a panic shows again, and is told, when the first check makes an environment
+    // the first check makes an environment again, and reports a panic
     let stacks = catch_unwind(AssertUnwindSafe(|| {
         let made = make().ok()?;
         let spec = made.spec()?;
@@ -97,7 +98,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
     };
     for check in CHECKS {
         if let Some(needed) = check.needs.iter().find(|needed| !passed.contains(*needed)) {
-            skipped.push(Skipped { check: check.name, reason: format!("it rests on {needed}") });
+            skipped.push(Skipped { check: check.name, reason: format!("it depends on {needed}") });
             continue;
         }
         let started = Instant::now();
@@ -117,7 +118,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // what has nothing to say stands in nobody's way
+                    // a check without a finding does not block others
                     passed.push(check.name);
                     skipped.push(Skipped { check: check.name, reason });
                     continue;
@@ -137,7 +138,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
     {
         findings.push(finding(no_panic, format!("during {}: {panicked}", check.name)));
     }
-    // A call that fails is told by the check that is about it; where none is, it is told here.
+    // The check of a call reports its failure; calls without a check are reported here.
     let is_explained = findings.iter().any(|finding| finding.severity == Severity::Error);
     for (check, error) in errors {
         if is_explained {
@@ -150,10 +151,10 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
 }
 
 /// Runs every check over registered environments, several at a time. Each is checked without `OrderEnforcing` and
-/// `PassiveEnvChecker`, which would hide what the environment itself does.
+/// `PassiveEnvChecker`, which would hide its own behaviour.
 ///
 /// # Errors
-/// What is wrong with an id. An environment that does not keep the rules is no error but a report.
+/// An error about an id. A broken rule is not an error but part of a report.
 pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
@@ -165,7 +166,7 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
-    // whoever is free takes the next one: some take a hundred times as long as others
+    // a free thread takes the next one: some take a hundred times as long as others
     let next = AtomicUsize::new(0);
     let work = || {
         let mut reports = Vec::new();

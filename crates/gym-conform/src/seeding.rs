@@ -4,7 +4,7 @@ use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed};
 
-/// How many seeds or resets must tell episodes apart.
+/// The number of seeds or resets that must give different episodes.
 const TRIES: u64 = 20;
 
 pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
@@ -38,7 +38,7 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
     same(subject.first_run()?, &again, "a later environment with the same seed and actions, in a long run,")
 }
 
-/// Episodes that follow a seeded one that was left, and one that was not begun.
+/// Episodes after an abandoned seeded one, and after one that was not begun.
 fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
     let mut env = subject.midway(seed)?;
     env.reset(())?;
@@ -54,7 +54,7 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     for seed in SEEDS {
         let first = roll_out(&mut env, seed, STEPS)?;
-        // leave it in the middle of another episode
+        // abandon it in the middle of another episode
         roll_out(&mut env, seed + 1, 7)?;
         let second = roll_out(&mut env, seed, STEPS)?;
         same(&first, &second, "a used environment with the same seed and actions")?;
@@ -78,7 +78,7 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// An episode of always the same actions, so that only the environment's own randomness can tell it from another.
+/// An episode of fixed actions, so that two differ only by the environment's own randomness.
 fn episode(env: &mut BoxEnv, reset: Reset) -> Result<Vec<Shown>> {
     let observation = env.reset(reset)?;
     let mut shown = vec![Shown::Reset(observation, env.info_map())];
@@ -97,7 +97,7 @@ pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
             return seeds_count(subject, &mut env);
         }
     }
-    broken(format!("{TRIES} seeds give the same episode, yet there is randomness"))
+    broken(format!("{TRIES} seeds give the same episode, although it is random"))
 }
 
 /// Every bit of a seed decides, and without a seed chance does.
@@ -152,7 +152,7 @@ fn not_always_true(
         }
         distinct += u64::from(plain(env, seed + 1)? != plain(env, seed)?);
     }
-    // where few episodes differ, it is chance
+    // if few episodes differ, it is chance
     if distinct * 2 > TRIES { broken(what) } else { Ok(()) }
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         Ok(env.generator().cloned())
     };
     let (Some(first), Some(again), Some(other)) = (seeded(1)?, seeded(1)?, seeded(2)?) else {
-        return broken("`generator` is None after a reset, yet there is randomness");
+        return broken("`generator` is None after a reset, although episodes are random");
     };
     match (first == again, first == other) {
         (false, _) => broken("after the same seed `generator` lends another state"),

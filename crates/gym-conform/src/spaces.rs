@@ -7,7 +7,7 @@ use gym_core::{BoxEnv, Env, Space};
 /// The longest side of an action that counts as normalised.
 const NORMAL: f64 = 1.0;
 
-/// Calls `visit` with both spaces and each space within, and where it is.
+/// Calls `visit` with both spaces and each inner space, and its place.
 fn each(subject: &Subject<'_>, mut visit: impl FnMut(&str, &Space) -> Verdict) -> Verdict {
     let env = subject.make()?;
     within("the observation space", &env.observation_space(), &mut visit)?;
@@ -48,7 +48,7 @@ pub(crate) fn not_empty(subject: &Subject<'_>) -> Verdict {
             Space::Text(space) => space.max_length() == 0,
             _ => space.shape().is_some_and(|shape| shape.contains(&0)),
         };
-        if is_empty { broken(format!("{place} is {space}, in which there is nothing")) } else { Ok(()) }
+        if is_empty { broken(format!("{place} is {space}, which has no elements")) } else { Ok(()) }
     })
 }
 
@@ -95,7 +95,7 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         Ok(())
     });
     match verdict {
-        // steps that fail have a check of their own
+        // another check reports failing steps
         Err(Trouble::Error(_)) => Ok(()),
         verdict => verdict,
     }

@@ -1,4 +1,4 @@
-//! What is checked, and how its episodes are played and compared.
+//! The subject of the checks: its episodes, and their comparison.
 
 use std::cell::OnceCell;
 
@@ -10,7 +10,7 @@ use gym_core::{
     registry,
 };
 
-/// Episodes are compared over this many steps, through several resets where they are short.
+/// Episodes are compared over this many steps, through several resets if they are short.
 pub(crate) const STEPS: usize = 150;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
@@ -21,25 +21,25 @@ pub(crate) struct Subject<'a> {
     first_run: OnceCell<Vec<Shown>>,
     /// An episode for each seed, played once for all checks that only look.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
-    /// What longer runs show, played once as well.
+    /// The longer runs, also played once.
     long_runs: OnceCell<LongRuns>,
     /// What becomes of damaged snapshots.
     damaged: OnceCell<Damaged>,
-    /// How it was made, and how it is registered, if it is.
+    /// How it was made, and its registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
 }
 
 impl<'a> Subject<'a> {
     pub(crate) fn new(make: &'a dyn Fn() -> Result<BoxEnv>) -> Self {
-        // a panic shows again, and is told, when the first check makes an environment
+        // the first check makes an environment again, and reports a panic
         let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| make().ok()?.spec()));
         let spec = made.ok().flatten();
         let registration = spec.as_ref().and_then(|spec| registry::find(&spec.id).ok());
         Self::with(make, spec, registration)
     }
 
-    /// What `make` makes of a spec, which may fail.
+    /// The result of `make` for a spec.
     pub(crate) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
         Self::with(make, Some(spec), registration)
@@ -60,7 +60,7 @@ impl<'a> Subject<'a> {
         (self.make)()
     }
 
-    /// A fresh environment without a time limit, if it can be told apart: what is in its snapshots is its own.
+    /// A new environment without a time limit, if it can be identified: its snapshots contain only its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
             // what is wrapped may need the limit
@@ -83,14 +83,14 @@ impl<'a> Subject<'a> {
         self.after(seed, 5)
     }
 
-    /// A fresh environment that many steps after its first reset, through other resets where episodes end.
+    /// A new environment that many steps after its first reset, with resets after episodes.
     pub(crate) fn after(&self, seed: u64, steps: usize) -> Result<BoxEnv> {
         let mut env = self.make()?;
         roll_out(&mut env, seed, steps)?;
         Ok(env)
     }
 
-    /// The steps of a comparison that sees what matters late: to the time limit, within reason.
+    /// The number of steps of a long comparison: to the time limit, within reason.
     pub(crate) fn long(&self) -> Result<usize> {
         let limit = self.spec.as_ref().and_then(|spec| spec.max_episode_steps).unwrap_or(1000);
         Ok(if self.shows_pictures()? { 400 } else { limit.clamp(400, 1600) as usize })
@@ -110,8 +110,8 @@ impl<'a> Subject<'a> {
         Ok(self.long()?.max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
-    /// A long run of the first seed, which is played before anything else is: what counts steps beyond the
-    /// environment has counted none then.
+    /// A long run of the first seed, played first, before any state outside the environment has counted
+    /// steps.
     pub(crate) fn first_run(&self) -> Result<&[Shown]> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
@@ -120,7 +120,7 @@ impl<'a> Subject<'a> {
         Ok(self.first_run.get_or_init(|| run))
     }
 
-    /// What happens in an episode of each seed.
+    /// An episode of each seed.
     fn events(&self) -> Result<&[(u64, Vec<Shown>)]> {
         if let Some(events) = self.events.get() {
             return Ok(events);
@@ -131,7 +131,7 @@ impl<'a> Subject<'a> {
         Ok(self.events.get_or_init(|| events))
     }
 
-    /// What is wrong in long and in odd runs.
+    /// The faults of long and unusual runs.
     pub(crate) fn long_runs(&self) -> Result<&LongRuns> {
         if let Some(runs) = self.long_runs.get() {
             return Ok(runs);
@@ -149,7 +149,7 @@ impl<'a> Subject<'a> {
         Some((spec.clone(), kwargs))
     }
 
-    /// What becomes of damaged snapshots, taken some steps into an episode.
+    /// The results of damaged snapshots, taken some steps into an episode.
     pub(crate) fn damaged(&self) -> Result<&Damaged> {
         if let Some(damaged) = self.damaged.get() {
             return Ok(damaged);
@@ -166,7 +166,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// What an environment showed after one reset or step.
+/// The results of one reset or step.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Shown {
     Reset(Value, Info),
@@ -181,7 +181,7 @@ impl Shown {
     }
 }
 
-/// Random actions for `steps` steps, with unseeded resets where an episode ends.
+/// Random actions for `steps` steps, with unseeded resets after episodes.
 pub(crate) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(seed)?;
     let mut shown = vec![Shown::Reset(observation, info(env))];
@@ -245,7 +245,7 @@ pub(crate) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &s
     Ok(())
 }
 
-/// Says where two histories part. NaN counts as equal to itself: it has a check of its own.
+/// The first difference of two histories. NaN counts as equal to itself, as another check reports it.
 pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
     match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
         None => Ok(()),
@@ -257,8 +257,8 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
     a == b || format!("{a:?}") == format!("{b:?}")
 }
 
-/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers that hold
-/// what `buffer` makes of the last observation.
+/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers that
+/// `buffer` made from the last observation.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,

@@ -38,7 +38,7 @@ pub fn assert_conforms(crate_name: &str) {
 
 /// A plugin's test: makes a `#[test]` that runs every check over every environment that a crate registers.
 ///
-/// It stands in a file of the folder `tests`, with the crate's name as it is in `use`:
+/// Put it in a file of the folder `tests`, with the crate's name as in `use`:
 ///
 /// ```
 /// # use gym_conform as my_envs;

@@ -1,4 +1,4 @@
-//! Recorded episodes: what was asked of an environment and what it answered, as JSON.
+//! Recorded episodes: the calls of an environment and their results, as JSON.
 //!
 //! A trace pins an environment down to the last bit. The form is that of the references recorded
 //! from Gymnasium:
@@ -11,16 +11,15 @@
 //! ]}
 //! ```
 //!
-//! A picture may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype": "uint8"}`.
+//! A frame may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype": "uint8"}`.
 //!
 //! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
-//! lists, options may hold a `reset_mask`, and each part of an answer has a value per sub-environment.
+//! lists, options may contain a `reset_mask`, and each part of an answer has a value per sub-environment.
 //!
 //! With `"render_mode": "rgb_array"` the environment is rendered once after each event. An event then has the
-//! CRC-32 of the picture (`frame`) and of an observation that is a picture (`observation_crc32`), and the same
-//! with rectangles blackened (`frame_masked`, `observation_masked`), which the trace names: `"frame_mask":
-//! [[6, 365, 65, 380]]`, each its first column and row and its last ones. A masked checksum counts instead of
-//! the other.
+//! CRC-32 of the frame (`frame`) and of an observation that is an image (`observation_crc32`), and the same
+//! with blackened rectangles (`frame_masked`, `observation_masked`), which the trace names: `"frame_mask":
+//! [[6, 365, 65, 380]]`, as first column and row, last column and row. A masked checksum replaces the other.
 
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -35,8 +34,8 @@ use gym_core::{
 
 /// The resets and steps of one environment, or of one vector.
 ///
-/// A key that is not known is an error, so that a misspelt one is not passed over. What recorders tell of
-/// themselves, such as `gymnasium` and `numpy`, is known and left out.
+/// An unknown key is an error, so that a misspelt one is not ignored. Facts about the recorder, such as
+/// `gymnasium` and `numpy`, are accepted and dropped.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(from = "Recorded")]
 pub struct Trace {
@@ -44,17 +43,17 @@ pub struct Trace {
     pub id: String,
     /// Its constructor's arguments.
     pub kwargs: Kwargs,
-    /// Wrappers around what `make` gives, innermost first. The wall-clock time of episode statistics
-    /// is left out of such traces.
+    /// Wrappers around the environment of `make`, innermost first. Such traces leave out the
+    /// wall-clock time of episode statistics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
     /// The vector that it is a sub-environment of, if it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
-    /// The render mode, if pictures are compared: `rgb_array`.
+    /// The render mode, if frames are compared: `rgb_array`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub render_mode: Option<RenderMode>,
-    /// Rectangles of the frame that are blackened for `frame_masked`: left, top, right, bottom, all included.
+    /// Rectangles of the frame to blacken for `frame_masked`: left, top, right, bottom, inclusive.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frame_mask: Vec<[usize; 4]>,
     /// The same for `observation_masked`.
@@ -64,7 +63,7 @@ pub struct Trace {
     pub events: Vec<Event>,
 }
 
-/// Declares what a trace is read from: its own parts, and what a recorder may tell beside them.
+/// Declares the keys of a trace: its own, and those of recorders.
 macro_rules! recorded {
     ($($about:ident)*) => {
         #[derive(Deserialize)]
@@ -98,7 +97,7 @@ recorded! {
     action_seed deep info_left_out max_episode_steps md5 note policy rom seed smoothscale
     // the environment
     action_space dt frame_skip observation_space render_fps render_modes reward_threshold shape start types
-    // what was seen of the episode as a whole
+    // facts about the whole episode
     emulated first_contact frame horizon horizons info_same_twice length r#return same_twice tolerance
 }
 
@@ -120,7 +119,7 @@ pub struct VectorRequest {
     /// When they are reset.
     #[serde(default)]
     pub autoreset_mode: Autoreset,
-    /// How they are stepped; sync where it is not said.
+    /// The kind of vector; the default is sync.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<VectorKind>,
     /// Wrappers around the vector, innermost first.
@@ -153,8 +152,8 @@ pub struct Event {
     /// The entries of `info`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub info: Option<Json>,
-    /// What the environment holds beyond its observation, where a trace pins that: the bodies of a
-    /// CarRacing, whose observation is a picture.
+    /// State beyond the observation, if the trace has it: the bodies of a CarRacing, whose
+    /// observation is an image.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<Json>,
     /// CRC-32 of the frame's bytes.
@@ -163,7 +162,7 @@ pub struct Event {
     /// The same of the masked frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_masked: Option<Json>,
-    /// The same of the frame without what Gymnasium loads from a file. It is read, and not compared.
+    /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and not compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_plain: Option<Json>,
     /// CRC-32 of an observation's bytes.
@@ -221,13 +220,13 @@ impl TryFrom<&ResetRequest> for VectorReset {
 }
 
 impl Trace {
-    /// Does the same resets and steps again, and records what the environment or the vector answers now.
+    /// Repeats the resets and steps, and records the answers.
     ///
-    /// Where the trace has a `state`, `state` is asked for it; such a trace may leave the observation
-    /// out, and the answers then do so too.
+    /// If the trace has a `state`, the function `state` computes it; such a trace may leave the
+    /// observation out, and the answers then do so too.
     ///
     /// # Errors
-    /// What the environment answers with an error, and at which event.
+    /// The environment's error, with its event.
     pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
         let events = if self.vector.is_some() {
             let mut envs = self.make_vector()?;
@@ -258,7 +257,7 @@ impl Trace {
     /// The environment of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make`](gym_core::make), and for a wrapper that is not known.
+    /// As [`make`](gym_core::make), and for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         self.builder().build()
     }
@@ -266,8 +265,8 @@ impl Trace {
     /// The vector of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`](gym_core::make_vec), for a wrapper that is not known, and if this is the trace of a
-    /// single environment.
+    /// As [`make_vec`](gym_core::make_vec), for an unknown wrapper, and if this is the trace of a single
+    /// environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
         let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {
             return Err(Error::custom("this is the trace of one environment, not of a vector"));
@@ -285,8 +284,8 @@ impl Trace {
         self.wrappers.iter().cloned().fold(builder, EnvBuilder::wrap)
     }
 
-    /// Where another trace of the same requests first has another answer than this one records: the
-    /// event, the part of it, and both answers. Numbers are compared to the last bit.
+    /// The first difference from another trace of the same calls: the event, the part of it, and
+    /// both answers. Numbers are compared to the last bit.
     ///
     /// A part of the answers that no event of this trace records, such as `info`, is not compared.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
@@ -310,7 +309,7 @@ impl Trace {
     }
 }
 
-/// A part of an answer: its name, and where it is.
+/// A part of an answer: its name and its value.
 type Part = (&'static str, fn(&Event) -> Option<&Json>);
 
 /// What is compared.
@@ -357,7 +356,7 @@ impl Event {
         if self.state.is_some() {
             answer.state = state(env);
         }
-        // pictures are compared by their checksums
+        // frames are compared by checksums
         if self.observation.is_some() || (self.state.is_none() && trace.render_mode.is_none()) {
             answer.observation = Some(self.recorded(&observed));
         }
@@ -412,7 +411,7 @@ fn plain(info: Info) -> Json {
     info.into_iter().map(|(key, value)| (key, value.to_json())).collect()
 }
 
-/// The checksum of a picture of 3 bytes a pixel whose rectangles are blackened, if there are any.
+/// The checksum of an image of 3 bytes per pixel, with the rectangles blackened.
 fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json> {
     let mut pixels = pixels.to_vec();
     for (y, row) in pixels.chunks_exact_mut((3 * width).max(3)).enumerate() {
@@ -522,7 +521,7 @@ mod tests {
             other[part] = json!("another");
             let difference = recorded.first_difference(&trace(json!([reset, other]))).unwrap();
             assert!(difference.starts_with(&format!("event 1, {part}")), "{difference}");
-            // what one event leaves out and another records is compared with nothing
+            // a part that one event leaves out is not compared
             let mut lacking = step.clone();
             lacking.as_object_mut().unwrap().remove(part);
             assert!(recorded.first_difference(&trace(json!([reset, lacking]))).is_some(), "{part}");
@@ -533,7 +532,7 @@ mod tests {
         }
     }
 
-    /// Where rectangles are left out, the checksum without them counts instead of the whole picture's.
+    /// The masked checksum, if there is one, replaces that of the whole frame.
     #[test]
     fn a_masked_checksum_stands_for_the_other() {
         let event = |frame: u32, masked: Option<u32>| {

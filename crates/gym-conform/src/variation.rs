@@ -1,4 +1,4 @@
-//! Whether a change to how an environment is made or reset shows in anything.
+//! Whether a change of arguments or options has any effect.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -42,9 +42,9 @@ pub(crate) enum Effect {
     Seen,
 }
 
-/// Looks for what a change does, first where that is cheap.
+/// Looks for the effect of a change, cheapest first.
 pub(crate) struct Search {
-    /// The default, and the default with each switch the other way: a switch that is off hides what others do.
+    /// The default, and the default with each switch inverted: a switch may hide the effect of others.
     surroundings: Vec<Variant>,
     /// Episodes of the surroundings by their seeds, each played once for all changes.
     plays: BTreeMap<(usize, u64), Result<Play>>,
@@ -56,7 +56,7 @@ impl Search {
         Ok(Self { surroundings, plays: BTreeMap::new(), long: subject.long()? })
     }
 
-    /// The effect of some changes, each of which makes a variant of a surrounding, or none where it is none there.
+    /// The effect of some changes, each of which makes a variant of a surrounding, or none.
     pub(crate) fn effect(&mut self, changes: &[impl Fn(&Variant) -> Option<Variant>]) -> Effect {
         let mut effect = Effect::Refused;
         let [seed, others @ ..] = SEEDS;
@@ -89,12 +89,12 @@ impl Search {
     }
 }
 
-/// Episodes of random actions, played no further than somebody looks.
+/// Episodes of random actions, played lazily.
 struct Play {
     env: BoxEnv,
     actions: Sampler,
     options: Kwargs,
-    /// What does not change with the steps: spaces, metadata and the first drawing.
+    /// The constant parts: spaces, metadata and the first drawing.
     look: String,
     shown: Vec<Shown>,
 }
@@ -124,7 +124,7 @@ impl Play {
         Ok(&self.shown[i])
     }
 
-    /// Whether two plays part within some events, the last drawing included.
+    /// Whether two plays differ within some events, the last drawing included.
     fn differs(&mut self, other: &mut Self, events: usize) -> bool {
         if self.look != other.look {
             return true;
@@ -145,8 +145,8 @@ fn drawing(env: &BoxEnv) -> String {
     format!("{} {:?}", Calls::of(env).text, env.ansi())
 }
 
-/// Whether two variants, alike so far, part in states where random actions do not lead: from snapshots with a
-/// number or a switch changed.
+/// Whether two variants that were equal so far differ in states that random actions do not reach: from
+/// snapshots with a number or a switch changed.
 fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
     const FEW: usize = 5;
     const STEPS: usize = 20;

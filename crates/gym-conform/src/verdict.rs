@@ -9,7 +9,7 @@ pub(crate) type Verdict<T = ()> = std::result::Result<T, Trouble>;
 
 /// Why a check did not pass.
 pub(crate) enum Trouble {
-    /// The rule is broken: what was seen, and where.
+    /// The rule is broken: the fault, and its place.
     Broken(String),
     /// There was nothing to check, or nothing to check it with.
     Skipped(String),

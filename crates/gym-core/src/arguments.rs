@@ -10,7 +10,7 @@ pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
 
-    /// Sets an argument that is a number; says whether there is one of this name.
+    /// Sets an argument that is a number. Returns `false` if there is none of this name.
     fn set_number(&mut self, name: &str, x: f64) -> bool;
 }
 
@@ -30,7 +30,7 @@ pub struct Argument {
     pub versions: &'static str,
     /// The value if it is not given.
     pub default: Json,
-    /// Whether it must be given: it has no default, and is no `Option`.
+    /// Whether it must be given: it has no default and is not an `Option`.
     pub required: bool,
     takes: fn(u32) -> bool,
 }
@@ -85,7 +85,7 @@ pub fn table<C: Arguments>(defaults: &C, version: u32) -> Vec<Argument> {
     table
 }
 
-/// The arguments in JSON, where those that are not given have their value in `defaults`.
+/// The arguments from JSON; missing ones have their value in `defaults`.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] about `whose` arguments for a name that the version does not take, and for a value of another
@@ -107,7 +107,7 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
     let Json::Object(values) = &mut all else { return Err(invalid("arguments are a JSON object".into())) };
     values.extend(given.iter().map(|(name, value)| (name.clone(), value.clone())));
     serde_json::from_value(all).map_err(|error| {
-        // serde does not say which: the one that is wrong by itself, else what it complains about
+        // serde does not name the argument: find the one that fails by itself, else repeat serde's message
         let alone = |(name, value): &(&String, &Json)| {
             let one = Json::Object([((*name).clone(), (*value).clone())].into_iter().collect());
             serde_json::from_value::<C>(one).is_err()
@@ -124,13 +124,13 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
 
 /// The type of an argument. Implement it for types of your own that are arguments.
 pub trait ArgumentType {
-    /// Whether an argument of this type that has no default value may be left out.
+    /// Whether an argument of this type without a default may be left out.
     const OPTIONAL: bool = false;
 
     /// The type in the words of JSON: `boolean`, `number`, `list of strings`.
     fn kind() -> String;
 
-    /// A number as this type, where it is one of numbers.
+    /// Converts a number to this type, if it is a number type.
     fn from_number(x: f64) -> Option<Self>
     where
         Self: Sized,
@@ -198,14 +198,15 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 
 /// Defines a struct of arguments: with serde, [`Default`], and the table of [`Arguments`].
 ///
-/// A field without a default value must be given in JSON, unless it is an `Option`; in Rust it is then that of its type.
-/// Each field has its documentation, then, where there is something to say, its unit and the versions of the id that take
-/// it, and its default value. A field under `#[flatten]` is another such struct, whose arguments are taken over; its default
-/// value may be left out, and `#[flatten(name = 3..)]` changes which versions take one of them.
+/// A field without a default value must be given in JSON, unless it is an `Option`; `Default` uses the default of its
+/// type. A field has documentation, optionally a unit and the versions of the id that have it, and a default value. A
+/// field with `#[flatten]` is another such struct and contributes its arguments; its default value may be left out, and
+/// `#[flatten(name = 3..)]` changes the versions of one of them.
 ///
-/// `const struct` gives the default values as the constant `DEFAULT` too.
+/// `const struct` also defines the constant `DEFAULT` with the default values.
 ///
-/// The crate needs `serde` with the feature `derive`. A type that is not one of JSON's implements [`ArgumentType`].
+/// The crate needs `serde` with the feature `derive`. Types without a JSON counterpart must implement
+/// [`ArgumentType`].
 ///
 /// ```
 /// gym_core::arguments! {

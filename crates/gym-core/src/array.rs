@@ -49,7 +49,7 @@ impl Array {
     /// An array of that shape.
     ///
     /// # Errors
-    /// [`Error::Custom`] where the shape holds another number of elements than `data`.
+    /// [`Error::Custom`] if the shape has another number of elements than `data`.
     pub fn new(shape: impl Into<Vec<usize>>, data: Data) -> Result<Self> {
         let shape = shape.into();
         match shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n)) {
@@ -73,7 +73,7 @@ impl Array {
         }
     }
 
-    /// The array of as many bytes, little-endian, as the shape asks for; `None` for other numbers of bytes.
+    /// An array from little-endian bytes; `None` if their number does not fit the shape.
     pub fn from_bytes(dtype: DType, shape: impl Into<Vec<usize>>, bytes: &[u8]) -> Option<Self> {
         let shape = shape.into();
         let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n))?;
@@ -89,7 +89,7 @@ impl Array {
         self.data.to_bytes()
     }
 
-    /// Overwrites the numbers with those of as many bytes; `false` for other numbers of bytes, which change nothing.
+    /// Overwrites the numbers from bytes. Returns `false` and changes nothing if the number of bytes does not fit.
     pub fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
         self.data.fill_bytes(bytes)
     }
@@ -153,10 +153,10 @@ impl Array {
         Some(self.data.get_f64(flat))
     }
 
-    /// Overwrites the numbers with those of an array of as many, cast as numpy's `astype`.
+    /// Overwrites the numbers with those of another array, cast as by numpy's `astype`.
     ///
     /// # Errors
-    /// [`Error::Contract`] if it has another number of them.
+    /// [`Error::Contract`] if the arrays have different numbers of elements.
     pub fn assign_cast(&mut self, source: &Self) -> Result<()> {
         if self.len() != source.len() {
             let [from, to] = [source.len(), self.len()];
@@ -198,8 +198,7 @@ impl Array {
         });
     }
 
-    /// Overwrites each number with the larger of it and that of an array of the same form, as numpy's
-    /// `maximum`: NaN wins.
+    /// Overwrites each number with the larger of two, as numpy's `maximum`: NaN if either is NaN.
     pub fn maximum(&mut self, other: &Self) {
         with_type!(self.dtype(), T => {
             let numbers = self.as_mut_slice::<T>().unwrap_or_default().iter_mut();

@@ -10,10 +10,9 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 
 /// An environment whose type is erased, with [`Value`]s for observations and actions.
 ///
-/// It implements [`Env`] itself, so wrappers and generic code take it like any typed environment.
-/// It accepts an action only if it has the kind, type and shape of the action space; a number
-/// beyond the bounds of a `Box` reaches the environment, which clips it or not as Gymnasium's
-/// does.
+/// It implements [`Env`], so wrappers and generic code accept it. An action must have the kind,
+/// type and shape of the action space. A number beyond the bounds of a `Box` reaches the
+/// environment, which clips it if Gymnasium's does.
 pub struct BoxEnv {
     env: Box<dyn Erased>,
     /// How often it was reset, stepped or restored.
@@ -26,13 +25,13 @@ impl BoxEnv {
         Self { env: Box::new(Layer(env)), moves: 0 }
     }
 
-    /// Puts another environment in the place of this one. A vector that holds this one keeps what it knows of the episode,
-    /// such as whether a reset is due.
+    /// Replaces this environment by another. A vector that holds it keeps its own record of the episode, such as a
+    /// pending reset.
     pub fn replace_with(&mut self, other: Self) {
         self.env = other.env;
     }
 
-    /// Changes with every reset, step and restore, so that a vector knows of those that it did not ask for.
+    /// Changes with every reset, step and restore, so that a vector detects those it did not request.
     pub(crate) fn moves(&self) -> u64 {
         self.moves
     }

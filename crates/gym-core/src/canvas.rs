@@ -1,8 +1,8 @@
-//! The drawing surface that environments know: a few vector shapes, at any size.
+//! The drawing surface of environments: a few vector shapes, at any size.
 //!
 //! An environment draws in the pixels of its own frame size (see
-//! [`Metadata`](crate::render::Metadata)), origin top left, y down. What is behind the canvas
-//! decides the real size: `gym-render` rasterises it, writes it as SVG, or records it.
+//! [`Metadata`](crate::render::Metadata)), origin top left, y down. The canvas decides the real
+//! size: `gym-render` has one for pixels, one for SVG, and one that records calls.
 
 use std::f64::consts::PI;
 use std::fmt::{self, Write};
@@ -59,7 +59,7 @@ pub enum Segment {
     Close,
 }
 
-/// What can be filled or stroked.
+/// A shape to fill or stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape<'a> {
     /// Points joined by straight lines, closed.
@@ -88,8 +88,8 @@ pub enum Shape<'a> {
 
 /// One call of pygame, with its numbers as Gymnasium passes them: coordinates name the centres of pixels.
 ///
-/// A canvas at Gymnasium's own size draws them as pygame does, to the last bit; any other draws smooth
-/// shapes that look alike.
+/// A canvas at Gymnasium's own size draws them as pygame does, to the last bit; any other draws
+/// similar smooth shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Primitive<'a> {
     /// `gfxdraw.hline`: the pixels of a row between two columns.
@@ -217,8 +217,7 @@ impl Transform {
     }
 }
 
-/// A surface to draw on. The required methods are all that a back end needs; the others are
-/// shorthands for them.
+/// A surface to draw on. A back end implements the required methods; the others are shorthands.
 pub trait Canvas {
     /// Covers everything in one colour.
     fn clear(&mut self, color: Color);
@@ -233,7 +232,7 @@ pub trait Canvas {
     /// the baseline. Text is upright in a y-down picture.
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color);
 
-    /// Draws what follows in inner coordinates, until the matching [`pop`](Canvas::pop).
+    /// Draws in inner coordinates until the matching [`pop`](Canvas::pop).
     fn push(&mut self, transform: Transform);
 
     /// Returns to the coordinates before the last [`push`](Canvas::push).
@@ -244,8 +243,8 @@ pub trait Canvas {
         smooth(self, primitive, color);
     }
 
-    /// Draws what follows on a surface of the size `from`, until the matching [`pop`](Canvas::pop); pygame's
-    /// `smoothscale` then shrinks it to the size `to`, in the pixels of this canvas.
+    /// Draws on a surface of the size `from` until the matching [`pop`](Canvas::pop); pygame's `smoothscale`
+    /// then shrinks it to the size `to`, in the pixels of this canvas.
     fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
         let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
         self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
@@ -277,7 +276,7 @@ pub trait Canvas {
     }
 }
 
-/// Draws the shapes that one of pygame's calls stands for.
+/// Draws one of pygame's calls as smooth shapes.
 pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, color: Color) {
     const THIN: f64 = 1.0;
     match primitive {
@@ -313,7 +312,7 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
     }
 }
 
-/// A canvas on which nothing is drawn: to time a drawing, or to see that it does not fail.
+/// A canvas that draws nothing: for timing a drawing, or checking that it does not fail.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Blank;
 
@@ -343,7 +342,7 @@ pub struct Label {
 }
 
 impl Label {
-    /// The text; a piece that does not fit is left out, with all that follows.
+    /// The text, truncated to what fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
         let mut label = Self::default();
         // the only error is that it is full

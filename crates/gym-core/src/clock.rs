@@ -3,7 +3,7 @@
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
-/// In a browser's module there is no clock that `std` could read: everything takes no time.
+/// WebAssembly without an operating system has no clock: times are zero.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instant;

@@ -1,4 +1,4 @@
-//! Numbers of one type, whichever it is.
+//! Numbers of one type, chosen at run time.
 
 use std::fmt;
 
@@ -114,7 +114,7 @@ macro_rules! dtypes {
                 match self { $(Self::$variant(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect()),* }
             }
 
-            /// Overwrites the numbers with those of as many bytes, or returns `false`.
+            /// Overwrites the numbers from bytes. Returns `false` if the number of bytes does not fit.
             pub(crate) fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
                 match self { $(Self::$variant(values) => {
                     let (numbers, rest) = bytes.as_chunks();

@@ -1,4 +1,4 @@
-//! The environment trait and what its methods exchange.
+//! The environment trait, and the types of its methods.
 
 use std::any::{Any, TypeId};
 
@@ -31,9 +31,9 @@ use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, 
 /// }
 /// ```
 ///
-/// The same function takes a typed environment (a CartPole that observes `[f32; 4]` and is pushed
-/// `Left` or `Right`) and a [`BoxEnv`](crate::BoxEnv) from [`make`](crate::make), whose
-/// observations and actions are [`Value`]s. Every wrapper is an `Env` as well.
+/// The function accepts a typed environment (a CartPole that observes `[f32; 4]` and takes `Left`
+/// or `Right`), and a [`BoxEnv`](crate::BoxEnv) from [`make`](crate::make), whose observations and
+/// actions are [`Value`]s. Every wrapper is an `Env` as well.
 ///
 /// # Implementing
 ///
@@ -96,10 +96,10 @@ use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, 
 /// }
 /// ```
 ///
-/// What the trait asks for beyond the types:
+/// Rules beyond the types:
 /// - The same seed gives the same episode, on a fresh environment and on a used one, on any thread.
-/// - All randomness comes from one [`Generator`](crate::Generator), seeded by `reset` and carried on
-///   where `reset` brings no seed.
+/// - All randomness comes from one [`Generator`](crate::Generator). `reset` seeds it, or continues
+///   it without a seed.
 /// - A step allocates nothing, reads no clock and draws nothing.
 /// - Bad input gives an `Err`; nothing panics.
 ///
@@ -116,24 +116,23 @@ pub trait Env: Clone + Send + 'static {
     /// The space of valid actions.
     fn action_space(&self) -> Space;
 
-    /// Starts an episode and leaves its first observation in `observation`.
+    /// Starts an episode and writes its first observation to `observation`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a reset option with a bad value. The state is then as it was before.
+    /// [`Error::InvalidArgument`] for a reset option with a bad value. The state is then unchanged.
     fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
 
-    /// Takes one step and leaves the next observation in `observation`, without allocating.
+    /// Takes one step and writes the next observation to `observation`, without allocating.
     ///
     /// # Errors
-    /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that
-    /// cannot be executed. The state is then as it was before. Wrappers that take several steps at once, or judge a
-    /// step by its outcome, say what has happened instead.
+    /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that cannot be
+    /// executed. The state is then unchanged, except in wrappers that document otherwise.
     fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
 
     /// The whole state, generator included, in a form that can be stored.
     ///
-    /// To branch within a program, `clone` is faster. Without an implementation the environment steps and
-    /// renders as any other, but a run cannot be saved and resumed; the crate gym-conform reports it.
+    /// To branch within a program, `clone` is faster. The default is an error: the environment then
+    /// cannot be saved and resumed, which gym-conform reports.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if the state has no stored form.
@@ -141,18 +140,18 @@ pub trait Env: Clone + Send + 'static {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// Continues from a snapshot of an environment built alike.
+    /// Continues from a snapshot of an environment built with the same arguments.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the snapshot is of something else or was damaged; the environment
-    /// is then as it was before.
+    /// [`Error::Snapshot`] if the snapshot is of something else or damaged; the environment is then
+    /// unchanged.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let _ = snapshot;
         Err(no_snapshots(&self.describe()))
     }
 
-    /// Shows `visit` each entry of Gymnasium's `info` about the last reset or step. Nothing is
-    /// computed for it until somebody asks.
+    /// Calls `visit` with each entry of Gymnasium's `info` about the last reset or step. `info` is
+    /// lazy: steps do not compute it.
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let _ = visit;
     }
@@ -167,12 +166,11 @@ pub trait Env: Clone + Send + 'static {
         let _ = canvas;
     }
 
-    /// Tells the environment that pictures of it will be taken, before the first of them. From then on it
-    /// may keep what pictures alone show, such as the particles of an exhaust.
+    /// Called before the first frame. From then on the environment may keep state that only frames show,
+    /// such as particles.
     fn start_rendering(&mut self) {}
 
-    /// Tells the environment that a picture of it was taken. What moves on from picture to picture rather
-    /// than from step to step does so now; nothing of the episode may change.
+    /// Called after each frame. Advance per-frame state here; do not change the episode.
     fn picture_taken(&mut self) {}
 
     /// The current state as text, for the mode `ansi`.
@@ -180,13 +178,13 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// What [`render`](crate::EnvExt::render) gives; `None` where the environment was made without a render mode.
+    /// The mode of [`render`](crate::EnvExt::render); `None` if the environment was made without one.
     fn render_mode(&self) -> Option<RenderMode> {
         None
     }
 
-    /// Leaves the picture or text that the render mode asks for in `rendered`. A picture of the same size
-    /// is drawn over, so that a loop over frames allocates none.
+    /// Writes the frame or text of the render mode to `rendered`. A frame of the same size is overwritten
+    /// without allocating.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] unless the environment was made with a render mode, or wrapped
@@ -200,7 +198,7 @@ pub trait Env: Clone + Send + 'static {
         })
     }
 
-    /// How [`make`](crate::make) would build this environment and its wrappers again, if it can.
+    /// The spec from which [`make`](crate::make) rebuilds this environment and its wrappers, if it can.
     fn spec(&self) -> Option<EnvSpec> {
         None
     }
@@ -210,26 +208,26 @@ pub trait Env: Clone + Send + 'static {
         short_type_name::<Self>().to_owned()
     }
 
-    /// The outermost layer of a type, a wrapper or the environment itself: what
-    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) look up.
+    /// The outermost layer of a type: a wrapper or the environment itself.
+    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) call it.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }
 
-    /// As [`layer`](Self::layer), to change it.
+    /// As [`layer`](Self::layer), mutable.
     fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() { Some(self) } else { None }
     }
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
     ///
-    /// Wrappers with randomness of their own, such as `StickyAction`, draw from it as well, so that one seed
-    /// settles an episode. An environment without one gives `None` and cannot be wrapped in these.
+    /// Wrappers such as `StickyAction` draw from it as well, so that one seed determines an episode. They
+    /// cannot wrap an environment that returns `None`.
     fn generator(&mut self) -> Option<&mut Generator> {
         None
     }
 
-    /// Ends the use of the environment: later steps are an `Err`.
+    /// Closes the environment: later steps are an `Err`.
     fn close(&mut self) {}
 }
 
@@ -238,16 +236,16 @@ fn no_snapshots(env: &str) -> Error {
     Error::Snapshot(format!("{env} has no snapshots: implement `Env::snapshot` and `Env::restore`"))
 }
 
-/// What a step gives: the next observation and what came of the action.
+/// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<O> {
     /// What the agent sees next.
     pub observation: O,
     /// The reward of this step.
     pub reward: f64,
-    /// Whether the task has reached an end of its own: no return follows.
+    /// Whether the task has ended: the value of the next state is 0.
     pub terminated: bool,
-    /// Whether the episode was cut off from outside, as by a time limit. Both flags can be set.
+    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can be set.
     pub truncated: bool,
 }
 
@@ -258,14 +256,14 @@ impl<O> Step<O> {
     }
 }
 
-/// A [`Step`] whose observation was left in the caller's buffer.
+/// A [`Step`] without its observation, which is in the caller's buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// The reward of this step.
     pub reward: f64,
-    /// Whether the task has reached an end of its own: no return follows.
+    /// Whether the task has ended: the value of the next state is 0.
     pub terminated: bool,
-    /// Whether the episode was cut off from outside, as by a time limit. Both flags can be set.
+    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can be set.
     pub truncated: bool,
 }
 

@@ -1,11 +1,11 @@
-//! What callers do with an environment.
+//! The methods for callers of an environment.
 
 use std::any::TypeId;
 
 use crate::render::Rendered;
 use crate::{Element, Env, Info, Outcome, Reset, Result, Sampler, Seed, Step};
 
-/// The methods for whoever uses an environment. Every [`Env`] has them, and none can change them.
+/// The methods for callers. Every [`Env`] has them, and no implementation can override them.
 pub trait EnvExt: Env {
     /// Starts an episode: `reset(42)` with a seed, `reset(())` without,
     /// `reset(Reset::seed(42).option("low", -0.1))` with options.
@@ -28,7 +28,7 @@ pub trait EnvExt: Env {
         Ok(Step { observation, reward, terminated, truncated })
     }
 
-    /// The picture or text that the render mode asks for.
+    /// The frame or text of the render mode.
     ///
     /// # Errors
     /// As [`render_into`](crate::Env::render_into).
@@ -56,21 +56,21 @@ pub trait EnvExt: Env {
         map
     }
 
-    /// The environment under all wrappers, if it is a `T`: reaches what is not part of the
-    /// interface, such as a transition table.
+    /// The environment inside all wrappers, if it is a `T`: for methods beyond the interface, such
+    /// as a transition table.
     fn unwrapped<T: 'static>(&self) -> Option<&T> {
         self.layer(TypeId::of::<T>())?.downcast_ref()
     }
 
-    /// As [`unwrapped`](Self::unwrapped), to change it.
+    /// As [`unwrapped`](Self::unwrapped), mutable.
     fn unwrapped_mut<T: 'static>(&mut self) -> Option<&mut T> {
         self.layer_mut(TypeId::of::<T>())?.downcast_mut()
     }
 
     /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
     ///
-    /// The type is the whole type: a wrapper around what [`make`](crate::make) gives is a
-    /// `RecordEpisodeStatistics<BoxEnv>`, for which `RecordEpisodeStatistics` is short.
+    /// Name the full type: around an environment from [`make`](crate::make) it is
+    /// `RecordEpisodeStatistics<BoxEnv>`, or `RecordEpisodeStatistics` for short.
     ///
     /// ```no_run
     /// use gym_core::wrappers::RecordEpisodeStatistics;
@@ -86,7 +86,7 @@ pub trait EnvExt: Env {
         self.layer(TypeId::of::<W>())?.downcast_ref()
     }
 
-    /// As [`wrapper`](Self::wrapper), to change it.
+    /// As [`wrapper`](Self::wrapper), mutable.
     fn wrapper_mut<W: 'static>(&mut self) -> Option<&mut W> {
         self.layer_mut(TypeId::of::<W>())?.downcast_mut()
     }

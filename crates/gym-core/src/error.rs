@@ -1,4 +1,4 @@
-//! The one error type: each message says what is wrong and what to do about it.
+//! The one error type. Each message names the fault and the remedy.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -15,8 +15,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Everything that can go wrong in an environment, a space, a wrapper or the registry.
 ///
-/// The variants follow Gymnasium's `gymnasium.error`; their texts are written for the person
-/// who reads them in a terminal.
+/// The variants follow Gymnasium's `gymnasium.error`.
 #[derive(Clone, ThisError)]
 #[non_exhaustive]
 pub enum Error {
@@ -89,7 +88,7 @@ pub enum Error {
     InvalidArgument {
         /// What was being built or reset.
         target: String,
-        /// What is wrong and what is valid.
+        /// The fault, and the valid values.
         reason: String,
     },
 
@@ -115,7 +114,7 @@ pub enum Error {
         action: String,
         /// The action space, printed.
         space: String,
-        /// What is wrong, and where in the action; empty if nobody knows.
+        /// The fault and its place in the action; empty if unknown.
         hint: String,
     },
 
@@ -131,7 +130,7 @@ pub enum Error {
     #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
     InvalidSeed(String),
 
-    /// A render mode that the environment does not have, or that was not asked for.
+    /// A render mode that the environment does not have, or was not made with.
     #[error("{target} cannot render as {mode}: {reason}")]
     UnsupportedMode {
         /// The environment.
@@ -168,13 +167,13 @@ pub enum Error {
         source: Arc<std::io::Error>,
     },
 
-    /// Anything an environment of another crate wants to report.
+    /// Any error of another crate's environment.
     #[error("{0}")]
     Custom(String),
 }
 
 impl Error {
-    /// An error of an environment's own, with its message.
+    /// An error with its message.
     pub fn custom(message: impl Into<String>) -> Self {
         Self::Custom(message.into())
     }
@@ -200,7 +199,7 @@ impl Error {
     }
 }
 
-/// As the message reads, so that `fn main() -> gym::Result<()>` prints it.
+/// Prints the message, so that `fn main() -> gym::Result<()>` does.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -214,7 +213,7 @@ fn version_not_found(name: &str, version: Option<u32>, available: &str) -> Strin
     }
 }
 
-/// What is wrong comes first: the action and the space can be long.
+/// The fault comes first, because the action and the space can be long.
 fn invalid_action(action: &str, space: &str, hint: &str) -> String {
     let [action, space] = [action, space].map(shortened);
     match hint.trim_start_matches([';', ':', ' ']) {
@@ -241,7 +240,7 @@ impl From<SeedError> for Error {
     }
 }
 
-/// What to do about a failure, where that is known.
+/// The remedy, if one is known.
 fn advice(source: &std::io::Error) -> &'static str {
     match source.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ": free some space, or choose another place",

@@ -11,14 +11,14 @@ use crate::canvas::Canvas;
 use crate::render::Metadata;
 use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 
-/// What is to be done, written once: the arguments of a task, its spaces, its starts and its pictures.
+/// A task without its dynamics: arguments, spaces, starts and drawing.
 ///
-/// How a state follows from another is [`Dynamics`], or [`Equations`](crate::vector::native::Equations) where one function
-/// serves one environment and many.
+/// The dynamics are in [`Dynamics`], or in [`Equations`](crate::vector::native::Equations) if one formula serves scalar
+/// environments and native vectors.
 pub trait Task: Clone + fmt::Debug + Send + 'static {
-    /// The constructor's arguments; its `Default` is what a plain [`make`](crate::make) uses.
+    /// The constructor's arguments; [`make`](crate::make) uses their `Default`.
     type Config: Arguments + PartialEq;
-    /// All that changes from step to step.
+    /// The state.
     type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
     /// What the agent sees.
     type Observation: Element;
@@ -34,18 +34,18 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn new(config: Self::Config) -> Result<Self>;
 
-    /// The arguments, with what was left to chance decided.
+    /// The arguments, with every random choice filled in.
     fn config(&self) -> &Self::Config;
 
-    /// Changes the arguments of a task in use. Spaces stay those of the constructor, and so does what it computed of
-    /// several arguments: an attribute of Gymnasium's environments that is set works so.
+    /// Changes the arguments of a task in use, as setting an attribute does in Gymnasium: spaces and derived
+    /// constants stay as the constructor made them.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, and where arguments cannot be changed, as by default;
-    /// then nothing has changed.
+    /// [`Error::InvalidArgument`] for an argument out of range, or if arguments are fixed (the default); then nothing
+    /// has changed.
     fn assign(&mut self, config: Self::Config) -> Result<()> {
         let _ = config;
-        Err(Error::argument(Self::NAME, "its arguments cannot be changed: make another one"))
+        Err(Error::argument(Self::NAME, "its arguments are fixed: make a new environment"))
     }
 
     /// The space that every observation lies in.
@@ -60,11 +60,10 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for a reset option with a bad value.
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<Self::State>;
 
-    /// Whether a state read from outside can be worked with; a snapshot of one that cannot is
-    /// refused.
+    /// Whether a state from a snapshot is valid; `restore` refuses others.
     fn is_valid(&self, state: &Self::State) -> bool;
 
-    /// Shows `visit` each entry of `info` about the transition into `state`.
+    /// Calls `visit` with each entry of `info` about the transition into `state`.
     fn info(&self, state: &Self::State, visit: &mut dyn FnMut(&str, Value)) {
         let _ = (state, visit);
     }
@@ -86,7 +85,7 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     }
 }
 
-/// How the state of a [`Task`] changes, as functions of a plain state.
+/// The dynamics of a [`Task`], as pure functions of a plain state.
 ///
 /// | function | Gymnasium's `FuncEnv` | what it gives |
 /// |---|---|---|
@@ -94,8 +93,8 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 /// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
 /// | [`observe`](Self::observe)`(state)` | `observation` | what the agent sees |
 ///
-/// Nothing but the arguments and the generator decides a result. [`Stateful`] turns them into an [`Env`]; a planner calls
-/// them directly, from any state and as often as it likes:
+/// Results depend only on the arguments and the generator. [`Stateful`] makes an [`Env`] of them; a planner calls them
+/// directly, from any state:
 ///
 /// ```
 /// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Task, Transition};
@@ -168,10 +167,10 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// Where randomness matters, each call gets a generator of its own: the same generator state gives the same outcome. The
-/// example `monte_carlo_tree_search` of the crate `gym` plans with clones of whole environments.
+/// The same generator state gives the same outcome. The example `monte_carlo_tree_search` of the crate `gym` plans with
+/// clones of environments.
 pub trait Dynamics: Task {
-    /// The state that follows, the reward of getting there, and whether the episode ends in it.
+    /// The next state, the reward, and whether the next state is terminal.
     ///
     /// # Errors
     /// [`Error::InvalidAction`] for an action that cannot be executed.
@@ -182,25 +181,26 @@ pub trait Dynamics: Task {
         rng: &mut Generator,
     ) -> Result<Transition<Self::State>>;
 
-    /// What the agent sees of a state.
+    /// The observation of a state.
     fn observe(&self, state: &Self::State) -> Self::Observation;
 
-    /// Leaves what the agent sees of a state in `observation`. An environment that observes an
-    /// [`Array`](crate::Array) or a [`Value`] fills the buffer that is there, so that a step allocates nothing.
+    /// Writes the observation of a state to `observation`. Override it for an [`Array`](crate::Array) or a
+    /// [`Value`], to fill the existing buffer without allocating.
     fn observe_into(&self, state: &Self::State, observation: &mut Self::Observation) {
         *observation = self.observe(state);
     }
 
-    /// Whether the episode is cut off in a state for a reason outside of the task, such as a budget that
-    /// is spent; asked after each transition. (A limit of steps is part of the registration.)
+    /// Whether something outside the task, such as a spent budget, ends the episode in a state; called
+    /// after each transition. (The registration has the limit of steps.)
     fn truncates(&self, state: &Self::State) -> bool {
         let _ = state;
         false
     }
 
-    /// [`transition`](Self::transition) and all that is asked after it, in place: what a step of
-    /// [`Stateful`] does. A task of [`Equations`](crate::vector::native::Equations) has one function for both,
-    /// compiled for the CPU as a whole.
+    /// [`transition`](Self::transition), [`truncates`](Self::truncates) and
+    /// [`observe_into`](Self::observe_into) in place: a step of [`Stateful`]. A task of
+    /// [`Equations`](crate::vector::native::Equations) overrides it with one function that is compiled for the
+    /// CPU's features.
     ///
     /// # Errors
     /// Those of `transition`; then nothing has changed.
@@ -220,7 +220,7 @@ pub trait Dynamics: Task {
     }
 }
 
-/// What [`Dynamics::transition`] gives.
+/// The result of [`Dynamics::transition`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition<S> {
     /// The next state.
@@ -232,7 +232,7 @@ pub struct Transition<S> {
 }
 
 impl<S> Transition<S> {
-    /// Nothing happens: the state stays, without a reward.
+    /// No change: the same state, without a reward.
     #[inline(always)]
     pub fn stay(state: S) -> Self {
         Self { state, reward: 0.0, terminated: false }
@@ -266,7 +266,7 @@ impl<D: Dynamics> Stateful<D> {
         &self.dynamics
     }
 
-    /// Sets one argument to a value in JSON. The episode goes on with it.
+    /// Sets one argument to a value in JSON. The episode continues with it.
     ///
     /// # Errors
     /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.

@@ -11,11 +11,11 @@ pub struct Keys {
     /// The name of each key, such as `Left` or `Q`, and its action in JSON. The actions of keys held together are added if
     /// they are vectors; otherwise the first counts.
     pub actions: Vec<(String, Json)>,
-    /// What happens while no key is down.
+    /// The action while no key is down.
     pub idle: Idle,
 }
 
-/// What happens while no key is down.
+/// The action while no key is down.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Idle {
     /// Nothing: the environment waits for a key.

@@ -26,7 +26,7 @@ pub mod vector;
 mod wrapper;
 pub mod wrappers;
 
-/// What a program that uses environments needs: `use gym::prelude::*`.
+/// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
     #[doc(no_inline)]
     pub use crate::{

@@ -4,13 +4,13 @@ use serde_json::Value as Json;
 
 use crate::{BoxEnv, Element, Env, Error, Result, Space, Value, math};
 
-/// Chooses the action for an observation; `None` for what is not an observation of the environment.
+/// Chooses the action for an observation; `None` if the value is not an observation of the environment.
 pub type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
 
 /// A policy that plays an environment well, for [`Registration::policy`](crate::Registration::policy).
 #[derive(Clone, Copy, Debug)]
 pub struct Policy {
-    /// What it does, to go on after "the good policy".
+    /// A phrase that continues "the good policy", such as "drives right".
     pub description: &'static str,
     source: Source,
 }
@@ -22,7 +22,7 @@ enum Source {
 }
 
 impl Policy {
-    /// Rules: `start` gives what acts in one episode, or `None` for arguments that the rules do not fit.
+    /// Rules: `start` returns the controller of one episode, or `None` if the rules do not fit the arguments.
     pub const fn rules(description: &'static str, start: fn(&BoxEnv) -> Option<Controller>) -> Self {
         Self { description, source: Source::Rules(start) }
     }
@@ -32,7 +32,7 @@ impl Policy {
         Self { description: "is a network that `gym-ppo` trained", source: Source::Network(json) }
     }
 
-    /// What acts in one episode; `None` for an environment whose arguments it does not fit.
+    /// The controller of one episode; `None` if the policy does not fit the environment's arguments.
     ///
     /// # Errors
     /// A network that is damaged, or does not fit the environment's spaces.
@@ -44,12 +44,12 @@ impl Policy {
     }
 }
 
-/// A controller that looks at the observation alone.
+/// A controller that depends only on the observation.
 pub fn reflex<O: Element, A: Element>(mut act: impl FnMut(&O) -> A + 'static) -> Option<Controller> {
     Some(Box::new(move |_, seen| O::with(seen, |seen| act(seen).to_value())))
 }
 
-/// What keeps a normalized observation finite, as of the wrapper `NormalizeObservation`.
+/// Added to the variance, as by the wrapper `NormalizeObservation`.
 const EPSILON: f64 = 1e-8;
 
 fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
@@ -70,18 +70,18 @@ fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
     let bounds: Vec<(f64, f64)> = space.low().iter_f64().zip(space.high().iter_f64()).collect();
     let mut width = env.observation_space().shape().map_or(0, |shape| shape.iter().product::<usize>());
     if moments.as_ref().is_some_and(|(mean, var)| mean.len() != width || var.len() != width) {
-        return Err(wrong(format!("it was trained on other observations than these of {width} numbers")));
+        return Err(wrong(format!("its input does not fit observations of {width} numbers")));
     }
     for layer in layers.chunks(2) {
         let [weights, bias] = layer else { return Err(wrong("a layer has weights without a bias".into())) };
         if weights.len() != width * bias.len() {
             let [given, outputs] = [weights.len(), bias.len()];
-            return Err(wrong(format!("{given} weights do not lead from {width} numbers to {outputs}")));
+            return Err(wrong(format!("a layer from {width} to {outputs} numbers has {given} weights")));
         }
         width = bias.len();
     }
     if width != bounds.len() {
-        return Err(wrong(format!("it gives {width} numbers, and an action has {}", bounds.len())));
+        return Err(wrong(format!("its output has {width} numbers, and an action {}", bounds.len())));
     }
     Ok(Box::new(move |_, seen| {
         let seen = seen.as_array()?.iter_f64();

@@ -2,12 +2,11 @@
 //!
 //! Gymnasium draws with pygame, y up, and flips the surface. An environment here passes the same numbers
 //! to [`Canvas::pygame`], in the coordinates of [`flipped`]. A canvas at Gymnasium's own size repeats
-//! pygame's pixels; for any other, [`smooth`](crate::canvas::smooth) tells what
-//! shapes the calls stand for.
+//! pygame's pixels; any other draws smooth shapes ([`smooth`](crate::canvas::smooth)).
 //!
-//! pygame's coordinates name the centres of pixels, so here the origin lies in the middle of the bottom
-//! left pixel. A surface that is wider than its picture is drawn in coordinates moved to the left by a
-//! whole number of pixels: calls are cut at its own edges, not at the picture's.
+//! pygame's coordinates name the centres of pixels, so the origin is the centre of the bottom left
+//! pixel. A surface wider than its frame uses coordinates shifted left by whole pixels: calls are
+//! clipped at the surface's edges.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

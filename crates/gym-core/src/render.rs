@@ -8,20 +8,20 @@ use serde::{Deserialize, Serialize};
 use crate::canvas::Canvas;
 use crate::{DType, Data, Error, Result};
 
-/// How an environment shows itself, under Gymnasium's names.
+/// Render modes, under Gymnasium's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RenderMode {
     /// A live window; `render` returns nothing.
     Human,
-    /// `render` returns the current picture.
+    /// `render` returns the current frame.
     RgbArray,
-    /// A frame is gathered at each reset and step; `render` hands them over.
+    /// Each reset and step collects a frame; `render` returns them all.
     RgbArrayList,
     /// `render` returns the current state as text with terminal colours.
     Ansi,
-    /// A text is gathered at each reset and step; `render` hands them over.
+    /// Each reset and step collects a text; `render` returns them all.
     AnsiList,
 }
 
@@ -40,7 +40,7 @@ impl RenderMode {
         }
     }
 
-    /// The mode of one item, for a mode that gathers a list; otherwise itself.
+    /// The mode of a single item, for a list mode; otherwise the mode itself.
     pub const fn single(self) -> Self {
         match self {
             Self::RgbArrayList => Self::RgbArray,
@@ -49,7 +49,7 @@ impl RenderMode {
         }
     }
 
-    /// Whether this mode gathers a list.
+    /// Whether this is a list mode.
     pub fn is_list(self) -> bool {
         self.single() != self
     }
@@ -72,15 +72,15 @@ impl FromStr for RenderMode {
     }
 }
 
-/// What an environment says about its rendering.
+/// An environment's render modes, frame rate and frame size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
-    /// The modes that [`render`](crate::EnvExt::render) can be asked for; empty if there is nothing
-    /// to see. The `_list` forms follow from these and are not named.
+    /// The modes of [`render`](crate::EnvExt::render); empty if there are none. Their `_list` forms
+    /// are implied.
     pub render_modes: &'static [RenderMode],
     /// Frames per second at which the motion has its natural speed.
     pub render_fps: u32,
-    /// Width and height of the picture that [`draw`](crate::Env::draw) draws, in pixels.
+    /// Width and height of the frame of [`draw`](crate::Env::draw), in pixels.
     pub render_size: (u32, u32),
 }
 
@@ -107,7 +107,7 @@ impl Default for Metadata {
     }
 }
 
-/// A picture: 8-bit red, green, blue.
+/// An image: 8-bit red, green, blue.
 #[derive(Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "StoredFrame")]
 pub struct Frame {
@@ -183,7 +183,7 @@ impl fmt::Debug for Frame {
 /// What [`render`](crate::EnvExt::render) returns, by render mode.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rendered {
-    /// `human`: the picture went to the window.
+    /// `human`: the window shows the frame.
     Shown,
     /// `rgb_array`.
     Frame(Frame),
@@ -196,12 +196,12 @@ pub enum Rendered {
 }
 
 impl Rendered {
-    /// The picture of the mode `rgb_array`.
+    /// The frame of the mode `rgb_array`.
     pub fn into_frame(self) -> Option<Frame> {
         if let Self::Frame(frame) = self { Some(frame) } else { None }
     }
 
-    /// The pictures of the mode `rgb_array_list`.
+    /// The frames of the mode `rgb_array_list`.
     pub fn into_frames(self) -> Option<Vec<Frame>> {
         if let Self::Frames(frames) = self { Some(frames) } else { None }
     }
@@ -213,10 +213,9 @@ impl Rendered {
 }
 
 /// Turns drawings into pixels. A rendering crate such as `gym-render` submits a
-/// [`PainterProvider`]; [`Painter`]s are what wrappers then hold.
+/// [`PainterProvider`], which makes the [`Painter`]s of wrappers.
 pub trait Painter: Send {
-    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas is black at first,
-    /// whatever the frame showed.
+    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas starts black.
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame);
 }
 
@@ -229,15 +228,15 @@ pub struct PainterProvider {
 
 inventory::collect!(PainterProvider);
 
-/// A painter of the linked rendering crate, or `None` where none is linked.
+/// A painter of the linked rendering crate; `None` if none is linked.
 pub fn painter() -> Option<Box<dyn Painter>> {
     inventory::iter::<PainterProvider>.into_iter().next().map(|provider| (provider.new)())
 }
 
 /// A live window. A rendering crate submits a [`ScreenProvider`].
 pub trait Screen: Send {
-    /// Shows a picture when the one before has been there for its time, and returns whether the
-    /// window is still open; if it is not, at once.
+    /// Shows a frame once the last one has been visible for its time. Returns whether the window is
+    /// still open; if not, at once.
     fn show(&mut self, frame: &Frame) -> bool;
 }
 
@@ -247,13 +246,13 @@ pub type OpenScreen = fn(&str, (u32, u32), u32) -> Result<Box<dyn Screen>>;
 /// Link-time registration of a [`Screen`].
 #[derive(Debug)]
 pub struct ScreenProvider {
-    /// Opens one; fails where there is no display.
+    /// Opens one; fails without a display.
     pub open: OpenScreen,
 }
 
 inventory::collect!(ScreenProvider);
 
-/// What opens windows, or `None` where no crate that does is linked.
+/// The provider of windows; `None` if no crate that opens windows is linked.
 pub fn open_screen() -> Option<OpenScreen> {
     inventory::iter::<ScreenProvider>.into_iter().next().map(|provider| provider.open)
 }

@@ -1,4 +1,4 @@
-//! What `reset` is asked for: a seed and options.
+//! The arguments of `reset`: a seed and options.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
@@ -8,7 +8,7 @@ use crate::{Error, Generator, Result, Seed};
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
 
-/// How to start an episode. `Reset::default()` carries the generator on and uses no options.
+/// How to start an episode. `Reset::default()` continues the generator and uses no options.
 ///
 /// ```
 /// use gym_core::Reset;
@@ -17,11 +17,11 @@ pub type Kwargs = Map<String, Json>;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reset {
-    /// Seeds the generator afresh; `None` carries it on (or, the first time, seeds it from the
-    /// operating system).
+    /// Seeds the generator; `None` continues it (or, the first time, seeds it from the operating
+    /// system).
     pub seed: Option<Seed>,
-    /// Options of the environment. Names that it does not know are refused where its registration
-    /// [names those it knows](crate::Registration::reset_options()), and ignored elsewhere, as in Gymnasium.
+    /// Options of the environment. Unknown names are an error if its registration [names its
+    /// options](crate::Registration::reset_options()), and ignored otherwise, as in Gymnasium.
     pub options: Kwargs,
 }
 
@@ -51,7 +51,7 @@ impl Reset {
         }
     }
 
-    /// The options as the environment's own type, whose fields not named keep their defaults.
+    /// The options as the environment's own type; missing fields keep their defaults.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a value of the wrong type.

@@ -17,7 +17,7 @@ impl Snapshot {
     /// The snapshot of some state.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the state holds a map whose keys are not strings.
+    /// [`Error::Snapshot`] if the state contains a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
         exact::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
     }
@@ -38,8 +38,8 @@ impl Snapshot {
         Self::of(&Stored { env, config, episode })
     }
 
-    /// The name of the environment under all wrappers, where it was taken by
-    /// [`with_config`](Self::with_config).
+    /// The name of the environment inside all wrappers, if [`with_config`](Self::with_config) took
+    /// the snapshot.
     fn env(&self) -> Option<&str> {
         // a wrapper's snapshot is a list that begins with the inner one
         let mut json = &self.0;
@@ -86,7 +86,7 @@ impl Snapshot {
         }
         match episode {
             Some(episode) if !is_valid(&episode) => {
-                Err(Error::Snapshot(format!("what it holds is not a state of this {env}")))
+                Err(Error::Snapshot(format!("its content is not a state of this {env}")))
             }
             episode => Ok(episode),
         }
@@ -99,7 +99,9 @@ impl Snapshot {
     pub fn get<T: DeserializeOwned>(&self) -> Result<T> {
         exact::read(&self.0).map_err(|error| {
             Error::Snapshot(match self.env() {
-                Some(env) => format!("this is a snapshot of {env}, or of other wrappers around it: {error}"),
+                Some(env) => {
+                    format!("this snapshot of {env} does not fit the environment and its wrappers: {error}")
+                }
                 None => error.to_string(),
             })
         })

@@ -1,7 +1,7 @@
-//! Dynamic values: what crosses the border of an erased environment.
+//! Dynamic values: the observations and actions of an erased environment.
 //!
-//! A typed environment observes `[f32; 4]` and takes an enum; [`BoxEnv`](crate::BoxEnv) speaks
-//! [`Value`] on both sides. [`Element`] is the bridge between the two.
+//! A typed environment observes `[f32; 4]` and takes an enum; [`BoxEnv`](crate::BoxEnv) uses
+//! [`Value`] for both. [`Element`] converts between them.
 
 use std::fmt;
 
@@ -9,9 +9,8 @@ use crate::array::{Array, Scalar};
 
 /// One dynamic value: an observation, an action, or an entry of `info`.
 ///
-/// Which variant belongs to which space is told by [`Space`](crate::Space): an element of a
-/// `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`, of a
-/// `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur in `info` alone.
+/// An element of a `Discrete` is an `Int`, of a `Box`, `MultiDiscrete` or `MultiBinary` an `Array`,
+/// of a `Sequence` a `Tuple`. `Bool`, `Float` and `Null` occur only in `info`.
 ///
 /// ```
 /// use gym_core::Value;
@@ -47,7 +46,7 @@ pub enum Value {
     OneOf(usize, Box<Value>),
 }
 
-/// `clone_from` keeps the storage where kind, type and shape agree.
+/// `clone_from` keeps the storage if kind, type and shape agree.
 impl Clone for Value {
     fn clone(&self) -> Self {
         match self {
@@ -85,9 +84,9 @@ impl Clone for Value {
 pub struct GraphInstance {
     /// One row per node.
     pub nodes: Array,
-    /// One row per edge, or `None` where edges carry no feature.
+    /// One row per edge; `None` if edges have no features.
     pub edges: Option<Array>,
-    /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly where `edges` is.
+    /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly if `edges` is.
     pub edge_links: Option<Array>,
 }
 
@@ -274,19 +273,19 @@ impl fmt::Display for Value {
 /// A type of your own needs three functions: [`empty`](Self::empty), [`from_value`](Self::from_value)
 /// and [`write`](Self::write).
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is no observation or action type",
+    message = "`{Self}` is not an observation or action type",
     note = "the types are `i64`, `usize`, `u8`, `u32`, enums of `discrete!`, arrays `[T; N]` of numbers, `String`, and \
             tuples of two to four of these; `Array` takes any length and shape, and `Value` anything, such as dicts"
 )]
 pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
     /// A buffer for [`reset_into`](crate::Env::reset_into) and [`step_into`](crate::Env::step_into)
-    /// to fill; what it holds until then means nothing.
+    /// to fill; its content before is meaningless.
     fn empty() -> Self;
 
-    /// The typed form, or `None` where kind, type, shape or range do not fit.
+    /// The typed form; `None` if kind, type, shape or range do not fit.
     fn from_value(value: &Value) -> Option<Self>;
 
-    /// Writes the dynamic form, reusing the storage of `out` where it has the same type and shape.
+    /// Writes the dynamic form, reusing the storage of `out` if type and shape agree.
     fn write(&self, out: &mut Value);
 
     /// The dynamic form.
@@ -296,14 +295,14 @@ pub trait Element: Clone + fmt::Debug + PartialEq + Send + 'static {
         value
     }
 
-    /// Calls `f` with the typed form of `value`. Types that live inside a `Value` lend it instead
-    /// of copying.
+    /// Calls `f` with the typed form of `value`. A type that a `Value` contains is borrowed, not
+    /// copied.
     fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
         Self::from_value(value).map(|element| f(&element))
     }
 
-    /// Lets `f` fill a typed form, then leaves its dynamic form in `out`. Types that live inside
-    /// a `Value` are filled in place.
+    /// Calls `f` to fill a typed form, then writes its dynamic form to `out`. A type that a `Value`
+    /// contains is filled in place.
     fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
         let mut element = Self::empty();
         let result = f(&mut element);
@@ -523,7 +522,7 @@ macro_rules! discrete {
 
             #[inline(always)]
             fn from_item(index: i64) -> Self {
-                // the compiler makes one minimum of it, where a look-up would keep it from vectors
+                // the compiler turns this into a minimum, which vectorises; a look-up would not
                 let mut action = Self::ALL[Self::ALL.len() - 1];
                 $(
                     if index == Self::$variant as i64 {

@@ -1,4 +1,4 @@
-//! The trait of wrappers, in which every method that is left out is the inner environment's.
+//! The trait of wrappers. Methods that are left out call the inner environment.
 
 use std::any::{Any, TypeId};
 
@@ -7,10 +7,10 @@ use crate::env::short_type_name;
 use crate::render::{Metadata, RenderMode, Rendered};
 use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec};
 
-/// An environment around another one, that changes some of it: Gymnasium's `Wrapper`.
+/// An environment around another one that changes some of its behaviour: Gymnasium's `Wrapper`.
 ///
-/// A wrapper says where the inner environment is, and how it resets and steps. Whatever else it leaves
-/// out goes to the inner environment. Every `Wrapper` is an [`Env`].
+/// A wrapper implements access to the inner environment, `reset_into` and `step_into`. Methods that it
+/// leaves out call the inner environment. Every `Wrapper` is an [`Env`].
 ///
 /// ```
 /// use gym_core::{Env, Outcome, Reset, Result, WrapperSpec};
@@ -58,22 +58,22 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 ///   [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
 /// - **A stored form.** [`wrapper_spec`](Self::wrapper_spec) names the wrapper and its arguments; a
 ///   [`WrapperRegistration`](crate::registry::WrapperRegistration) of that name rebuilds it. Without
-///   one the [`spec`](Env::spec) of the whole stack is `None`: what it would rebuild is another
+///   one the [`spec`](Env::spec) of the whole stack is `None`, because it would rebuild another
 ///   environment.
 /// - **Spaces.** A wrapper with another `Observation` or `Action` type has another
 ///   [`observation_space`](Self::observation_space) or [`action_space`](Self::action_space).
 pub trait Wrapper: Clone + Send + 'static {
-    /// The environment within.
+    /// The inner environment.
     type Inner: Env;
     /// What the agent sees.
     type Observation: Element;
     /// What the agent does.
     type Action: Element;
 
-    /// The environment within.
+    /// The inner environment.
     fn inner(&self) -> &Self::Inner;
 
-    /// The environment within.
+    /// The inner environment.
     fn inner_mut(&mut self) -> &mut Self::Inner;
 
     /// As [`Env::reset_into`].
@@ -88,25 +88,25 @@ pub trait Wrapper: Clone + Send + 'static {
     /// Those of the inner environment, and the wrapper's own.
     fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
 
-    /// How a spec names this wrapper; `None` where it has no stored form, as a wrapper around a function
-    /// has none.
+    /// The name and arguments of this wrapper in a spec; `None` if it has no stored form, such as a
+    /// wrapper around a function.
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
         None
     }
 
-    /// How the whole stack is made again: the inner [`spec`](Env::spec) with
-    /// [`wrapper_spec`](Self::wrapper_spec) added, or `None` where either is.
+    /// The spec of the whole stack: the inner [`spec`](Env::spec) with
+    /// [`wrapper_spec`](Self::wrapper_spec) added; `None` if either is.
     fn spec(&self) -> Option<EnvSpec> {
         let wrapper = self.wrapper_spec()?;
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
 
-    /// The wrapper's own name: that of its type, if it does not say otherwise.
+    /// The wrapper's name; the default is the name of its type.
     fn name(&self) -> &'static str {
         short_type_name::<Self>()
     }
 
-    /// As [`Env::describe`]: the wrapper's [name](Self::name) around what is within.
+    /// As [`Env::describe`]: the wrapper's [name](Self::name) around the inner description.
     fn describe(&self) -> String {
         let inner = self.inner().describe();
         let inner = inner.strip_prefix('<').and_then(|text| text.strip_suffix('>')).unwrap_or(&inner);
@@ -136,7 +136,7 @@ pub trait Wrapper: Clone + Send + 'static {
 
 /// Gives another macro every method of [`Env`] that passes through a wrapper unchanged, one by one, behind `$words`.
 ///
-/// `reset_into`, `step_into` and `restore` are not among them, as a layer may keep something beside what they move.
+/// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that they change.
 macro_rules! methods {
     ($then:ident! $($words:tt)*) => {
         $then! { $($words)* fn observation_space(&self) -> Space }
@@ -156,7 +156,7 @@ macro_rules! methods {
 }
 pub(crate) use methods;
 
-/// As [`methods`], with those that tell of layers: they pass through whatever is no layer of its own.
+/// As [`methods`], with those about layers, for types that are not layers.
 macro_rules! all_methods {
     ($then:ident! $($words:tt)*) => {
         $crate::wrapper::methods!($then! $($words)*);

@@ -1,4 +1,4 @@
-//! What seldom happens: options that are not the default, calls that fail half-way, draws that are thrown away.
+//! Rare cases: other options than the default, calls that fail half-way, rejected draws.
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};

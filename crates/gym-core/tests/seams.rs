@@ -1,5 +1,5 @@
-//! What happens around an episode: after `close`, where buffers shrink, where an id lacks its version, where an
-//! environment cuts its own episodes off.
+//! Cases around an episode: after `close`, shrinking buffers, ids without version, environments that truncate
+//! by themselves.
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{
@@ -216,7 +216,7 @@ fn snapshots_of_something_else_say_whose_they_are() {
     let error = env.restore(&Snapshot::of(&(other, 3)).unwrap()).unwrap_err().to_string();
     assert!(error.contains("CartPole"), "{error}");
     let error = bare.restore(&env.snapshot().unwrap()).unwrap_err().to_string();
-    assert!(error.contains("other wrappers"), "{error}");
+    assert!(error.contains("its wrappers"), "{error}");
     for error in [Forgetful.snapshot().unwrap_err(), Forgetful.restore(&env.snapshot().unwrap()).unwrap_err()]
     {
         assert!(error.to_string().contains("implement `Env::snapshot` and `Env::restore`"), "{error}");

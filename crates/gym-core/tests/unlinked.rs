@@ -1,4 +1,4 @@
-//! What a program sees that depends on the core alone: an empty registry that says so.
+//! A program that depends only on the core has an empty registry, whose error says so.
 
 #[test]
 fn nothing_is_registered() {

@@ -1,4 +1,4 @@
-//! The mode `human` where no window can be opened: the environment stays as it was.
+//! The mode `human` without a display: the environment stays unchanged.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -279,7 +279,7 @@ impl Data {
         before.qacc_warmstart.copy_from_slice(&self.qacc_warmstart);
     }
 
-    /// Whether this is data of a model, such as what a snapshot holds.
+    /// Checks that this is data of a model, for instance from a snapshot.
     ///
     /// # Errors
     /// [`Error::Data`] if an array of the state has another length than the model's, or a number is beyond what a simulation

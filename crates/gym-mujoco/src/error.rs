@@ -40,7 +40,7 @@ pub enum Error {
     File {
         /// The file.
         path: String,
-        /// What the system, or the reader of models, answered.
+        /// The error of the system, or of the reader of models.
         reason: String,
     },
     /// The state of another model.

@@ -244,7 +244,7 @@ impl Agent {
 /// The numbers of a value as a tensor of the same shape and type.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     let refuse =
-        || candle_core::Error::Msg(format!("{value} is no array of float32, int64 or uint8 numbers"));
+        || candle_core::Error::Msg(format!("{value} is not an array of float32, int64 or uint8 numbers"));
     let array = value.as_array().ok_or_else(refuse)?;
     let shape = array.shape();
     if let Some(numbers) = array.as_slice::<f32>() {

@@ -77,8 +77,8 @@ impl CustomOp1 for BlocksOfBytes {
 
     fn cpu_fwd(&self, storage: &CpuStorage, layout: &Layout) -> Result<(CpuStorage, Shape)> {
         let (n, channels, height, width) = layout.shape().dims4()?;
-        let CpuStorage::U8(bytes) = storage else { bail!("these pictures are no bytes") };
-        let Some((start, end)) = layout.contiguous_offsets() else { bail!("these pictures have gaps") };
+        let CpuStorage::U8(bytes) = storage else { bail!("the images are not bytes") };
+        let Some((start, end)) = layout.contiguous_offsets() else { bail!("the images are not contiguous") };
         let side = self.side;
         let (rows, columns) = (height / side, width / side);
         let size = channels * side * side;
@@ -177,6 +177,6 @@ fn outputs(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> 
 fn slice<'a>(storage: &'a CpuStorage, layout: &Layout) -> Result<&'a [f32]> {
     match (storage, layout.contiguous_offsets()) {
         (CpuStorage::F32(numbers), Some((start, end))) => Ok(&numbers[start..end]),
-        _ => bail!("these are no float32 numbers without gaps"),
+        _ => bail!("the numbers are not contiguous float32"),
     }
 }

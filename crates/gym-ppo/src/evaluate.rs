@@ -23,7 +23,8 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         let numbers = size
             .split_once('x')
             .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-        let (width, height) = numbers.with_context(|| format!("{size} is no size such as 320x200"))?;
+        let (width, height) =
+            numbers.with_context(|| format!("{size} is not a size: write it as 320x200"))?;
         env = env.render_size(width, height);
     }
     let mut env = env.build()?;

@@ -118,7 +118,7 @@ impl Network {
     /// Takes over the variables of the policy.
     pub(crate) fn set_policy(&self, network: &[Numbers]) -> anyhow::Result<()> {
         let (given, needed) = (network.len(), self.policy_variables().count());
-        ensure!(given == needed, "the policy has {given} lists of numbers: there are {needed}");
+        ensure!(given == needed, "the policy has {given} lists of numbers, and the network {needed}");
         for (variable, numbers) in zip(self.policy_variables(), network) {
             variable.set(&numbers::tensor(numbers, variable)?)?;
         }
@@ -213,7 +213,7 @@ impl Eyes {
         let size =
             |pixels: usize| ((pixels / side).checked_sub(1)? / second_side).checked_sub(1).filter(|n| *n > 0);
         let (Some(rows), Some(columns)) = (size(height), size(width)) else {
-            bail!("pictures of {height}x{width} are too small for the convolutions");
+            bail!("images of {height}x{width} are too small for the convolutions");
         };
         let gain = 2f64.sqrt();
         let mut convolution = |size: usize, outputs: usize| {

@@ -126,15 +126,14 @@ impl Settings {
                 all.as_object().into_iter().flat_map(|all| all.keys()).map(String::as_str).collect();
             let known = known.join(", ");
             let setting =
-                all.get_mut(name).with_context(|| format!("no setting is {name}: there are {known}"))?;
+                all.get_mut(name).with_context(|| format!("unknown setting {name}: there are {known}"))?;
             *setting = serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
         }
-        let settings: Self =
-            serde_json::from_value(all).context("a setting has a value that it cannot have")?;
+        let settings: Self = serde_json::from_value(all).context("a setting is out of range")?;
         let Self { envs, steps, minibatch, epochs, .. } = settings;
         ensure!(
             [envs, steps, minibatch, epochs].iter().all(|n| *n > 0),
-            "a setting that counts is at least 1"
+            "a setting that counts must be at least 1"
         );
         Ok(settings)
     }

@@ -51,10 +51,10 @@ fn a_policy_of_another_form_is_refused() {
 #[test]
 fn settings_are_checked() {
     for (set, message) in [
-        ("learning_rat=1", "no setting is learning_rat"),
+        ("learning_rat=1", "unknown setting learning_rat"),
         ("epochs=0", "at least 1"),
         ("epochs=many", "epochs: many"),
-        ("normalize=3", "cannot have"),
+        ("normalize=3", "out of range"),
         ("epochs", "NAME=NUMBER"),
     ] {
         let output = run(&["CartPole-v1", "--steps", "1", "--set", set]);

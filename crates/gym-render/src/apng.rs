@@ -1,8 +1,8 @@
 //! Animated PNG, frame by frame, in bounded memory and with exact colours.
 //!
-//! Each picture holds only the rectangle that changed. `png` compresses it; the chunks around it are
-//! written here, since the number of pictures stands at the start of the file and is known last.
-//! Chunks are those of the PNG specification, third edition, section 11.3.6 (acTL, fcTL, fdAT).
+//! Each image contains only the rectangle that changed. `png` compresses it; the chunks around it
+//! are written here, because the number of images is at the start of the file and known last. Chunks
+//! are those of the PNG specification, third edition, section 11.3.6 (acTL, fcTL, fdAT).
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -27,10 +27,10 @@ pub(crate) struct Apng<W> {
     /// Pictures and animation chunks so far.
     pictures: u32,
     sequence: u32,
-    /// The frame held back, and how many times it came.
+    /// The frame held back, and its number of repetitions.
     pending: Frame,
     repeats: u32,
-    /// What is on the screen before it; `None` before the first picture.
+    /// The screen before it; `None` before the first image.
     shown: Option<Frame>,
     /// Buffers for the rectangle being written: its pixels, and a PNG file of it.
     pixels: Vec<u8>,
@@ -101,7 +101,7 @@ impl<W: Write + Seek> Apng<W> {
         Ok(self.writer)
     }
 
-    /// The chunk with the number of pictures, played for ever.
+    /// The chunk with the number of images, looping forever.
     fn write_count(&mut self) -> io::Result<()> {
         chunk(&mut self.writer, *b"acTL", &[&self.pictures.to_be_bytes(), &[0; 4]])
     }
@@ -120,7 +120,7 @@ impl<W: Write + Seek> Apng<W> {
 
         let place = [width, height, columns.start as u32, rows.start as u32].map(u32::to_be_bytes);
         let delay = [self.repeats as u16, self.fps as u16].map(u16::to_be_bytes);
-        // left in place afterwards; replaces what is there
+        // kept afterwards; replaces the old content
         let parts: [&[u8]; 4] =
             [&self.sequence.to_be_bytes(), place.as_flattened(), delay.as_flattened(), &[0, 0]];
         chunk(&mut self.writer, *b"fcTL", &parts)?;
@@ -144,7 +144,7 @@ fn compress(file: &mut Vec<u8>, width: u32, height: u32, pixels: &[u8]) -> io::R
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Balanced);
-    // drawings are plain areas: what stands before is as good a guess as any filter's
+    // drawings are plain areas: no filter predicts better than repetition
     encoder.set_filter(Filter::NoFilter);
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(pixels)?;

@@ -1,10 +1,10 @@
-//! What changed from one frame to the next.
+//! The difference between two frames.
 
 use std::ops::Range;
 
 use gym_core::render::Frame;
 
-/// The smallest rectangle that holds every changed pixel; one pixel if none changed.
+/// The smallest rectangle that contains every changed pixel; one pixel if none changed.
 pub(crate) fn changed(old: Option<&Frame>, new: &Frame) -> (Range<usize>, Range<usize>) {
     let Some(old) = old else { return (0..new.width() as usize, 0..new.height() as usize) };
     let row = new.width() as usize * 3;

@@ -53,7 +53,7 @@ impl AtomicFile {
         create().map_err(|error| Error::io(path, error))
     }
 
-    /// Where the file lies until it has its name, for a program that writes it in our place.
+    /// The temporary path, for another program that writes the file.
     pub fn temporary_path(&self) -> &Path {
         &self.temporary
     }
@@ -61,7 +61,7 @@ impl AtomicFile {
     /// Gives the file its name; one of that name is replaced.
     ///
     /// # Errors
-    /// [`Error::Io`] if the rest cannot be written; nothing is left behind then.
+    /// [`Error::Io`] if the rest cannot be written; then no file remains.
     pub fn commit(self) -> Result<()> {
         let Self { path, destination, file, temporary } = self;
         let commit = || {
@@ -113,7 +113,7 @@ const SUFFIX: &str = ".gym-partial";
 
 /// A file of a name that no other has, in the folder of `path`, with the permissions of what is at `path`.
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path ends without a file name");
+    let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().ok_or_else(no_name)?);
     prefix.push(".");
@@ -193,7 +193,7 @@ impl Seek for AtomicFile {
 /// Writes a whole file at once.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be written; what was at `path` is then still there.
+/// [`Error::Io`] if it cannot be written; the old file is then unchanged.
 pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     let mut file = AtomicFile::create(path)?;

@@ -1,4 +1,4 @@
-//! The lettering: a stroke font of our own, ASCII from space to tilde.
+//! Our own stroke font, ASCII from space to tilde.
 //!
 //! Each glyph is a few strokes on a grid, all drawn with the same pen. Coordinates are base-36
 //! digits, x then y, with y up: the baseline is at 8, lower-case letters reach m (22), capitals
@@ -22,7 +22,7 @@ const GAP: f64 = 6.0;
 /// A dot is a stroke this long: just enough to have a direction.
 const DOT: f64 = 0.1;
 
-/// What is drawn for characters without a glyph: an empty box.
+/// The glyph of unknown characters: an empty box.
 const MISSING: Glyph = Glyph(12, "080scsc808");
 
 /// Width between the outermost pen positions, and the strokes.

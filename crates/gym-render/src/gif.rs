@@ -1,13 +1,12 @@
 //! Animations as GIF files, frame by frame, in bounded memory.
 //!
 //! The file stays small and its colours exact as far as the format allows:
-//! - Each picture holds only the rectangle that changed. In it the pixels that did not change are
-//!   transparent or have their colours again, whichever takes fewer bytes. A frame that changes
-//!   nothing prolongs the one before.
-//! - All pictures share one table of 255 colours, which grows with the colours that appear. It
-//!   stands at the start of the file and is written last.
-//! - A picture whose new colours no longer fit brings a table of its own, and only one that has
-//!   more than 255 colours itself is reduced to similar ones.
+//! - Each image contains only the rectangle that changed. Its unchanged pixels are transparent or
+//!   repeat their colours, whichever takes fewer bytes. An unchanged frame prolongs the one before.
+//! - All images share one table of 255 colours, which grows as colours appear. It is at the start
+//!   of the file and written last.
+//! - An image whose new colours no longer fit has its own table. Only an image with more than 255
+//!   colours is reduced to similar ones.
 
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -23,19 +22,19 @@ use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
 use crate::stream::{Format, Stream};
 
-/// Where the shared colour table lies in the file: behind signature and screen descriptor (GIF89a
+/// The offset of the shared colour table: behind signature and screen descriptor (GIF89a
 /// specification, sections 17 and 18).
 const TABLE_OFFSET: u64 = 13;
 /// Time is counted in hundredths of a second (GIF89a specification, section 23).
 const TICKS_PER_SECOND: u64 = 100;
-/// Browsers show a picture with a shorter delay for 10 ticks.
+/// Browsers show an image with a shorter delay for 10 ticks.
 const SHORTEST_DELAY: u64 = 2;
 
 /// Writes an animation that loops for ever.
 ///
-/// Frames are shown at their true times, rounded to hundredths of a second; rounding errors do
-/// not add up. Above 50 frames per second some frames are left out, since viewers do not show
-/// pictures for less than two hundredths.
+/// Frames appear at their times, rounded to hundredths of a second; rounding errors do not add up.
+/// Above 50 frames per second some frames are left out, because viewers show each image for at
+/// least two hundredths.
 ///
 /// The file appears under its name when it is finished. Dropping the writer finishes it too if a
 /// frame was written, but cannot report errors.
@@ -54,8 +53,8 @@ impl GifWriter {
     /// Appends a frame.
     ///
     /// # Errors
-    /// `Error::InvalidArgument` for a frame that is empty, larger than 65535 pixels a side, or
-    /// of another size than the first; it is left out. `Error::Io` if writing fails; the file is
+    /// `Error::InvalidArgument` for a frame that is empty, larger than 65535 pixels a side, or of
+    /// another size than the first, which is left out. `Error::Io` if writing fails; the file is
     /// then removed, and every later call fails.
     pub fn write(&mut self, frame: &Frame) -> Result<()> {
         self.0.write(frame)
@@ -65,12 +64,12 @@ impl GifWriter {
     ///
     /// # Errors
     /// `Error::Io` if writing fails, now or before; `Error::InvalidArgument` if no frame was
-    /// written. There is no file then.
+    /// written; then there is no file.
     pub fn finish(mut self) -> Result<()> {
         self.0.finish()
     }
 
-    /// Gives the file up; nothing of it stays.
+    /// Abandons and removes the file.
     pub fn abandon(mut self) {
         self.0.abandon();
     }
@@ -169,7 +168,7 @@ struct Animation<W: Write + Seek> {
     /// The frame held back, and the tick at which it appears.
     pending: Frame,
     since: u64,
-    /// What is on the screen before it; `None` before the first picture.
+    /// The screen before it; `None` before the first image.
     shown: Option<Frame>,
     /// Buffers for the rectangle being written.
     pixels: Vec<Option<Rgb>>,
@@ -220,7 +219,7 @@ impl<W: Write + Seek> Animation<W> {
         if *frame == self.pending {
             return Ok(());
         }
-        // Otherwise the frame held back would be too short: this one takes its place.
+        // Otherwise the frame held back would be too short: this one replaces it.
         if now - self.since >= SHORTEST_DELAY {
             self.write_pending(now)?;
             match &mut self.shown {
@@ -306,7 +305,7 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
     }
 }
 
-/// A picture of these entries, not yet placed.
+/// An image of these entries, not yet placed.
 fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     let buffer = Cow::Borrowed(entries);
     let mut picture = gif::Frame { transparent: Some(TRANSPARENT), buffer, ..gif::Frame::default() };
@@ -359,13 +358,13 @@ mod tests {
 
     use crate::testing::{Full, names};
 
-    /// A picture of a file: what it brings, and the whole screen after it.
+    /// An image of a file: its own part, and the whole screen after it.
     struct Picture {
         delay: u16,
         /// Left, top, width, height.
         area: [u16; 4],
         own_table: bool,
-        /// Whether some pixels stay as they were.
+        /// Whether some pixels are unchanged.
         transparent: bool,
         screen: Vec<u8>,
     }
@@ -482,7 +481,7 @@ mod tests {
     fn unchanged_pixels_are_whatever_takes_fewer_bytes() {
         let noise = |x: u32, y: u32| (x * x + 3 * y * y + x * y).is_multiple_of(3);
         let plain = |shade| frame(40, 40, move |_, _| [shade; 3]);
-        // the last pictures bring tables of their own, as each has 251 colours
+        // the last images have their own tables, because each has 251 colours
         let ramp =
             |x: u32, y: u32, other: u8| if y < 7 { [(y * 40 + x).min(251) as u8, other, 0] } else { [9; 3] };
         let noisy = frame(40, 40, |x, y| [if noise(x, y) { 9 } else { 8 }; 3]);

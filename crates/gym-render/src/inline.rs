@@ -1,8 +1,8 @@
-//! Pictures in notebooks: Jupyter with the kernel `evcxr`.
+//! Images in notebooks: Jupyter with the kernel `evcxr`.
 //!
-//! The kernel calls `evcxr_display` on the value of a cell, where it has that method, and shows what it
-//! prints between two marks (evcxr's documentation, "Custom display of user types"). In the first cell
-//! with a `?` it shows a value with `{:?}` instead: let that one define something, as in `docs/notebook.ipynb`.
+//! The kernel calls `evcxr_display` on the value of a cell, if it has that method, and shows the text that it
+//! prints between two marks (evcxr's documentation, "Custom display of user types"). In the first cell with a
+//! `?` it uses `{:?}` instead: let that cell only define something, as in `docs/notebook.ipynb`.
 
 use std::io::Cursor;
 
@@ -13,7 +13,7 @@ use gym_core::render::Frame;
 
 use crate::{Plot, gif, png};
 
-/// A picture that a notebook shows where it is the value of a cell.
+/// An image that a notebook shows as the value of a cell.
 ///
 /// ```
 /// use gym_render::{Inline, frame};
@@ -45,7 +45,7 @@ impl Inline {
     /// As [`write_gif`](crate::write_gif).
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
         let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
-        // within HTML, since nbconvert shows no content of type image/gif
+        // inside HTML, because nbconvert shows no content of type image/gif
         let content = format!(r#"<img src="data:image/gif;base64,{}">"#, STANDARD.encode(bytes));
         Ok(Self { mime: "text/html", content })
     }

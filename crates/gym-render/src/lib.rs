@@ -1,9 +1,9 @@
 //! Drawing and recording of environments, without window, C or system fonts.
 //!
 //! Linking this crate gives every environment the render mode `rgb_array`, and with the feature
-//! `human` the mode of that name: it submits
-//! [`Raster`] as the [`Painter`](gym_core::render::Painter) that `gym_core` looks for. The rest
-//! turns frames and drawings into files:
+//! `human` the mode of that name: it submits [`Raster`] as the
+//! [`Painter`](gym_core::render::Painter) of `gym_core`. The rest writes frames and drawings to
+//! files:
 //!
 //! | to get | use |
 //! |---|---|

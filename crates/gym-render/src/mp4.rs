@@ -69,7 +69,7 @@ impl Format for Mp4 {
         let Some(pipe) = &mut self.ffmpeg.0.stdin else {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
-        // A broken pipe says nothing; `ffmpeg` says why it gave up.
+        // A broken pipe has no reason; `ffmpeg`'s output does.
         pipe.write_all(frame.pixels()).or_else(|error| self.wait().and(Err(error)))
     }
 

@@ -12,9 +12,9 @@ pub(crate) type Rgb = [u8; 3];
 pub(crate) const ENTRIES: usize = 256;
 /// The entry that leaves a pixel as it was; it is never a colour.
 pub(crate) const TRANSPARENT: u8 = 0;
-/// How many colours a reduced colour table keeps as they are.
+/// The number of colours that a reduced colour table keeps unchanged.
 const COMMON: usize = 128;
-/// How many colours the rest of it is trained on, about.
+/// The approximate number of colours on which the rest is trained.
 const LESSONS: usize = 6000;
 
 /// Up to 255 colours in the order of their first use, numbered from 1.
@@ -102,8 +102,8 @@ impl Palette {
         Some(entry)
     }
 
-    /// A palette of 255 colours near those of the pixels, and the pixels in its entries: the commonest colours
-    /// as they are, and such as are near to the others, of which a rare one counts as much as any.
+    /// A palette of 255 colours near those of the pixels, and the pixels as its entries: the commonest colours
+    /// unchanged, and colours near the others, where rare ones count as much as common ones.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
         let mut counts = HashMap::<Rgb, usize>::new();
         for color in pixels.iter().flatten() {
@@ -118,7 +118,7 @@ impl Palette {
         }
         let first = palette.table.len();
         let rgba = |[r, g, b]: Rgb| [r, g, b, 255];
-        // a network learns little from few colours unless they come again
+        // the network learns little from few colours unless they are repeated
         let lessons = rare.iter().cycle().take(rare.len().max(LESSONS));
         let sample: Vec<u8> = lessons.flat_map(|(color, _)| rgba(*color)).collect();
         let factor = (rare.len() / LESSONS).clamp(1, 30) as i32;
@@ -194,7 +194,7 @@ mod tests {
         assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
-    /// What a pole uncovers: a few pixels of a sky whose rows have a colour each, beside many of the pole's own.
+    /// The pixels that a moving pole uncovers: a few of a sky whose rows each have a colour, and many of the pole.
     #[test]
     fn rare_colours_are_near_and_common_ones_stay() {
         let sky = (0..150_u8).map(|y| [90 + y / 2, 140 + y / 2, 190 + y / 4]);

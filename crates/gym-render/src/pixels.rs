@@ -7,19 +7,19 @@ use gym_core::render::Frame;
 
 /// Bytes of a pixel.
 pub(crate) const RGB: usize = 3;
-/// Edges of rectangles lie on parts of a pixel, as those of other shapes do in `tiny-skia` (its
-/// `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into a GIF's
-/// colour table.
+/// Edges of rectangles are rounded to quarters of a pixel, as those of other shapes in `tiny-skia`
+/// (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into a
+/// GIF's colour table.
 const SUBPIXELS: usize = 4;
 
-/// Covers the whole frame; translucent colours are laid over what is there.
+/// Covers the whole frame; translucent colours blend with it.
 pub(crate) fn clear(frame: &mut Frame, color: Color) {
     let pixels = frame.pixels_mut();
     blend_run(pixels, 0..pixels.len() / RGB, color, 255);
 }
 
-/// Lays colour over the part of the frame between two corners. A pixel that is only partly inside
-/// takes its share, in sixteenths.
+/// Blends a colour into the rectangle between two corners. A pixel partly inside gets its share, in
+/// sixteenths.
 pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let columns = shares(min[0], max[0], width);
@@ -58,7 +58,7 @@ pub(crate) fn row(frame: &mut Frame, y: usize) -> &mut [u8] {
     &mut frame.pixels_mut()[y * bytes..][..bytes]
 }
 
-/// Lays colour over consecutive pixels of a row that are all covered alike.
+/// Blends a colour into consecutive pixels of a row with equal coverage.
 pub(crate) fn blend_run(row: &mut [u8], pixels: Range<usize>, color: Color, coverage: u8) {
     if scale(color.a, coverage) == 255 {
         fill_run(row, pixels, color);

@@ -18,7 +18,7 @@ const WIDTH: u32 = 800;
 const AREA_HEIGHT: u32 = 310;
 /// Pixels of a PNG per unit of the drawing.
 const PNG_SCALE: u32 = 2;
-/// Space around the axes, and what title and legend add to it.
+/// Margins around the axes, and the space for title and legend.
 const TOP: u32 = 20;
 const TITLE_HEIGHT: u32 = 34;
 const LEGEND_HEIGHT: u32 = 22;
@@ -36,16 +36,16 @@ const LEGEND_SAMPLE: f64 = 22.0;
 const LEGEND_GAP: f64 = 8.0;
 /// About so many ticks along each axis.
 const TICKS: f64 = 6.0;
-/// The parts of the ranges that stay free beside the first and last value, and above and below.
+/// The free parts of the ranges beside the first and last value, and above and below.
 const PADDING: [f64; 2] = [0.015, 0.05];
-/// Values beyond this are left out, like those that are not numbers.
+/// Larger values are left out, like NaN.
 const LARGEST: f64 = 1e300;
 
 const INK: Color = Color::rgb(50, 50, 50);
 const AXIS: Color = Color::rgb(130, 130, 130);
 const GRID: Color = Color::rgb(232, 232, 232);
 /// The colours of Okabe and Ito, "Color Universal Design" (2008), which colour-blind people can
-/// tell apart.
+/// distinguish.
 const COLORS: [Color; 6] = [
     Color::rgb(0, 114, 178),
     Color::rgb(213, 94, 0),
@@ -54,7 +54,7 @@ const COLORS: [Color; 6] = [
     Color::rgb(230, 159, 0),
     Color::rgb(86, 180, 233),
 ];
-/// Opacity of the values themselves where their average is drawn too.
+/// Opacity of the values if their average is drawn too.
 const FAINT: u8 = 70;
 
 /// A line plot of one value per episode (such as its return or its length) for one or more runs.
@@ -112,7 +112,7 @@ impl Plot {
         both.0.below(both.1)
     }
 
-    /// What is counted from 1 along the horizontal axis; `episode` if not given.
+    /// The unit counted from 1 along the horizontal axis; the default is `episode`.
     #[must_use]
     pub fn x_label(self, label: impl Into<String>) -> Self {
         Self { x_label: label.into(), ..self }
@@ -124,22 +124,22 @@ impl Plot {
         Self { y_label: label.into(), ..self }
     }
 
-    /// Adds a run: its name for the legend (may be empty) and its values in order. Values that are
-    /// not finite are left out.
+    /// Adds a run: its name for the legend (may be empty) and its values in order. Non-finite
+    /// values are left out.
     #[must_use]
     pub fn series(mut self, name: impl Into<String>, values: &[f64]) -> Self {
         self.series.push((name.into(), values.to_vec()));
         self
     }
 
-    /// Draws, above the faint values, the mean of the last `window` of them; 1 (or 0) draws the
-    /// values alone.
+    /// Draws the mean of the last `window` values above the values, which are faint; 1 (or 0) draws
+    /// only the values.
     #[must_use]
     pub fn moving_average(self, window: usize) -> Self {
         Self { window, ..self }
     }
 
-    /// Puts another plot below this one (and below those already there), in the same picture.
+    /// Puts another plot below this one (and any already below), in the same image.
     #[must_use]
     pub fn below(mut self, mut plot: Self) -> Self {
         let further = std::mem::take(&mut plot.below);
@@ -315,7 +315,7 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (min - space, max + space)
 }
 
-/// The mean of the last `window` finite values up to each one; NaN where there is none.
+/// The mean of the last `window` finite values up to each one; NaN if there is none.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let mean = |end: usize| {
         let last = values[(end + 1).saturating_sub(window)..=end].iter().filter(|&&value| is_drawn(value));
@@ -347,7 +347,7 @@ impl Axis {
         (first..=last).map(move |index| index as f64 * self.step)
     }
 
-    /// Where a value lies between the ends, 0 to 1.
+    /// The position of a value between the ends, 0 to 1.
     fn part(self, value: f64) -> f64 {
         (value - self.min) / (self.max - self.min)
     }
@@ -395,7 +395,7 @@ impl Area {
         canvas.stroke(Shape::Polyline(&[min, [min[0], max[1]], max]), 1.0, AXIS);
     }
 
-    /// Draws values in order, interrupted where they are not finite.
+    /// Draws values in order, interrupted at non-finite ones.
     fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
         let points: Vec<Point> = (1_u32..).zip(values).map(|(x, &y)| [f64::from(x), y]).collect();
         for run in points.split(|&[_, y]| !is_drawn(y)) {
@@ -408,7 +408,7 @@ impl Area {
         }
     }
 
-    /// Where points are much denser than pixels, keeps the lowest and the highest of neighbours.
+    /// If points are much denser than pixels, keeps the lowest and the highest of neighbours.
     fn thin(&self, points: &[Point]) -> Vec<Point> {
         let columns = ((self.max[0] - self.min[0]) * f64::from(PNG_SCALE)) as usize;
         let group = points.len() / columns;

@@ -1,4 +1,4 @@
-//! Frames as PNG files, and many frames in one picture.
+//! Frames as PNG files, and many frames in one image.
 
 use std::fs;
 use std::io::Write;
@@ -9,9 +9,9 @@ use gym_core::render::Frame;
 use gym_core::{Error, Result};
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
-/// Pixels between and around the pictures of a contact sheet.
+/// Pixels between and around the frames of a contact sheet.
 const GAP: u32 = 4;
-/// The shade of grey between the pictures of a contact sheet.
+/// The shade of grey between the frames of a contact sheet.
 const BACKGROUND: u8 = 232;
 
 /// Writes a frame to a PNG file.
@@ -53,7 +53,7 @@ fn refused(frame: &Frame, error: &EncodingError) -> Error {
 /// does not exist. Returns the paths.
 ///
 /// # Errors
-/// As [`write_png`]; the frames before stay.
+/// As [`write_png`]; earlier frames remain.
 pub fn write_png_sequence<'a>(
     folder: impl AsRef<Path>,
     frames: impl IntoIterator<Item = &'a Frame>,

@@ -19,8 +19,8 @@ inventory::submit! {
 ///
 /// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates nothing once
 /// the buffers have grown: use one painter for many frames. At any other size, and for all other shapes,
-/// `tiny-skia` draws smooth shapes. One that reaches further than 32768 pixels from the frame's corner is
-/// left out, unless it is an upright rectangle.
+/// `tiny-skia` draws smooth shapes. A shape that reaches further than 32768 pixels from the frame's
+/// corner is left out, unless it is an upright rectangle.
 #[derive(Debug)]
 pub struct Raster {
     transforms: Transforms,
@@ -75,7 +75,7 @@ struct Surface<'a> {
     frame: &'a mut Frame,
     /// Whether a unit of the drawing is a pixel of the frame.
     is_own_size: bool,
-    /// Whether nothing is drawn yet, so that the frame still shows what was there before.
+    /// Whether nothing is drawn yet, so that the frame still has its old content.
     is_blank: bool,
     /// The depth of the transforms at which a surface to be shrunk began, while it is drawn.
     sheet: Option<usize>,
@@ -89,8 +89,8 @@ impl Surface<'_> {
         }
     }
 
-    /// Before a shape is drawn that is none of pygame's. A surface to be shrunk is then shrunk as far as it
-    /// is drawn; what comes after is drawn smoothly.
+    /// Called before a shape that is not pygame's. It shrinks the surface drawn so far; later shapes are
+    /// drawn smoothly.
     fn start_smooth(&mut self) {
         self.start();
         if let Some(depth) = self.sheet.take() {
@@ -189,7 +189,7 @@ impl Canvas for Surface<'_> {
                 }
             }
             _ => match primitive {
-                // the pixels on its edges belong to it, however large they are: neighbours leave no line between them
+                // the pixels on its edges belong to it at any size, so that neighbours leave no gap
                 Primitive::Polygon(points) => {
                     self.fill(Shape::Polygon(points), color);
                     let pixel = 1.0 / skia::scale(self.raster.transforms.current());
@@ -372,7 +372,7 @@ mod tests {
         }
     }
 
-    /// A fingerprint of a picture with all kinds of shapes. It must not depend on the processor.
+    /// A checksum of an image with all kinds of shapes. It must not depend on the processor.
     #[test]
     fn the_bytes_are_the_same_everywhere() {
         let image = frame((64, 48), |canvas| {

@@ -6,8 +6,8 @@ use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Segment, Shape, T
 
 use crate::number::{Decimal, Pair, Rgb};
 
-/// Keeps a drawing's calls as lines of text, numbers rounded to 3 decimals: a test compares what
-/// an environment draws rather than pixels.
+/// Records a drawing's calls as lines of text, with numbers rounded to 3 decimals: tests compare
+/// calls rather than pixels.
 ///
 /// ```
 /// use gym_core::canvas::{Canvas, Color, Transform};

@@ -1,4 +1,4 @@
-//! Recording a vector while somebody else steps it.
+//! A wrapper that records a vector.
 
 use std::fmt;
 use std::path::Path;
@@ -16,10 +16,10 @@ use arguments::Config;
 
 /// Records all sub-environments of a vector side by side, in a grid: Gymnasium's `vector.RecordVideo`.
 ///
-/// The sub-environments have the render mode `rgb_array`. Episodes are those of the first of them; all
-/// else is as in [`RecordVideo`](crate::RecordVideo). With
-/// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the last state of an episode is gone
-/// before it can be seen, and is not in the video.
+/// The sub-environments must have the render mode `rgb_array`. The episodes are those of the first
+/// one; otherwise it is as [`RecordVideo`](crate::RecordVideo). With
+/// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the video lacks the last state of an
+/// episode.
 ///
 /// ```no_run
 /// use gym_core::{Result, builder, render::RenderMode};
@@ -46,12 +46,12 @@ pub(crate) mod arguments {
     gym_core::arguments! {
         /// The arguments of [`RecordVectorVideo`].
         pub struct Config {
-            /// Those that a single environment has too.
+            /// The arguments of a single environment.
             #[flatten]
             pub common: Common,
-            /// The grid's width is as near as can be to so many times its height.
+            /// The ratio of the grid's width to its height, approximately.
             pub video_aspect_ratio: f64 = 1.0,
-            /// Whether the first sub-environment alone is recorded.
+            /// Whether only the first sub-environment is recorded.
             pub record_first_only: bool = false,
         }
     }
@@ -66,7 +66,7 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     ///
     /// # Errors
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
-    /// sub-environments has no render mode or one that gives no frames.
+    /// sub-environments has no render mode, or one without frames.
     pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
         let common = Common { video_folder: folder.as_ref().to_owned(), ..Common::default() };
         Self::with_config(envs, Config { common, ..Config::default() })
@@ -87,29 +87,29 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
 
     tape_options!();
 
-    /// Arranges the grid so that its width is as near as can be to so many times its height; 1 by default.
+    /// Sets the ratio of the grid's width to its height, approximately; the default is 1.
     #[must_use]
     pub fn aspect_ratio(self, aspect_ratio: f64) -> Self {
         Self { aspect_ratio, ..self }
     }
 
-    /// Records the first sub-environment alone.
+    /// Records only the first sub-environment.
     #[must_use]
     pub fn first_only(self) -> Self {
         Self { first_only: true, ..self }
     }
 
-    /// The vector within.
+    /// The inner vector.
     pub fn get_ref(&self) -> &V {
         &self.envs
     }
 
-    /// The vector within, to be changed. What is reset or stepped past the wrapper, it does not see.
+    /// The inner vector, mutable. The wrapper does not see resets and steps made through it.
     pub fn get_mut(&mut self) -> &mut V {
         &mut self.envs
     }
 
-    /// The vector within; a running recording ends.
+    /// The inner vector; a running recording ends.
     pub fn into_inner(mut self) -> V {
         self.tape.stop();
         self.envs
@@ -132,7 +132,7 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     }
 }
 
-/// How many columns give a full grid the aspect ratio nearest to one: Gymnasium's
+/// The number of columns that gives a full grid the aspect ratio nearest to one: Gymnasium's
 /// `_get_concat_frame_shape`, which has no more rows than columns.
 fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     let n = frames.len();

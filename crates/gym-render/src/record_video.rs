@@ -1,4 +1,4 @@
-//! Recording an environment while somebody else steps it.
+//! A wrapper that records an environment.
 
 use std::fmt;
 use std::path::Path;
@@ -16,21 +16,22 @@ gym_core::register_wrapper!(
 
 /// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
-/// The environment within has the render mode `rgb_array` or `rgb_array_list`. A recording starts at
-/// the reset of each episode that the episode trigger accepts, and at each step that the step trigger
-/// accepts; without a trigger, [`capped_cubic`](crate::capped_cubic) chooses the episodes. Episodes are counted from the
-/// first reset, steps over all episodes, both from 0. A recording ends with its episode, or after
-/// [`video_length`](Self::video_length) frames where that is set, over as many episodes as they take.
+/// The inner environment must have the render mode `rgb_array` or `rgb_array_list`. A recording starts at the reset of
+/// each episode that the episode trigger accepts, and at each step that the step trigger accepts; without a trigger,
+/// [`capped_cubic`](crate::capped_cubic) chooses the episodes. Episodes are counted from the first reset, steps over
+/// all episodes, both from 0. A recording ends with its episode, or after [`video_length`](Self::video_length) frames
+/// if set, over any number of episodes.
 ///
 /// Files are called `rl-video-episode-8.gif` or `rl-video-step-1000.gif`; one that exists is replaced.
 /// Frames go to the file at once, and it appears under its name when it is complete: by the end of
 /// the recording, `close`, or a drop.
 ///
-/// A file that cannot be written does not stop the training: the recording is given up with a
-/// warning through the `log` crate, and [`take_error`](Self::take_error) hands out the reason.
+/// A file that cannot be written does not stop the training: the recording ends with a warning
+/// through the `log` crate, and [`take_error`](Self::take_error) returns the error.
 ///
-/// Recording is no part of a snapshot: after `restore` it continues with what happens then. A clone
-/// does not record. With a trigger of your own there is no spec, since functions cannot be rebuilt.
+/// Snapshots do not contain recordings: after `restore` a recording continues with the new state. A
+/// clone does not record. With your own trigger there is no spec, because functions cannot be
+/// stored.
 ///
 /// ```no_run
 /// use gym_core::{Env, Result, builder, render::RenderMode};
@@ -46,9 +47,9 @@ gym_core::register_wrapper!(
 pub struct RecordVideo<E: Env = BoxEnv> {
     env: E,
     tape: Tape,
-    /// Frames taken out of the environment's list, until `render` hands them over.
+    /// Frames taken from the environment's list, until `render` returns them.
     list: Vec<Frame>,
-    /// The last picture, drawn over by the next one.
+    /// The last frame, which the next one overwrites.
     rendered: Rendered,
 }
 
@@ -57,7 +58,7 @@ impl<E: Env> RecordVideo<E> {
     ///
     /// # Errors
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
-    /// without a render mode or with one that gives no frames.
+    /// without a render mode, or with one without frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
         Self::with_config(env, Config { video_folder: folder.as_ref().to_owned(), ..Config::default() })
     }
@@ -74,7 +75,7 @@ impl<E: Env> RecordVideo<E> {
 
     tape_options!();
 
-    /// The environment within.
+    /// The inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }
@@ -84,7 +85,7 @@ impl<E: Env> RecordVideo<E> {
         &mut self.env
     }
 
-    /// The environment within; a running recording ends.
+    /// The inner environment; a running recording ends.
     pub fn into_inner(mut self) -> E {
         self.tape.stop();
         self.env
@@ -115,7 +116,7 @@ pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
     check_known_mode(env.describe(), env.render_mode())
 }
 
-/// Fails unless the render mode gives frames.
+/// Fails unless the render mode has frames.
 pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
     let was = match mode {
         Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),

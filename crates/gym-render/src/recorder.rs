@@ -8,12 +8,12 @@ use gym_core::{Env, Error, Result};
 use crate::VideoWriter;
 use crate::record_video::check_mode;
 
-/// Records what an environment renders, over one episode or many, to one file.
+/// Records the frames of an environment, over one episode or many, to one file.
 ///
-/// The environment has the render mode `rgb_array`, and [`capture`](Self::capture) is called after
-/// each reset and step; or it has `rgb_array_list`, and `capture` is called before each further reset
-/// and at the end. The file's extension is its format, as for [`VideoWriter`]. Frames go to the file
-/// at once: a recording of any length takes the memory of a few frames.
+/// With the render mode `rgb_array`, call [`capture`](Self::capture) after each reset and step; with
+/// `rgb_array_list`, before each further reset and at the end. The file's extension selects the
+/// format, as for [`VideoWriter`]. Each frame is written at once: a recording of any length takes the
+/// memory of a few frames.
 ///
 /// Dropping the recorder finishes the file, but cannot report errors.
 ///
@@ -39,7 +39,7 @@ use crate::record_video::check_mode;
 #[derive(Debug)]
 pub struct Recorder {
     video: VideoWriter,
-    /// The last picture, drawn over by the next one.
+    /// The last frame, which the next one overwrites.
     rendered: Rendered,
     frames: u64,
     max_frames: u64,
@@ -49,8 +49,8 @@ impl Recorder {
     /// Starts a file that plays at the environment's own speed.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if the environment was made without a render mode or with one that gives
-    /// no frames, and as [`VideoWriter::create`].
+    /// [`Error::UnsupportedMode`] if the environment was made without a render mode, or with one without
+    /// frames, and as [`VideoWriter::create`].
     pub fn new<E: Env>(path: impl AsRef<Path>, env: &E) -> Result<Self> {
         check_mode(env)?;
         Self::with_fps(path, env.metadata().render_fps)
@@ -76,12 +76,12 @@ impl Recorder {
         self.frames
     }
 
-    /// Records what the environment shows now, or the list of frames it has gathered. Once enough
-    /// frames are recorded, nothing is rendered any more.
+    /// Records the current frame, or the list of frames collected by the environment. Once enough
+    /// frames are recorded, it renders nothing.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if it has another render mode, what [`EnvExt::render`](gym_core::EnvExt::render) answers, and
-    /// as [`VideoWriter::write`].
+    /// [`Error::UnsupportedMode`] if it has another render mode, the errors of
+    /// [`EnvExt::render`](gym_core::EnvExt::render), and as [`VideoWriter::write`].
     pub fn capture<E: Env>(&mut self, env: &mut E) -> Result<()> {
         if self.frames >= self.max_frames {
             return Ok(());
@@ -101,7 +101,7 @@ impl Recorder {
         }
     }
 
-    /// Completes the file; gives the number of frames in it.
+    /// Completes the file; returns its number of frames.
     ///
     /// # Errors
     /// As [`VideoWriter::finish`].

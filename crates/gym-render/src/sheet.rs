@@ -1,7 +1,7 @@
 //! A large surface of pygame's that is shrunk to a frame, without ever being whole.
 //!
-//! Calls are kept until the surface is complete. Then it is drawn in bands of a few rows that stay in the
-//! processor's cache: each row is shrunk across, and the narrow rows are summed up along.
+//! Calls are recorded until the surface is complete. It is then drawn in bands of a few rows, which stay
+//! in the cache: each row is shrunk horizontally, and the narrow rows are summed vertically.
 //!
 //! The pixels of a row that become one pixel of the narrow row are a *window*; two neighbours share the pixel
 //! between them. Nearly everywhere a window has one colour, and is kept as that colour alone. It is written
@@ -19,7 +19,7 @@ use crate::pygame::{self, Phase, Pixels, part, phases};
 /// Rows of a band: few enough to stay in the cache, enough for what each call costs in each band.
 const BAND: usize = 64;
 
-/// A surface to draw on and its calls so far. It keeps its buffers from picture to picture.
+/// A surface to draw on and its calls so far. It reuses its buffers between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Sheet {
     width: usize,
@@ -43,13 +43,13 @@ struct Call {
     points: Range<usize>,
     color: Color,
     flipped: bool,
-    /// The rows of the picture that it can reach.
+    /// The rows of the frame that it can reach.
     rows: Range<usize>,
-    /// The rows of the picture that it covers from end to end.
+    /// The rows of the frame that it covers completely.
     covers: Range<usize>,
 }
 
-/// What is not a point of a [`Primitive`].
+/// The parts of a [`Primitive`] that are not points.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Line,
@@ -145,14 +145,14 @@ impl Sheet {
         }
     }
 
-    /// Rows of the picture, from rows of the surface.
+    /// Rows of the frame, from rows of the surface.
     fn rows(&self, low: i64, high: i64, flipped: bool) -> Range<usize> {
         let place = |row: i64| row.clamp(0, self.height as i64) as usize;
         let (low, high) = (place(low), place(high + 1));
         if flipped { self.height - high..self.height - low } else { low..high }
     }
 
-    /// The rows that a polygon covers from end to end, if that is easily told.
+    /// The rows that a polygon covers completely, if easily computed.
     fn covered(&self, points: &[Point], flipped: bool) -> Range<usize> {
         let &[a, b, c, d] = points else { return 0..0 };
         let (width, height) = (self.width as f64, self.height as f64);
@@ -179,7 +179,7 @@ impl Sheet {
         if sides().all(|s| s > AWAY) || sides().all(|s| s < -AWAY) { 0..self.height } else { 0..0 }
     }
 
-    /// Draws the surface and leaves it, made smaller, in the frame.
+    /// Draws the surface and writes it, shrunk, to the frame.
     pub(crate) fn finish(&mut self, frame: &mut Frame) {
         let (width, height) = (self.width, self.height);
         self.shrink.start((width, height), (frame.width() as usize, frame.height() as usize));

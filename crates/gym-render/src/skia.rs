@@ -1,7 +1,7 @@
 //! Smooth shapes, by `tiny-skia`.
 //!
-//! It computes how much of each pixel a shape covers, in a mask no larger than the shape; the colour is laid
-//! over the frame here, run by run. Pictures repeat most of their shapes, so the runs of a shape are kept.
+//! It computes the coverage of each pixel in a mask no larger than the shape; the colour is blended here,
+//! run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -16,11 +16,11 @@ use crate::{font, pixels};
 /// Larger masks are made in pieces.
 const LARGEST: u32 = 4096;
 
-/// A shape that reaches further from the frame's corner, in pixels, is left out: `tiny-skia` is not made for
-/// it.
+/// Shapes that reach further from the frame's corner, in pixels, are left out: `tiny-skia` does not support
+/// them.
 const REACH: f32 = 32_768.0;
 
-/// Draws smooth shapes, and keeps what it computed of them.
+/// Draws smooth shapes, with a cache of their runs.
 #[derive(Debug, Default)]
 pub(crate) struct Skia {
     /// The runs of shapes, by all that decides them.
@@ -32,7 +32,7 @@ pub(crate) struct Skia {
     runs: Vec<Run>,
 }
 
-/// Neighbours in a row that a shape covers alike, in 255ths.
+/// Neighbours in a row with equal coverage, in 255ths.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     x: u16,
@@ -42,7 +42,7 @@ struct Run {
 }
 
 impl Skia {
-    /// When so much is kept, 2 MB, all of it is given up: where nothing repeats, nothing is of use.
+    /// The cache is cleared at this size, 2 MB: without repetition it has no use.
     const MOST: usize = 1 << 18;
 
     /// Fills a shape.
@@ -147,7 +147,7 @@ impl Skia {
         }
     }
 
-    /// Lays colour where a shape lies that has the key; `cover` computes its runs, if they are not known.
+    /// Blends a colour into the shape of a key; `cover` computes its runs, if they are not cached.
     fn draw(&mut self, frame: &mut Frame, color: Color, cover: impl FnOnce(&Frame, &mut dyn FnMut(Run))) {
         if let Some(runs) = self.known.get(&self.key[..]) {
             return lay(frame, runs, color);
@@ -218,13 +218,13 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
     path.finish()
 }
 
-/// How many pixels of the picture are a unit of the drawing.
+/// The number of pixels per unit of the drawing.
 pub(crate) fn scale(transform: Transform) -> f64 {
     (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt()
 }
 
-/// How wide and in which colour to draw a line, if it is to be seen. One thinner than a pixel is drawn a
-/// pixel wide and fainter, so that it does not fall between the samples.
+/// The width and colour of a line, if it is visible. A line thinner than a pixel is drawn a pixel wide
+/// and fainter, so that it does not fall between the samples.
 fn visible(width: f64, transform: Transform, color: Color) -> Option<(f64, Color)> {
     let scale = scale(transform);
     let pixels = width * scale;

@@ -1,4 +1,4 @@
-//! From the first frame to a finished file, whatever the format.
+//! Writing a file of frames, in any format.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 
-/// A format of moving pictures, and a file of it being written.
+/// A video format, and a file being written.
 pub(crate) trait Format: Sized {
     /// Whom errors speak of.
     const NAME: &'static str;
@@ -98,7 +98,7 @@ impl<F: Format> Stream<F> {
         }
     }
 
-    /// Gives the file up; nothing of it stays.
+    /// Abandons and removes the file.
     pub(crate) fn abandon(&mut self) {
         self.state = State::Over;
     }
@@ -114,5 +114,5 @@ impl<F: Format> Drop for Stream<F> {
 }
 
 fn failed_before() -> io::Error {
-    io::Error::other("writing this file failed before")
+    io::Error::other("an earlier write to this file failed")
 }

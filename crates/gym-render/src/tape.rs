@@ -1,5 +1,4 @@
-//! What decides when a video is recorded, and writes it: shared by the recorders of one environment and of
-//! vectors.
+//! Triggers and writing of videos, shared by the recorders of environments and vectors.
 
 use std::fs;
 use std::path::PathBuf;
@@ -17,13 +16,13 @@ gym_core::arguments! {
     pub struct Config {
         /// The folder, which is made if it does not exist.
         pub video_folder: PathBuf,
-        /// After how many frames a recording ends; 0 for the end of its episode.
+        /// The number of frames after which a recording ends; 0 for the end of its episode.
         pub video_length: u64 = 0,
-        /// What the names of the files start with.
+        /// The start of the file names.
         pub name_prefix: String = "rl-video".into(),
-        /// Frames per second, where they are not the environment's own.
+        /// Frames per second, if not the environment's own.
         pub fps: Option<u32>,
-        /// The format: one that [`VideoWriter`](crate::VideoWriter) knows.
+        /// The format: an extension of [`VideoWriter`](crate::VideoWriter).
         pub extension: String = "gif".into(),
     }
 }
@@ -181,8 +180,8 @@ macro_rules! tape_options {
             self
         }
 
-        /// Records from the steps that `trigger` accepts; and no episodes, unless there is a trigger for
-        /// them too.
+        /// Records from the steps that `trigger` accepts; and no episodes, unless there is an episode
+        /// trigger too.
         #[must_use]
         pub fn step_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
             self.tape.step_trigger = Some(Box::new(trigger));
@@ -203,7 +202,7 @@ macro_rules! tape_options {
             self
         }
 
-        /// The format: `gif` by default, else one that [`VideoWriter`](crate::VideoWriter) knows.
+        /// The format: `gif` by default, or another extension of [`VideoWriter`](crate::VideoWriter).
         #[must_use]
         pub fn extension(mut self, extension: &str) -> Self {
             self.tape.config.extension = extension.to_owned();
@@ -222,7 +221,7 @@ macro_rules! tape_options {
             self.tape.recording.is_some()
         }
 
-        /// Why the last recording was given up, if one was; asked again, nothing.
+        /// Takes the error that ended the last recording, if any.
         pub fn take_error(&mut self) -> Option<Error> {
             self.tape.error.take()
         }

@@ -31,7 +31,7 @@ impl Transforms {
         self.current = self.current.then(inner);
     }
 
-    /// Starts anew with other coordinates, until the matching `pop`.
+    /// Restarts with other coordinates, until the matching `pop`.
     pub(crate) fn push_anew(&mut self, transform: Transform) {
         self.outer.push(self.current);
         self.current = transform;
@@ -42,7 +42,7 @@ impl Transforms {
         self.outer.len()
     }
 
-    /// Changes all coordinates from that depth on: they are now within `outer`.
+    /// Puts all coordinates from that depth on inside `outer`.
     pub(crate) fn rebase(&mut self, depth: usize, outer: Transform) {
         for transform in self.outer.iter_mut().skip(depth).chain([&mut self.current]) {
             *transform = outer.then(*transform);

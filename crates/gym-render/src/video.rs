@@ -19,8 +19,8 @@ use crate::stream::Stream;
 /// | `png`, `apng` | animated PNG: loops, always exact, at any rate |
 /// | `mp4` | H.264 where `ffmpeg` knows it; needs that program, and is not exact |
 ///
-/// Frames go to the file as they come. It appears under its name when it is finished. Dropping the
-/// writer finishes it too if a frame was written, but cannot report errors.
+/// Each frame is written at once. The file appears under its name when it is finished. Dropping the
+/// writer also finishes it if a frame was written, but cannot report errors.
 #[derive(Debug)]
 pub struct VideoWriter(Kind);
 
@@ -45,10 +45,8 @@ impl VideoWriter {
             Some("png" | "apng") => Kind::Png(Stream::create(path, fps)?),
             Some("mp4") => Kind::Mp4(Stream::create(path, fps)?),
             _ => {
-                let reason = format!(
-                    "`{}` names no known format: the extensions are .gif, .png, .apng and .mp4",
-                    path.display()
-                );
+                let reason =
+                    format!("`{}` has no known extension: use .gif, .png, .apng or .mp4", path.display());
                 return Err(Error::argument("VideoWriter", reason));
             }
         }))
@@ -58,7 +56,7 @@ impl VideoWriter {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a frame that is empty, too large for the format, or of another
-    /// size than the first; it is left out. [`Error::Io`] if writing fails; the file is then
+    /// size than the first, which is left out. [`Error::Io`] if writing fails; the file is then
     /// removed, and every later call fails.
     pub fn write(&mut self, frame: &Frame) -> Result<()> {
         match &mut self.0 {
@@ -72,7 +70,7 @@ impl VideoWriter {
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails, now or before; [`Error::InvalidArgument`] if no frame was
-    /// written. There is no file then.
+    /// written; then there is no file.
     pub fn finish(self) -> Result<()> {
         match self.0 {
             Kind::Gif(writer) => writer.finish(),
@@ -81,7 +79,7 @@ impl VideoWriter {
         }
     }
 
-    /// Gives the file up; nothing of it stays.
+    /// Abandons and removes the file.
     pub fn abandon(self) {
         match self.0 {
             Kind::Gif(writer) => writer.abandon(),

@@ -14,18 +14,17 @@ use gym_core::render::{Frame, Screen, ScreenProvider};
 use gym_core::{Error, Result};
 use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
 
-/// How often a window looks for what its user does, per second.
+/// How often a window polls its user's input, per second.
 const UPDATES: usize = 60;
 
 inventory::submit! {
     ScreenProvider { open: |title, size, fps| Ok(Box::new(Live::open(title, size, fps)?)) }
 }
 
-/// A window that shows frames and knows which keys are down.
+/// A window that shows frames and reads keys.
 ///
-/// It can be resized; frames are stretched to fill it without changing their shape. It stays on the
-/// thread that opened it, which calls [`show`](Self::show) or [`update`](Self::update) often enough
-/// for the window to answer.
+/// It can be resized; frames are scaled to it with their aspect ratio. The thread that opened it
+/// must call [`show`](Self::show) or [`update`](Self::update) often enough.
 pub struct Window {
     window: minifb::Window,
     /// What it shows: 0x00RRGGBB.
@@ -34,7 +33,7 @@ pub struct Window {
     pressed: Pressed,
 }
 
-/// The keys pressed since somebody asked: some are up again before the next look at the keyboard.
+/// The keys pressed since the last query: some are released before the next poll.
 #[derive(Clone, Default)]
 struct Pressed(Rc<RefCell<Vec<Key>>>);
 
@@ -81,8 +80,8 @@ impl Window {
         self.update();
     }
 
-    /// Handles what the user did, and shows the last frame again. Waits for a sixtieth of a second
-    /// since the last time.
+    /// Handles the user's input, and shows the last frame again. Waits for a sixtieth of a second
+    /// since the last call.
     pub fn update(&mut self) {
         if self.window.update_with_buffer(&self.pixels, self.size.0, self.size.1).is_err() {
             self.window.update();
@@ -124,12 +123,12 @@ fn no_window(reason: &dyn fmt::Display) -> Error {
     }
 }
 
-/// A window on a thread of its own: it answers its user whatever the environment is busy with, and
-/// the environment never waits for it longer than a frame lasts.
+/// A window on its own thread: it responds while the environment is busy, and the environment never
+/// waits longer than a frame.
 struct Live {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// When the next frame is due, and how long each lasts.
+    /// The time of the next frame, and the duration of each.
     due: Instant,
     period: Duration,
 }
@@ -158,9 +157,9 @@ impl Live {
     }
 }
 
-/// Opens the window, says so, and shows frames until either side closes it.
+/// Opens the window, reports it, and shows frames until either side closes it.
 fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<()>>) {
-    // Sending fails only if nobody waits any more.
+    // Sending fails only if the receiver is gone.
     match Window::open(title, size) {
         Err(error) => drop(answer.send(Err(error))),
         Ok(mut window) => {
@@ -179,14 +178,14 @@ fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<
 
 impl Screen for Live {
     fn show(&mut self, frame: &Frame) -> bool {
-        // A thread that panicked does not say that the window is gone.
+        // A thread that panicked does not report that the window is gone.
         let alive = self.thread.as_ref().is_some_and(|thread| !thread.is_finished());
         if !alive || !self.shared.open.load(Ordering::Relaxed) {
             return false;
         }
         let now = Instant::now();
         thread::sleep(self.due.saturating_duration_since(now));
-        // After a pause the rhythm starts anew.
+        // After a pause the rhythm restarts.
         self.due = self.due.max(now) + self.period;
         *self.shared.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
         true

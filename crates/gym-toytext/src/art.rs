@@ -1,4 +1,4 @@
-//! Figures that several pictures share, drawn in units of which a cell's side has 64.
+//! Figures of several environments, drawn with 64 units per cell.
 
 use std::f64::consts::PI;
 

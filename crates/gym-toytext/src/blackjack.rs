@@ -10,7 +10,7 @@
 //! | end | terminated when the player sticks or goes over 21 |
 //! | limit | none |
 //!
-//! Versions: v1 corrected what a natural is worth.
+//! Versions: v1 corrected the value of a natural.
 //!
 //! After Example 5.1 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
 //! Gymnasium 1.4.0, `envs/toy_text/blackjack.py`.
@@ -35,7 +35,7 @@ gym_core::arguments! {
     /// Arguments. A natural is an ace and a ten as the first two cards.
     #[derive(Copy)]
     pub struct Config {
-        /// Whether a win with a natural earns 1.5. Without effect where `sab` is set.
+        /// Whether a win with a natural earns 1.5. Without effect if `sab` is set.
         pub natural: bool,
         /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
         /// `Blackjack-v1` is registered with this set.
@@ -146,7 +146,7 @@ impl TryFrom<Vec<u8>> for Hand {
     }
 }
 
-/// The suit of the dealer's open card, for its picture.
+/// The suit of the dealer's open card, for its drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum Suit {
@@ -158,7 +158,7 @@ pub enum Suit {
 
 const SUITS: [Suit; 4] = [Suit::Clubs, Suit::Diamonds, Suit::Hearts, Suit::Spades];
 
-/// What a dealer's open card of value 10 is, for its picture.
+/// The face of a dealer's open card of value 10, for its drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum Face {
@@ -192,7 +192,7 @@ impl BlackjackDynamics {
     fn play(&self, state: &State, action: Action, rng: &mut Generator) -> Transition<State> {
         let mut state = *state;
         if action == Action::Hit {
-            // beyond the end of an episode there is no card to take
+            // after the end of an episode there is no card to take
             if !state.player.is_bust() {
                 state.player.draw_card(rng);
             }
@@ -240,7 +240,7 @@ impl Task for BlackjackDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         let dealer = Hand::draw(rng);
         let player = Hand::draw(rng);
-        // the picture takes part in the stream
+        // drawing the card consumes random numbers
         let suit = SUITS[rng.choice(SUITS.len())];
         let face = (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
         Ok(State { dealer, player, suit, face })
@@ -331,7 +331,7 @@ fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, s
         let (outer, middle) = pips(value);
         for (x, column) in [(31.0, outer), (46.0, middle), (61.0, outer)] {
             for &y in column {
-                // those below the middle stand on their heads
+                // those below the middle are upside down
                 let height = if y > 0.5 { -15.0 } else { 15.0 };
                 pip(canvas, suit, [x, 20.0 + 72.0 * y], height, color);
             }
@@ -340,7 +340,7 @@ fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, s
     canvas.pop();
 }
 
-/// How far down, from 0 to 1, the pips of a number card are: in both outer columns, in the middle.
+/// The vertical positions, from 0 to 1, of the pips of a number card: in both outer columns, and in the middle.
 fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
     match value {
         2 => (&[], &[0.0, 1.0]),
@@ -514,7 +514,7 @@ mod tests {
         }
     }
 
-    /// The reward of sticking with a hand, for a dealer who has enough.
+    /// The reward of sticking with a hand, for a dealer who takes no more cards.
     fn reward(config: Config, player: &[u8], dealer: &[u8]) -> f64 {
         let state =
             State { dealer: hand(dealer), player: hand(player), suit: Suit::Clubs, face: Some(Face::King) };

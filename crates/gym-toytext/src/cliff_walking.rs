@@ -9,7 +9,7 @@
 //! | start | bottom left, cell 36 |
 //! | end | terminated at the goal, bottom right, cell 47 |
 //! | limit | none |
-//! | info | `prob`: the probability of what happened |
+//! | info | `prob`: the probability of the outcome |
 //!
 //! Versions: v1 added `is_slippery`; v0, which Gymnasium no longer has, takes no arguments.
 //!
@@ -39,7 +39,7 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Whether a move goes to either side of where it should with probability 1/3 each.
+        /// Whether a move goes to either side of its direction with probability 1/3 each.
         #[versions = 1..]
         pub is_slippery: bool,
     }
@@ -70,7 +70,7 @@ gym_core::discrete! {
     }
 }
 
-/// Where the agent is, and how it came there.
+/// The agent's cell, and how it got there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The cell, counted row by row from the top left.
@@ -95,7 +95,7 @@ impl CliffWalkingDynamics {
         &self.p
     }
 
-    /// How likely each cell is at the start, Gymnasium's `initial_state_distrib`.
+    /// The probability of each cell at the start, Gymnasium's `initial_state_distrib`.
     pub fn initial_state_distribution(&self) -> &[f64] {
         self.initial.probabilities()
     }
@@ -121,7 +121,7 @@ impl Task for CliffWalkingDynamics {
     const NAME: &'static str = "CliffWalking";
 
     fn new(config: Config) -> Result<Self> {
-        // by how much each outcome turns from the action
+        // the turn of each outcome from the action
         let turns: &[usize] = if config.is_slippery { &[3, 0, 1] } else { &[0] };
         let probability = 1.0 / turns.len() as f64;
         let p = Table::build(CELLS, Action::ALL.len(), |cell, action, outcomes| {
@@ -165,7 +165,7 @@ impl Task for CliffWalkingDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset gives a whole number, which the batched infos of a vector show
+        // Gymnasium's reset returns an integer, as the batched infos of a vector show
         let is_start = state.last_action.is_none();
         visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
     }

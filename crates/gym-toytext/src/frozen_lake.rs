@@ -9,7 +9,7 @@
 //! | start | a cell `S`, each as likely as the other |
 //! | end | terminated at the goal `G` and in a hole `H` |
 //! | limit | 100 steps (`FrozenLake8x8-v1`: 200) |
-//! | info | `prob`: the probability of what happened |
+//! | info | `prob`: the probability of the outcome |
 //!
 //! Versions: v1 corrected the rewards. Gymnasium 1.2.1 added `success_rate` and `reward_schedule` to it.
 //!
@@ -43,14 +43,14 @@ gym_core::arguments! {
         /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
         /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
         pub desc: Option<Vec<String>>,
-        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc` the map is drawn anew for
-        /// each environment by [`generate_random_map`]`(8, 0.8, None)`; snapshots of one then fit
-        /// itself and its clones alone.
+        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc`, each environment draws a
+        /// map by [`generate_random_map`]`(8, 0.8, None)`; its snapshots then fit only itself and its
+        /// clones.
         pub map_name: Option<String> = Some("4x4".to_owned()),
         /// Whether a move can go astray.
         pub is_slippery: bool = true,
-        /// The probability that a move on slippery ice goes where it should; the rest is shared by both
-        /// sides.
+        /// The probability that a move on slippery ice goes in its direction; both sides share the
+        /// rest.
         pub success_rate: f64 = 1.0 / 3.0,
         /// The rewards of reaching the goal, a hole, and any other cell.
         pub reward_schedule: [f64; 3] = [1.0, 0.0, 0.0],
@@ -81,7 +81,7 @@ gym_core::discrete! {
     }
 }
 
-/// Where the agent is, and how it came there.
+/// The agent's cell, and how it got there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The cell, counted row by row from the top left.
@@ -112,7 +112,7 @@ impl FrozenLakeDynamics {
         &self.p
     }
 
-    /// How likely each cell is at the start, Gymnasium's `initial_state_distrib`.
+    /// The probability of each cell at the start, Gymnasium's `initial_state_distrib`.
     pub fn initial_state_distribution(&self) -> &[f64] {
         self.initial.probabilities()
     }
@@ -148,7 +148,7 @@ impl Task for FrozenLakeDynamics {
             (None, Some(name)) => named_map(name)?,
             (None, None) => generate_random_map(8, 0.8, None)?,
         };
-        // a random map becomes part of the arguments, so that they say what this lake is
+        // a random map becomes part of the arguments, so that they describe this lake
         let config =
             Config { desc: config.map_name.is_none().then(|| desc.clone()).or(config.desc), ..config };
         let Config { is_slippery, success_rate, reward_schedule, .. } = config;
@@ -165,11 +165,14 @@ impl Task for FrozenLakeDynamics {
         let (nrow, ncol) = (desc.len(), desc[0].len());
         let letters = desc.concat().into_bytes();
         if letters.len() > MAX_STATES {
-            return Err(invalid(format!("the map has {} cells: there can be {MAX_STATES}", letters.len())));
+            return Err(invalid(format!(
+                "the map has {} cells: at most {MAX_STATES} are possible",
+                letters.len()
+            )));
         }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
-        // by how much each outcome turns from the action, and how likely it is
+        // the turn of each outcome from the action, and how likely it is
         let turns: &[(usize, f64)] =
             if is_slippery { &[(3, fail_rate), (0, success_rate), (1, fail_rate)] } else { &[(0, 1.0)] };
         let p = Table::build(letters.len(), Action::ALL.len(), |cell, action, outcomes| {
@@ -219,7 +222,7 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset gives a whole number, which the batched infos of a vector show
+        // Gymnasium's reset returns an integer, as the batched infos of a vector show
         let is_start = state.last_action.is_none();
         visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
     }
@@ -322,7 +325,7 @@ fn hole(canvas: &mut dyn Canvas) {
     canvas.round_rect([-22.0, -8.0], [44.0, 31.0], 15.0, DEEP);
 }
 
-/// Looking where the last move was meant to go; beside the flag; in a hole, up to the neck in water.
+/// Looking in the direction of the last move; beside the flag; in a hole, up to the neck in water.
 fn agent(canvas: &mut dyn Canvas, last_action: Option<Action>, letter: u8) {
     let facing = match last_action {
         Some(Action::Left) => Facing::Left,
@@ -377,16 +380,16 @@ fn check_map(desc: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// The most cells that [`generate_random_map`] draws before it gives up: less than a second's work.
+/// The most cells that [`generate_random_map`] draws: less than a second's work.
 const MAX_DRAWS: usize = 100_000_000;
 
 /// A random square map with a path from the start, top left, to the goal, bottom right. Any other
 /// cell is frozen with probability `p`, else a hole. The same seed gives the same map as Gymnasium's
-/// function of this name; without a seed the operating system gives one.
+/// function of this name; without a seed it takes one from the operating system.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for a `size` below 2, a `p` that is not above 0 and at most 1, and
-/// where no map drawn has a path, because `p` is small or `size` large.
+/// [`Error::InvalidArgument`] for a `size` below 2, a `p` that is not above 0 and at most 1, and if
+/// no map drawn has a path, because `p` is small or `size` large.
 pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec<String>> {
     let invalid = |reason: String| Error::argument("generate_random_map", reason);
     if size < 2 {
@@ -416,7 +419,7 @@ fn has_path(board: &[Vec<u8>]) -> bool {
     let mut discovered = vec![false; size * size];
     let mut frontier = vec![(0, 0)];
     while let Some((row, col)) = frontier.pop() {
-        // stepping off the top or left wraps round and is out of range as well
+        // stepping off the top or left wraps around and is out of range as well
         let on_ice = row < size && col < size && board[row][col] != b'H';
         if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
             continue;

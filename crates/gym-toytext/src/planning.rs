@@ -8,7 +8,7 @@ use crate::tabular::Table;
 /// What the policy is.
 pub(crate) const DESCRIPTION: &str = "is the best one, found by value iteration over the transition table";
 
-/// What plays the best action in each state of the environment's table.
+/// A controller that plays the best action of the environment's table.
 pub(crate) fn controller<D: Dynamics>(env: &BoxEnv, table: fn(&D) -> &Table) -> Option<Controller> {
     let best = value_iteration(table(env.unwrapped::<Stateful<D>>()?.dynamics()));
     reflex(move |state: &usize| best.get(*state).copied().unwrap_or(0))

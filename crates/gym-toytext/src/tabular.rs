@@ -35,7 +35,7 @@ pub(crate) const WHOLE_AT_RESET: (&str, &str) =
 /// One way in which an action can turn out: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// How likely it is; those of one state and action sum to 1.
+    /// Its probability; those of one state and action sum to 1.
     pub probability: f64,
     /// The state that follows.
     pub next: usize,
@@ -50,7 +50,7 @@ pub struct Outcome {
 pub struct Table {
     actions: usize,
     outcomes: Arc<[Outcome]>,
-    /// Where in `outcomes` each row (a state and an action) begins, and where the last one ends.
+    /// The start in `outcomes` of each row (a state and an action), and the end of the last one.
     rows: Arc<[usize]>,
     lottery: Arc<Lottery>,
 }
@@ -99,7 +99,7 @@ impl Table {
     }
 
     /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
-    /// probabilities exceeds `random()`, or the first of all where rounding leaves that sum short.
+    /// probabilities exceeds `random()`, or the first of all if rounding leaves that sum short.
     /// `None`, and no draw, if there is no such state.
     #[inline(always)]
     pub(crate) fn sample(&self, state: usize, action: usize, rng: &mut impl Stream) -> Option<Outcome> {
@@ -116,12 +116,12 @@ impl Table {
     }
 }
 
-/// A table in the form that steps read: a few bytes for each row, so that they stay in the
-/// processor's nearest cache.
+/// A table in the form that steps read: a few bytes for each row, so that it stays in the first
+/// cache.
 #[derive(Debug, PartialEq)]
 struct Lottery {
     rows: Rows,
-    /// What sets outcomes apart besides the state that follows.
+    /// The parts of outcomes besides the next state.
     kinds: Vec<Outcome>,
 }
 
@@ -135,7 +135,7 @@ enum Rows {
 /// The outcomes of one action in one state, at most [`MAX_OUTCOMES`].
 #[derive(Debug, PartialEq)]
 struct Row {
-    /// The sums of the leading probabilities; infinite where there are no more.
+    /// The sums of the leading probabilities; infinite after the last.
     sums: [f64; MAX_OUTCOMES],
     /// The outcomes; after the last one the first again, for draws above all sums.
     tickets: [Ticket; MAX_OUTCOMES + 1],
@@ -205,7 +205,7 @@ impl Lottery {
     }
 }
 
-/// What a native vector keeps of a state.
+/// The stored form of a state in a native vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     pub(crate) state: u32,
@@ -251,7 +251,7 @@ impl Packed for Cell {
     }
 }
 
-/// Gymnasium's `initial_state_distrib`: how likely each state is at the start.
+/// Gymnasium's `initial_state_distrib`: the probability of each state at the start.
 #[derive(Clone, Debug)]
 pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
@@ -262,7 +262,7 @@ pub(crate) struct Distribution {
 }
 
 impl Distribution {
-    /// The same probability for each state where `possible` holds.
+    /// The same probability for each state for which `possible` is true.
     pub(crate) fn uniform(states: usize, possible: impl Fn(usize) -> bool) -> Self {
         let count = (0..states).filter(|state| possible(*state)).count();
         let probabilities: Arc<[f64]> =

@@ -6,10 +6,10 @@
 //! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
 //! | dynamics | walls and the border stop a move; see [`Config::is_rainy`] and [`Config::fickle_passenger`] for chance |
 //! | reward | -1 per step; 20 for a drop-off at the destination, -10 for a pick-up or drop-off where there is none to make |
-//! | start | any cell; the passenger waits at one stand and wants to another, all alike |
+//! | start | any cell; the passenger waits at one stand with another as destination, all uniform |
 //! | end | terminated with the drop-off at the destination |
 //! | limit | 200 steps |
-//! | info | `prob`: the probability of what happened; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
+//! | info | `prob`: the probability of the outcome; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
 //! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
 //! longer has, is that of 0.29 and takes none.
@@ -41,13 +41,13 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Whether a move that is not blocked can drift to the left or right of the heading.
+        /// Whether an unblocked move can drift to the left or right of its heading.
         #[versions = 4..]
         pub is_rainy: bool,
         /// Whether a passenger may change the destination once, at the first move with them aboard.
         #[versions = 4..]
         pub fickle_passenger: bool,
-        /// In rain, the probability of going straight on; the rest is shared by left and right.
+        /// In rain, the probability of going straight on; left and right share the rest.
         #[versions = 4..]
         pub rainy_probability: f64 = 0.8,
         /// The probability that a fickle passenger does change the destination.
@@ -85,7 +85,7 @@ gym_core::discrete! {
     }
 }
 
-/// Taxi and passenger, and how they came there.
+/// Taxi and passenger, and how they got there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Taxi, passenger and destination as one number; see [`decode`].
@@ -123,7 +123,7 @@ pub fn action_mask(state: usize) -> [i8; 6] {
     })
 }
 
-/// The cell next to one, or the same where a wall or the border is between.
+/// The neighbouring cell, or the same one behind a wall or the border.
 fn drive(row: usize, col: usize, heading: Action) -> (usize, usize) {
     let open = |column: usize| MAP.get(1 + row).is_some_and(|line| line.as_bytes()[column] == b':');
     match heading {
@@ -159,7 +159,7 @@ impl TaxiDynamics {
         &self.p
     }
 
-    /// How likely each state is at the start, Gymnasium's `initial_state_distrib`.
+    /// The probability of each state at the start, Gymnasium's `initial_state_distrib`.
     pub fn initial_state_distribution(&self) -> &[f64] {
         self.initial.probabilities()
     }
@@ -263,7 +263,7 @@ impl Task for TaxiDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         Ok(State {
             encoded: self.initial.sample(rng),
-            // drawn only where it can matter, as the stream goes on from here
+            // drawn only if needed, because the stream continues from here
             fickle_step: self.config.fickle_passenger && rng.random() < self.config.fickle_probability,
             last_action: None,
             heading: Action::South,

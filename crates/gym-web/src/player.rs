@@ -255,7 +255,7 @@ impl Player {
     pub(crate) fn frame(&mut self, rgba: &mut Vec<u8>) -> Result<Json> {
         self.env.render_into(&mut self.picture)?;
         let Rendered::Frame(frame) = &self.picture else {
-            return Err(Error::custom(format!("{} draws no pictures", self.env)));
+            return Err(Error::custom(format!("{} cannot be drawn", self.env)));
         };
         describe::to_rgba(frame.pixels(), 3, rgba);
         Ok(json!({"width": frame.width(), "height": frame.height()}))
@@ -315,7 +315,7 @@ impl Player {
             player.env.render_into(&mut player.picture)?;
             match &player.picture {
                 Rendered::Frame(frame) => Ok(frame.clone()),
-                _ => Err(Error::custom("it draws no pictures")),
+                _ => Err(Error::custom("it cannot be drawn")),
             }
         };
         let mut encoder = GifEncoder::new(fps, &picture(&mut player)?)?;

@@ -7,16 +7,16 @@ use gym_core::{BoxEnv, DType, Element, Env, EnvExt, Error, Result, Space, Value,
 
 use crate::filter_observation::{dict_like, entries};
 
-/// Observes the rendered picture, alone or beside the observation.
+/// Observes the rendered frame, alone or beside the observation.
 ///
-/// A picture is drawn, and memory for it allocated, at each reset and step.
+/// Each reset and step renders a frame and allocates it.
 #[derive(Clone, Debug)]
 pub struct AddRenderObservation<E = BoxEnv> {
     inner: E,
     config: Config,
     space: Space,
     shape: [usize; 3],
-    /// Whether the observation within is a dict, which the picture is added to.
+    /// Whether the inner observation is a dict, to which the frame is added.
     extends_dict: bool,
     seen: Value,
 }
@@ -24,23 +24,23 @@ pub struct AddRenderObservation<E = BoxEnv> {
 gym_core::arguments! {
     /// The arguments of [`AddRenderObservation`].
     pub struct Config {
-        /// Whether the picture is observed alone, rather than in a dict.
+        /// Whether only the frame is observed, rather than a dict.
         pub render_only: bool = true,
-        /// The key of the picture.
+        /// The key of the frame.
         pub render_key: String = "pixels".into(),
-        /// The key of the observation, unless it is a dict itself; then the picture is added to it.
+        /// The key of the observation. If the observation is a dict, the frame is added to it.
         pub obs_key: String = "state".into(),
     }
 }
 
 gym_core::register_wrapper!(
-    "AddRenderObservation", "observes the rendered picture", Config, env: AddRenderObservation::new
+    "AddRenderObservation", "observes the rendered frame", Config, env: AddRenderObservation::new
 );
 
 reach!(AddRenderObservation<E>);
 
 impl<E: Env> AddRenderObservation<E> {
-    /// Observes pictures of `env`. Their size is found by rendering a copy of it after a reset.
+    /// Observes frames of `env`. A copy of it is reset and rendered to find their size.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] if `env` was made without the render mode `rgb_array`, and
@@ -70,7 +70,7 @@ impl<E: Env> AddRenderObservation<E> {
     fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let frame = frame(&mut self.inner)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
-            return Err(Error::Contract("the size of the rendered picture has changed".into()));
+            return Err(Error::Contract("the size of the rendered frame has changed".into()));
         }
         let Space::Dict(space) = &self.space else {
             self.draw_into(&frame, out);
@@ -102,7 +102,7 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
         _ => Err(Error::UnsupportedMode {
             target: Config::NAME.into(),
             mode: "an observation".into(),
-            reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+            reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
         }),
     }
 }

@@ -16,13 +16,13 @@ pub(crate) enum Affine {
 impl Affine {
     /// The map from `inner` to the box between `min` and `max`, and that box.
     ///
-    /// Infinite bounds must stay as they are; an element with one of them is shifted so that its finite
-    /// bound fits.
+    /// Infinite bounds must stay infinite; an element with one infinite bound is shifted so that its
+    /// finite bound fits.
     pub(crate) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
         let (shape, dtype) = (inner.shape(), inner.dtype());
         if !dtype.is_float() {
             return Err(Error::custom(format!(
-                "the numbers are {dtype}, which holds no fractions: cast them with DtypeObservation first"
+                "{dtype} holds no fractions: cast the observations with DtypeObservation first"
             )));
         }
         let (min, min_is_f32) = min.numbers("the lower bound", inner)?;
@@ -32,7 +32,7 @@ impl Affine {
         for (new, old) in min.iter().zip(&low).chain(max.iter().zip(&high)) {
             if (new.is_infinite() || old.is_infinite()) && new != old {
                 return Err(Error::custom(format!(
-                    "the new bound {new} stands for {old}: a bound is infinite where it was, and only there"
+                    "the new bound {new} replaces {old}: both must be finite, or both infinite"
                 )));
             }
         }

@@ -2,8 +2,8 @@
 
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig};
 
-/// Resets by itself: the step after one that ended an episode ignores its action, starts the next
-/// episode and gives its first observation, with a reward of 0 and no flag set.
+/// Resets automatically: the step after the end of an episode ignores its action, starts the next
+/// episode and returns its first observation, with a reward of 0 and no flag set.
 #[derive(Clone, Debug)]
 pub struct Autoreset<E = BoxEnv> {
     inner: E,
@@ -16,7 +16,7 @@ gym_core::arguments! {
 }
 
 gym_core::register_wrapper!(
-    "Autoreset", "makes a reset of the step after an end", Config, env: |env, _| Ok(Autoreset::new(env))
+    "Autoreset", "resets in the step after the end of an episode", Config, env: |env, _| Ok(Autoreset::new(env))
 );
 
 reach!(Autoreset<E>);

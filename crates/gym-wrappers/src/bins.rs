@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 use gym_core::spaces::{BoxSpace, Discrete, MAX_ELEMENTS, MultiDiscrete, array_of};
 use gym_core::{DType, Error, Result, Space, Value};
 
-/// How many bins each element of a `Box` is cut into.
+/// The number of bins for each element of a `Box`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Bins {
     /// As many for each element.
     All(u32),
-    /// As many as it says for each element, in row-major order.
+    /// A number for each element, in row-major order.
     Each(Vec<u32>),
 }
 
@@ -45,7 +45,7 @@ macro_rules! bins_config {
         gym_core::arguments! {
             #[doc = concat!("The arguments of [`", $name, "`].")]
             pub struct Config {
-                /// How many bins each element of the bounded `Box` is cut into, at least 1.
+                /// The number of bins for each element of the bounded `Box`, at least 1.
                 pub bins: Bins,
                 /// Whether there is an integer for each element, rather than one that counts the combinations in
                 /// row-major order.
@@ -117,7 +117,7 @@ impl Grid {
             return Ok(MultiDiscrete::new(counts.collect::<Vec<i64>>())?.into());
         }
         let n = counts.try_fold(1i64, i64::checked_mul);
-        let n = n.ok_or_else(|| Error::custom("there are more combinations of bins than an int64 counts"))?;
+        let n = n.ok_or_else(|| Error::custom("the number of combinations of bins does not fit int64"))?;
         Ok(Discrete::new(n)?.into())
     }
 
@@ -143,7 +143,7 @@ impl Grid {
         let x = if x < low { low } else { x };
         let x = if x > high { high } else { x };
         let edges = &self.edges[i];
-        // numpy's `digitize`: how many inner edges are not above; NaN is above all
+        // numpy's `digitize`: the number of inner edges that are not above; NaN is above all
         edges[1..edges.len() - 1].iter().filter(|edge| x >= **edge || x.is_nan()).count() as i64
     }
 

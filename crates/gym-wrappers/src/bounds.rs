@@ -106,7 +106,7 @@ impl Nested {
         }
     }
 
-    /// Adds the numbers to others, and gives the shape.
+    /// Appends the numbers to `numbers`, and returns the shape.
     fn flatten(self, numbers: &mut Vec<f64>) -> Result<Vec<usize>, &'static str> {
         match self {
             Self::Number(x) => numbers.push(x),

@@ -6,8 +6,7 @@ use gym_core::{BoxEnv, Element, Result, Space, Value};
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
 
-/// Clips actions to the bounds of the environment's `Box`, and so takes any numbers: its own action space is
-/// unbounded.
+/// Clips actions to the bounds of the environment's `Box`. Its own action space is unbounded.
 pub type ClipAction<T = BoxEnv> = MapAction<T, Clip>;
 
 gym_core::arguments! {

@@ -6,7 +6,7 @@ use gym_core::{BoxEnv, Result};
 use crate::Bound;
 use crate::map::{MapReward, RewardMap};
 
-/// Clips rewards between bounds, either of which may be left out.
+/// Clips rewards to one or two bounds.
 pub type ClipReward<T = BoxEnv> = MapReward<T, Clip>;
 
 gym_core::arguments! {
@@ -52,7 +52,7 @@ impl RewardMap for Clip {
         }
     }
 
-    /// NaN stays, as numpy's `clip` leaves it.
+    /// NaN stays, as with numpy's `clip`.
     fn map(&self, reward: f64) -> f64 {
         if reward < self.min {
             self.min

@@ -7,8 +7,8 @@ use serde_json::Value as Json;
 
 use crate::ring::Ring;
 
-/// Gives each observation some steps late. Until the first arrives, observations are zeros (or what
-/// the space has nearest to zero).
+/// Delays each observation by a number of steps. Before the first, observations are zeros (or the
+/// element of the space nearest to zero).
 #[derive(Clone, Debug)]
 pub struct DelayObservation<E: Env = BoxEnv> {
     inner: E,
@@ -22,7 +22,7 @@ gym_core::arguments! {
     /// The arguments of [`DelayObservation`].
     #[derive(Copy)]
     pub struct Config {
-        /// By how many steps observations are late.
+        /// The delay in steps.
         pub delay: usize,
     }
 }
@@ -30,7 +30,7 @@ gym_core::arguments! {
 positional!(delay: usize);
 
 gym_core::register_wrapper!(
-    "DelayObservation", "gives observations some steps late", Config, env: DelayObservation::new
+    "DelayObservation", "delays observations by a number of steps", Config, env: DelayObservation::new
 );
 
 reach!(DelayObservation<E: Env>);

@@ -8,11 +8,15 @@ use crate::bins::{Bins, Grid, bins_config};
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
 
-/// Cuts a bounded `Box` of actions into uniform bins and takes the bin, as one integer or as one for each
-/// element; the environment gets its middle.
+/// Cuts a bounded `Box` of actions into uniform bins. An action is the index of a bin, one integer or one
+/// for each element; the environment receives the bin's centre.
 pub type DiscretizeAction<T = BoxEnv> = MapAction<T, Discretize>;
 
-bins_config!("DiscretizeAction", "takes the number of a bin, and acts by its middle", DiscretizeAction::new);
+bins_config!(
+    "DiscretizeAction",
+    "turns the index of a bin into the action at its centre",
+    DiscretizeAction::new
+);
 
 /// The bins of [`DiscretizeAction`].
 #[derive(Clone, Debug)]

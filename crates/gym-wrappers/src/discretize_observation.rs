@@ -7,8 +7,8 @@ use crate::bins::{Bins, Grid, bins_config};
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_box, not_an_array};
 
-/// Cuts a bounded `Box` of observations into uniform bins and gives the bin, as one integer or as one for
-/// each element.
+/// Cuts a bounded `Box` of observations into uniform bins. An observation is the index of a bin, one
+/// integer or one for each element.
 pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
 
 bins_config!("DiscretizeObservation", "cuts observations into uniform bins", DiscretizeObservation::new);

@@ -14,7 +14,7 @@ gym_core::arguments! {
     /// The arguments of [`DtypeObservation`].
     #[derive(Copy)]
     pub struct Config {
-        /// The type, such as `float64`; it holds the bounds of the observations.
+        /// The type, such as `float64`; the bounds of the observations must fit it.
         pub dtype: DType,
     }
 }
@@ -72,7 +72,7 @@ impl ObservationMap for Cast {
     }
 }
 
-/// The bounds, cut off as the observations are where integers are to come of real numbers.
+/// The bounds, truncated as the observations are if real numbers become integers.
 fn cast_bound(bound: &Array, dtype: DType) -> Result<Array> {
     if dtype.is_float() || !bound.dtype().is_float() {
         return Ok(bound.clone());

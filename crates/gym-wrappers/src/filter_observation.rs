@@ -74,7 +74,7 @@ impl ObservationMap for Filter {
             FilterKeys::Indices(indices) => indices.is_empty(),
         };
         if is_empty {
-            return Err(Config::refuse("filter_keys is empty: nothing would be left to observe"));
+            return Err(Config::refuse("filter_keys is empty: give at least one"));
         }
         match (inner, filter_keys) {
             (Space::Dict(space), FilterKeys::Names(names)) => {
@@ -101,7 +101,7 @@ impl ObservationMap for Filter {
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
-        let lacking = || Error::Contract(format!("the observation {inner} lacks a member"));
+        let lacking = || Error::Contract(format!("the observation {inner} lacks a member of its space"));
         match self {
             Self::Dict(keys) => {
                 for (key, value) in keys.iter().zip(entries(keys.iter(), out)) {
@@ -129,7 +129,7 @@ pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Res
     if is_sorted { DictSpace::new(members) } else { DictSpace::in_order(members) }
 }
 
-/// The values of the dict in `out`, made anew unless it has as many entries, under these keys.
+/// The values of the dict in `out`, which is replaced unless it has these keys.
 pub(crate) fn entries<'a>(
     keys: impl ExactSizeIterator<Item = &'a String> + Clone,
     out: &'a mut Value,

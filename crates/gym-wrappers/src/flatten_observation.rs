@@ -12,7 +12,7 @@ gym_core::arguments! {
     pub struct Config {}
 }
 
-/// The map of [`FlattenObservation`], with the space of what it flattens.
+/// The map of [`FlattenObservation`], with the space that it flattens.
 #[derive(Clone, Debug)]
 pub struct Flatten(Space);
 

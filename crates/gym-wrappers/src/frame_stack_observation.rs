@@ -12,7 +12,7 @@ pub struct FrameStackObservation<E = BoxEnv> {
     config: Config,
     space: Space,
     inner_space: Space,
-    /// What stands for the observations before the first; the first itself where it is `None`.
+    /// The padding before the first observation; `None` for the first observation itself.
     padding: Option<Value>,
     stack: Ring<Value>,
     seen: Value,
@@ -21,10 +21,10 @@ pub struct FrameStackObservation<E = BoxEnv> {
 gym_core::arguments! {
     /// The arguments of [`FrameStackObservation`].
     pub struct Config {
-        /// How many observations are stacked: at least 1.
+        /// The number of stacked observations, at least 1.
         pub stack_size: usize,
-        /// What stands for the observations before the first: `"reset"` for the first one, `"zero"`, or an element
-        /// of the space, as [`Space::to_json`] stores it.
+        /// The padding before the first observation: `"reset"` for the first observation, `"zero"`, or an element
+        /// of the space, in the form of [`Space::to_json`].
         pub padding_type: Json = "reset".into(),
     }
 }
@@ -32,7 +32,7 @@ gym_core::arguments! {
 positional!(stack_size: usize);
 
 gym_core::register_wrapper!(
-    "FrameStackObservation", "observes the last few observations at once", Config,
+    "FrameStackObservation", "stacks the last observations", Config,
     env: FrameStackObservation::new
 );
 
@@ -68,7 +68,7 @@ impl<E: Env> FrameStackObservation<E> {
         Ok(Self { inner: env, config, space, inner_space, padding, stack, seen: Value::Null })
     }
 
-    /// Adds what was seen to the stack, and shows it.
+    /// Adds the last observation to the stack, and observes the stack.
     fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
         if is_reset {
             self.stack.fill(self.padding.as_ref().unwrap_or(&self.seen));

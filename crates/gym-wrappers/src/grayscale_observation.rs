@@ -11,7 +11,7 @@ use crate::within::{expect_picture, not_an_array};
 /// (`wrappers/transform_observation.py`, `GrayscaleObservation`).
 const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 
-/// Turns colour pictures `(height, width, 3)` into grey ones `(height, width)`.
+/// Turns colour images `(height, width, 3)` into grayscale `(height, width)`.
 pub type GrayscaleObservation<T = BoxEnv> = MapObservation<T, Grayscale>;
 
 gym_core::arguments! {
@@ -35,7 +35,7 @@ impl ObservationMap for Grayscale {
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
         let &[height, width, 3] = expect_picture::<Config>(inner)?.shape() else {
-            let reason = format!("it needs pictures of shape (height, width, 3), and these are {inner}");
+            let reason = format!("it needs images of shape (height, width, 3), and the space is {inner}");
             return Err(Config::refuse(reason));
         };
         let shape = if config.keep_dim { vec![height, width, 1] } else { vec![height, width] };
@@ -56,6 +56,6 @@ impl ObservationMap for Grayscale {
 }
 
 gym_core::register_wrapper!(
-    "GrayscaleObservation", "turns colour pictures gray", Config,
+    "GrayscaleObservation", "turns colour images into grayscale", Config,
     env: GrayscaleObservation::new, vector: GrayscaleObservation::new
 );

@@ -1,6 +1,6 @@
 //! Gymnasium's wrappers, around environments and vectors.
 //!
-//! A wrapper is made of the environment or vector within and of its arguments, a `Config`:
+//! A wrapper is made from the inner environment or vector, and its arguments, a `Config`:
 //!
 //! ```
 //! use gym_core::{Env, Result};
@@ -15,9 +15,9 @@
 //! The traits [`Wrap`] and [`VectorWrap`] make methods of them. Each is registered under Gymnasium's name, with
 //! Gymnasium's names of the arguments, so that specs rebuild stacks of them.
 //!
-//! Wrappers without state are [maps](map) of observations, actions or rewards, and serve vectors as they serve
-//! environments; so do yours, if you implement one of the three traits. Wrappers that every environment may need
-//! (`TimeLimit`, `RecordEpisodeStatistics`, what `make` adds) are in [`gym_core::wrappers`] and re-exported here.
+//! Wrappers without state are [maps](map) of observations, actions or rewards, and wrap environments and vectors;
+//! implement one of the three traits for your own. `TimeLimit`, `RecordEpisodeStatistics` and the wrappers that
+//! `make` adds are in [`gym_core::wrappers`] and re-exported here.
 
 #[macro_use]
 mod within;

@@ -8,12 +8,12 @@ use serde_json::Value as Json;
 
 use crate::within::element;
 
-/// Takes each action for several steps, adds up the rewards, and observes the larger of each element
-/// of the last two observations, so that what flickers from frame to frame is seen.
+/// Repeats each action for several steps, adds up the rewards, and observes the larger of each
+/// element of the last two observations, so that flickering objects are seen.
 ///
-/// Where an episode ends before the last step of a series, the observation is still made of the two
-/// that were last kept, as in Gymnasium. Where a step of a series is refused, those before it have been taken:
-/// reset or restore the environment after an error.
+/// If an episode ends before the last step of a series, the observation is made from the two last kept, as in
+/// Gymnasium. If a step of a series is refused, earlier ones have been taken: reset or restore the environment
+/// after an error.
 #[derive(Clone, Debug)]
 pub struct MaxAndSkipObservation<E = BoxEnv> {
     inner: E,
@@ -27,7 +27,7 @@ gym_core::arguments! {
     /// The arguments of [`MaxAndSkipObservation`].
     #[derive(Copy)]
     pub struct Config {
-        /// For how many steps each action is taken: at least 2.
+        /// The number of steps for each action, at least 2.
         pub skip: u32 = 4,
     }
 }
@@ -49,8 +49,8 @@ impl<E: Env> MaxAndSkipObservation<E> {
     /// Skips observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error) for a skip below 2, or observations that
-    /// are no arrays or integers.
+    /// [`Error::InvalidArgument`](gym_core::Error) for a skip below 2, or observations that are not
+    /// arrays or integers.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, space) = (config.into(), env.observation_space());
         if config.skip < 2 {

@@ -1,8 +1,8 @@
-//! Noise over rendered pictures, in numpy's order of draws; around it,
+//! Noise over rendered frames, in numpy's order of draws; around it,
 //! [`AddRenderObservation`](crate::AddRenderObservation) observes them.
 //!
-//! The draws come from the environment's own [generator](Env::generator), as in Gymnasium: rendering
-//! then shifts what the environment draws.
+//! The wrappers draw from the environment's own [generator](Env::generator), as in Gymnasium, so
+//! rendering changes the environment's later draws.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
@@ -10,17 +10,17 @@ use gym_core::{BoxEnv, Env, Error, Generator, Outcome, Result};
 
 use crate::within::lend;
 
-/// Replaces random pixels of rendered pictures with white noise.
+/// Replaces random pixels of rendered frames with white noise.
 pub type AddWhiteNoise<E = BoxEnv> = Noise<E, add_white_noise::Config>;
 
-/// Covers rendered pictures with square patches of white noise at random places.
+/// Covers rendered frames with square patches of white noise at random places.
 pub type ObstructView<E = BoxEnv> = Noise<E, obstruct_view::Config>;
 
 /// The arguments of [`AddWhiteNoise`].
 pub mod add_white_noise {
 
     gym_core::arguments! {
-        /// Which pixels are replaced, and by what.
+        /// The pixels that are replaced, and their new colours.
         #[derive(Copy)]
         pub struct Config {
             /// The probability that a pixel is replaced, in `[0, 1)`.
@@ -34,7 +34,7 @@ pub mod add_white_noise {
     positional!(probability_of_noise_per_pixel: f64, is_noise_grayscale: bool);
 
     gym_core::register_wrapper!(
-        "AddWhiteNoise", "replaces random pixels of rendered pictures with noise", Config,
+        "AddWhiteNoise", "replaces random pixels of rendered frames with noise", Config,
         env: super::AddWhiteNoise::new
     );
 }
@@ -59,7 +59,7 @@ pub mod obstruct_view {
     positional!(obstructed_pixels_ratio: f64, obstruction_width: u32, is_noise_grayscale: bool);
 
     gym_core::register_wrapper!(
-        "ObstructView", "covers rendered pictures with patches of noise", Config,
+        "ObstructView", "covers rendered frames with patches of noise", Config,
         env: super::ObstructView::new
     );
 }
@@ -114,7 +114,7 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
             return Err(Error::UnsupportedMode {
                 target: P::NAME.into(),
                 mode: "noise".into(),
-                reason: "it needs single pictures: make the environment with `RenderMode::RgbArray`".into(),
+                reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
             });
         };
         self.pattern.cover(lend::<P>(&mut self.inner)?, frame);
@@ -170,7 +170,7 @@ fn check_share<C: WrapperConfig>(name: &str, share: f64) -> Result<()> {
     }
 }
 
-/// Noise for every channel of every pixel of a picture.
+/// Noise for every channel of every pixel of a frame.
 fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
     /// The largest red, green and blue of grey noise, which is their sum: `255 * [0.2989, 0.5870, 0.1140]`
     /// cut off, less one as numpy's `high` is not drawn (`wrappers/rendering.py`).
@@ -191,7 +191,7 @@ fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
     noise
 }
 
-/// Replaces the pixels for which `mask` says so.
+/// Replaces the pixels where `mask` is true.
 fn cover(frame: &mut Frame, noise: &[u8], mut mask: impl FnMut(usize) -> bool) {
     let pixels = frame.pixels_mut().chunks_exact_mut(3).zip(noise.chunks_exact(3));
     for (i, (pixel, noise)) in pixels.enumerate() {

@@ -12,11 +12,10 @@ use crate::within::{not_an_array, numbers};
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`, to the
 /// bit as Gymnasium's does.
 ///
-/// The estimate is made of every observation since the wrapper was made; resets do not clear it. Around a
-/// vector it is made over all sub-environments: each reset and step takes its observations in at once, and a
-/// reset with a mask those of the sub-environments that it resets. Where final observations are in a column of
-/// their own, they are normalized but not taken in. (Gymnasium's refuses masks and every autoreset but that on
-/// the next step.)
+/// The estimate includes every observation since the wrapper was made; resets do not clear it. Around a vector
+/// it includes all sub-environments: each reset and step adds its observations as one batch, and a reset with
+/// a mask those of the sub-environments that it resets. Final observations in their own column are normalized
+/// but not added. (Gymnasium's wrapper refuses masks and every autoreset mode except the next step.)
 #[derive(Clone, Debug)]
 pub struct NormalizeObservation<T = BoxEnv> {
     inner: T,
@@ -24,8 +23,8 @@ pub struct NormalizeObservation<T = BoxEnv> {
     space: Space,
     normalizer: Normalizer,
     seen: Seen,
-    /// The last observation of each sub-environment as it was shown: a reset with a mask shows those that
-    /// it leaves out again, whatever the estimate is by then.
+    /// The last returned observation of each sub-environment: a reset with a mask returns those that it
+    /// leaves out again, unchanged.
     shown: Vec<f32>,
 }
 
@@ -33,9 +32,9 @@ gym_core::arguments! {
     /// The arguments of [`NormalizeObservation`].
     #[derive(Copy)]
     pub struct Config {
-        /// What is added to the variance: above 0.
+        /// Added to the variance; above 0.
         pub epsilon: f64 = 1e-8,
-        /// Whether it goes on estimating.
+        /// Whether to update the estimate.
         pub update_running_mean: bool = true,
     }
 }

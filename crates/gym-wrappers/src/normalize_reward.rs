@@ -11,9 +11,9 @@ use crate::within::numbers;
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the bit as
 /// Gymnasium's does; around a vector, over all sub-environments.
 ///
-/// As in Gymnasium, the discounted sum starts anew after a step that terminates, not after one that
-/// truncates; the mean is not subtracted. A reset of a vector with a mask starts the sums of those
-/// sub-environments anew, and of no others. (Gymnasium's forgets them all.)
+/// As in Gymnasium, the discounted sum restarts after a step that terminates, not after one that
+/// truncates; the mean is not subtracted. A reset of a vector with a mask restarts only the sums of
+/// those sub-environments. (Gymnasium's restarts all.)
 #[derive(Clone, Debug)]
 pub struct NormalizeReward<T = BoxEnv> {
     inner: T,
@@ -29,9 +29,9 @@ gym_core::arguments! {
     pub struct Config {
         /// The discount for each step, in `[0, 1]`.
         pub gamma: f64 = 0.99,
-        /// What is added to the variance: above 0.
+        /// Added to the variance; above 0.
         pub epsilon: f64 = 1e-8,
-        /// Whether it goes on estimating.
+        /// Whether to update the estimate.
         pub update_running_mean: bool = true,
     }
 }
@@ -66,12 +66,12 @@ impl<T> NormalizeReward<T> {
         Ok(Self { inner, config, normalizer, returns })
     }
 
-    /// What a snapshot holds beside that of what is within.
+    /// The part of a snapshot beside the inner one.
     fn state(&self) -> (&RunningMeanStd, bool, Array) {
         (&self.normalizer.statistics, self.normalizer.updates, self.returns.clone().into())
     }
 
-    /// Continues from a snapshot, once `restore` has restored what is within.
+    /// Continues from a snapshot, after the inner environment was restored.
     fn restore_with(
         &mut self,
         snapshot: &Snapshot,

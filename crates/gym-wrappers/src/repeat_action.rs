@@ -4,7 +4,7 @@ use gym_core::{BoxEnv, Env, Outcome, Result, WrapperSpec, registry::WrapperConfi
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the repetition.
 ///
-/// Where a repeat is refused, those before it have been taken: reset or restore the environment after an
+/// If a repeat is refused, earlier ones have been taken: reset or restore the environment after an
 /// error.
 #[derive(Clone, Debug)]
 pub struct RepeatAction<E = BoxEnv> {
@@ -16,14 +16,14 @@ gym_core::arguments! {
     /// The arguments of [`RepeatAction`].
     #[derive(Copy)]
     pub struct Config {
-        /// How often each action is taken: at least once.
+        /// The number of times each action is taken, at least 1.
         pub num_repeats: u32,
     }
 }
 
 positional!(num_repeats: u32);
 
-gym_core::register_wrapper!("RepeatAction", "takes each action several times", Config, env: RepeatAction::new);
+gym_core::register_wrapper!("RepeatAction", "repeats each action", Config, env: RepeatAction::new);
 
 reach!(RepeatAction<E>);
 

@@ -12,7 +12,8 @@ use crate::within::expect_box;
 pub type RescaleAction<T = BoxEnv> = MapAction<T, Rescale>;
 
 gym_core::arguments! {
-    /// The arguments of [`RescaleAction`]: the new bounds of one action: infinite where they were, the lower ones below the upper ones.
+    /// The arguments of [`RescaleAction`]: the new bounds of one action, infinite exactly where the old ones are,
+    /// the lower below the upper.
     pub struct Config {
         /// The lower bound.
         pub min_action: Bound,
@@ -57,6 +58,6 @@ impl ActionMap for Rescale {
 }
 
 gym_core::register_wrapper!(
-    "RescaleAction", "takes actions between other bounds, and maps them linearly", Config,
+    "RescaleAction", "maps actions linearly from other bounds", Config,
     env: RescaleAction::new, vector: RescaleAction::new
 );

@@ -12,7 +12,8 @@ use crate::within::{expect_box, not_an_array};
 pub type RescaleObservation<T = BoxEnv> = MapObservation<T, Rescale>;
 
 gym_core::arguments! {
-    /// The arguments of [`RescaleObservation`]: the new bounds of one observation: infinite where they were, and not above each other.
+    /// The arguments of [`RescaleObservation`]: the new bounds of one observation, infinite exactly where the old
+    /// ones are, the lower not above the upper.
     pub struct Config {
         /// The lower bound.
         pub min_obs: Bound,
@@ -53,6 +54,6 @@ impl ObservationMap for Rescale {
 }
 
 gym_core::register_wrapper!(
-    "RescaleObservation", "maps observations to other bounds, linearly", Config,
+    "RescaleObservation", "maps observations linearly to other bounds", Config,
     env: RescaleObservation::new, vector: RescaleObservation::new
 );

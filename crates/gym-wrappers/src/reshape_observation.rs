@@ -50,6 +50,6 @@ impl ObservationMap for Reshape {
 }
 
 gym_core::register_wrapper!(
-    "ReshapeObservation", "gives observations another shape", Config,
+    "ReshapeObservation", "reshapes observations", Config,
     env: ReshapeObservation::new, vector: ReshapeObservation::new
 );

@@ -12,7 +12,7 @@ pub(crate) struct Ring<O> {
 }
 
 impl<O: Element> Ring<O> {
-    /// `n` equal observations; `None` where they do not fit in memory.
+    /// `n` equal observations; `None` if they do not fit in memory.
     pub(crate) fn new(n: usize, item: &O) -> Option<Self> {
         let mut items = Vec::new();
         items.try_reserve_exact(n).ok()?;
@@ -43,10 +43,10 @@ impl<O: Element> Ring<O> {
         self.iter().map(|item| space.to_json(&item.to_value())).collect()
     }
 
-    /// A ring of as many observations, from what [`to_json`](Self::to_json) gave.
+    /// A ring of this many observations, from the result of [`to_json`](Self::to_json).
     pub(crate) fn read(&self, space: &Space, stored: &[Json]) -> Result<Self> {
         if stored.len() != self.items.len() {
-            let reason = format!("it holds {} observations and not {}", stored.len(), self.items.len());
+            let reason = format!("it has {} observations, not {}", stored.len(), self.items.len());
             return Err(Error::Snapshot(reason));
         }
         let items = stored.iter().map(|json| element(space, json)).collect::<Result<_>>()?;

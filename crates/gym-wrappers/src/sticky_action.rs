@@ -10,11 +10,11 @@ use serde_json::Value as Json;
 
 use crate::within::{element, lend};
 
-/// At random repeats the last action in place of the one that was asked for, by
-/// [Machado et al., 2018](https://arxiv.org/abs/1709.06009), section 5.2.
+/// Repeats the last action at random instead of the given one, after [Machado et al.,
+/// 2018](https://arxiv.org/abs/1709.06009), section 5.2.
 ///
-/// The draws come from the environment's own [generator](Env::generator), as in Gymnasium, so they
-/// shift what the environment draws.
+/// It draws from the environment's own [generator](Env::generator), as in Gymnasium, and so changes
+/// the environment's later draws.
 #[derive(Clone, Debug)]
 pub struct StickyAction<E: Env = BoxEnv> {
     inner: E,
@@ -28,8 +28,7 @@ gym_core::arguments! {
     pub struct Config {
         /// The probability that the last action is repeated, in `[0, 1)`.
         pub repeat_action_probability: f64,
-        /// For how many steps it is repeated: a number, or the least and the most, between which one is drawn each
-        /// time.
+        /// The number of steps to repeat: a number, or a range `[low, high]` from which one is drawn each time.
         pub repeat_action_duration: Duration = Default::default(),
     }
 }
@@ -83,7 +82,7 @@ impl Duration {
 struct Stickiness {
     has_last: bool,
     is_stuck: bool,
-    /// How long the running series of repeats is to be; 0 if there is none.
+    /// The length of the current series of repeats; 0 if there is none.
     num_repeats: u32,
     repeats_taken: u32,
 }
@@ -109,7 +108,7 @@ impl<E: Env> StickyAction<E> {
         let (low, high) = duration.ends();
         if low == 0 || low > high {
             return Err(Config::refuse(format!(
-                "repeat_action_duration is {low} to {high}: it must go from at least 1 to no less"
+                "repeat_action_duration is {low} to {high}: the first must be at least 1, the second no smaller"
             )));
         }
         Ok(Self { inner: env, config, last: E::Action::empty(), state: Stickiness::default() })

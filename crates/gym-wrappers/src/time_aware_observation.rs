@@ -8,8 +8,8 @@ use crate::filter_observation::dict_like;
 
 /// Adds the number of steps taken in the episode to the observation.
 ///
-/// To a dict it is added under a key, to a tuple as its last member; anything else becomes a dict of
-/// `obs` and `time`. All this is then flattened to one row of numbers, unless told otherwise.
+/// A dict gets a key, a tuple a last member; other observations become a dict of `obs` and `time`.
+/// By default the result is flattened to one row of numbers.
 #[derive(Clone, Debug)]
 pub struct TimeAwareObservation<E = BoxEnv> {
     inner: E,
@@ -33,7 +33,7 @@ gym_core::arguments! {
         pub normalize_time: bool = false,
         /// The key of the time in dict observations.
         pub dict_time_key: String = "time".into(),
-        /// The time limit, above 0; where it is not given, that of the environment's [`spec`](Env::spec).
+        /// The time limit, above 0; the default is that of the environment's [`spec`](Env::spec).
         pub max_timesteps: Option<u32> = None,
     }
 }
@@ -48,14 +48,14 @@ impl<E: Env> TimeAwareObservation<E> {
     /// Adds the time to the observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a time limit of 0 or beyond an `int32`, or none that is known, or if a dict
-    /// has the key of the time already; [`Error::InvalidSpace`] if the observations do not flatten.
+    /// [`Error::InvalidArgument`] for a time limit of 0, beyond `int32` or unknown, or if a dict already has the
+    /// key of the time; [`Error::InvalidSpace`] if the observations do not flatten.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let config = config.into();
         let known = || env.spec().and_then(|spec| spec.time_limit());
         let Some(max_timesteps) = config.max_timesteps.or_else(known) else {
             return Err(Config::refuse(
-                "no time limit is known: wrap what `make` gives in TimeLimit, or give max_timesteps",
+                "the time limit is unknown: wrap the environment in TimeLimit, or give max_timesteps",
             ));
         };
         if max_timesteps == 0 || i32::try_from(max_timesteps).is_err() {
@@ -101,7 +101,7 @@ impl<E: Env> TimeAwareObservation<E> {
                 array.set_f64(0, time);
             }
         };
-        let lacking = || Error::Contract("the observation is not of the form of its space".into());
+        let lacking = || Error::Contract("the observation does not fit its space".into());
         match (&mut self.full, &self.seen) {
             (Value::Dict(entries), Value::Dict(_)) => {
                 for (name, value) in entries {

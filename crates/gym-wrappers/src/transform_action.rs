@@ -18,8 +18,8 @@ pub struct TransformAction<T, F, A> {
 reach!(TransformAction<T, F, A>);
 
 impl<T, F, A> TransformAction<T, F, A> {
-    /// Transforms the actions for `inner`. Around a vector, `func` takes and gives a batch. Without a space,
-    /// which is that of a single action, the actions to transform lie in the space of `inner`.
+    /// Transforms the actions for `inner`. Around a vector, `func` maps a batch. `space` is the new space of
+    /// a single action; `None` for that of `inner`.
     pub fn new<B>(inner: T, func: F, space: impl Into<Option<Space>>) -> Self
     where
         F: Fn(&A) -> B,

@@ -20,8 +20,8 @@ pub struct TransformObservation<T, F, S> {
 reach!(TransformObservation<T, F, S>);
 
 impl<T, F, S> TransformObservation<T, F, S> {
-    /// Transforms the observations of `inner`. Around a vector, `func` takes and gives a batch. Without a
-    /// space, which is that of a single observation, the transformed ones lie in the space of `inner`.
+    /// Transforms the observations of `inner`. Around a vector, `func` maps a batch. `space` is the new
+    /// space of a single observation; `None` for that of `inner`.
     pub fn new<Kind, O>(inner: T, func: F, space: impl Into<Option<Space>>) -> Self
     where
         T: Within<Kind, Buffer = S>,
@@ -68,7 +68,7 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation
                 return Ok(());
             }
             Err(Error::Contract(format!(
-                "the function of TransformObservation gave {out}, which is no batch of {n} elements of {space}"
+                "the function of TransformObservation returned {out}, which is not a batch of {n} elements of {space}"
             )))
         })?;
         columns.prepare(&space, n)

@@ -1,4 +1,4 @@
-//! What wrappers have in common: the environment or vector within, and typed actions.
+//! Shared parts of wrappers: the inner environment or vector, and typed actions.
 
 use gym_core::array::Scalar;
 use gym_core::registry::WrapperConfig;
@@ -8,18 +8,18 @@ use serde_json::Value as Json;
 
 use crate::map::Seen;
 
-/// Marks what [`Within`] says of an environment.
+/// Marks [`Within`] for an environment.
 #[derive(Debug)]
 pub struct Single;
 
-/// Marks what [`Within`] says of a vector.
+/// Marks [`Within`] for a vector.
 #[derive(Debug)]
 pub struct Batch;
 
 /// An environment or a vector, as a wrapper of either sees it when it is made. The marker, [`Single`] or
 /// [`Batch`], follows from the type.
 pub trait Within<Kind> {
-    /// What a function of observations is given: one, or a batch.
+    /// The argument of a function of observations: one, or a batch.
     type Observation: Element;
     /// A buffer for what is observed within.
     type Buffer;
@@ -79,7 +79,7 @@ impl<V: VectorEnv> Within<Batch> for V {
     }
 }
 
-/// Where the inner environment of a `Wrapper` is: in its field `inner`.
+/// The accessors of a `Wrapper` whose inner environment is its field `inner`.
 macro_rules! env_within {
     ($inner:ident) => {
         type Inner = $inner;
@@ -94,7 +94,7 @@ macro_rules! env_within {
     };
 }
 
-/// Where the inner vector of a `VectorWrapper` is: in its field `inner`.
+/// The accessors of a `VectorWrapper` whose inner vector is its field `inner`.
 macro_rules! vector_within {
     () => {
         fn inner(&self) -> &dyn gym_core::VectorEnv {
@@ -107,7 +107,7 @@ macro_rules! vector_within {
     };
 }
 
-/// `reset_into` of a `Wrapper` that changes no observations and keeps nothing of an episode.
+/// `reset_into` of a `Wrapper` that changes no observations and has no state of an episode.
 macro_rules! reset_within {
     ($inner:ident) => {
         fn reset_into(
@@ -120,8 +120,8 @@ macro_rules! reset_within {
     };
 }
 
-/// The part of a `Wrapper` that observes `Value`s of its own: with the fields `inner`, `space` and `seen`, for what was
-/// observed within, and the method `observe(&mut self, is_reset: bool, out: &mut Value)`.
+/// The part of a `Wrapper` that returns its own `Value`s: with the fields `inner`, `space` and `seen` (the inner
+/// observation), and the method `observe(&mut self, is_reset: bool, out: &mut Value)`.
 macro_rules! observes {
     ($inner:ident, $seen:ident $(. $part:ident)?) => {
         type Observation = gym_core::Value;
@@ -208,7 +208,7 @@ macro_rules! reach {
                 &self.inner
             }
 
-            /// What is within, to change it. What is reset or stepped past the wrapper, it does not see.
+            /// The inner environment or vector, mutable. The wrapper does not see resets and steps made through it.
             pub fn get_mut(&mut self) -> &mut $inner {
                 &mut self.inner
             }
@@ -221,7 +221,7 @@ macro_rules! reach {
     };
 }
 
-/// The arguments that may be given by position, in place of a whole `Config`.
+/// The positional arguments, instead of a whole `Config`.
 macro_rules! positional {
     ($field:ident: $type:ty) => {
         impl From<$type> for Config {
@@ -249,7 +249,7 @@ pub(crate) fn expect_box<'a, C: WrapperConfig>(kind: &str, space: &'a Space) -> 
     }
 }
 
-/// The picture space `Box(0, 255, ..., uint8)` that a wrapper needs.
+/// The image space `Box(0, 255, ..., uint8)` that a wrapper needs.
 pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpace> {
     let space = expect_box::<C>("observation", space)?;
     let is_picture = space.dtype() == gym_core::DType::U8
@@ -258,7 +258,7 @@ pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpac
     if is_picture {
         return Ok(space);
     }
-    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and these are {space}")))
+    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and the space is {space}")))
 }
 
 /// The error of an observation that is none of the space's type.
@@ -266,7 +266,7 @@ pub(crate) fn not_an_array(value: &Value) -> Error {
     Error::Contract(format!("{value} should be an array of the space's type"))
 }
 
-/// The generator of the environment within.
+/// The generator of the inner environment.
 pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generator> {
     env.generator().ok_or_else(|| {
         let name = C::NAME;
@@ -277,12 +277,12 @@ pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generato
     })
 }
 
-/// The numbers of an array that was stored, if there are so many.
+/// The numbers of a stored array, if their number is right.
 pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> Result<Vec<T>> {
     let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
-    numbers.map(<[T]>::to_vec).ok_or_else(|| {
-        Error::Snapshot(format!("expected {len} numbers of type {}, and it holds {array}", T::DTYPE))
-    })
+    numbers
+        .map(<[T]>::to_vec)
+        .ok_or_else(|| Error::Snapshot(format!("expected {len} numbers of type {}, not {array}", T::DTYPE)))
 }
 
 /// The typed element of a space that was stored as JSON.

@@ -34,8 +34,8 @@ macro_rules! methods {
 /// }
 /// ```
 ///
-/// Methods take the wrapper's `Config`, or short for it the arguments that Gymnasium's constructors require;
-/// those without an argument use the defaults.
+/// Methods take the wrapper's `Config`, or the arguments that Gymnasium's constructors require; those
+/// without an argument use the defaults.
 pub trait Wrap: Env + Sized {
     /// [`TimeLimit`].
     ///

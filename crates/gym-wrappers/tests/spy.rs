@@ -1,4 +1,4 @@
-//! Every wrapper passes every method on to the environment within, unless it answers itself.
+//! Every wrapper forwards every method to the inner environment, unless it implements it.
 
 use std::any::{Any, TypeId};
 use std::collections::BTreeSet;
@@ -143,7 +143,7 @@ impl Env for Spy {
 
 type Call = (&'static str, fn(&mut BoxEnv));
 
-/// How each method is called. `close` is the last.
+/// A call of each method. `close` is the last.
 const CALLS: &[Call] = &[
     ("observation_space", |env| drop(env.observation_space())),
     ("action_space", |env| drop(env.action_space())),
@@ -236,7 +236,7 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
 fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     let spy = || spy.clone();
     Some(match name {
-        // it makes texts of `ansi`, whatever the environment renders by itself
+        // it makes texts from `ansi`, even if the environment renders by itself
         "Render" => {
             (BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()), &["render_mode", "render_into"])
         }

@@ -1,4 +1,4 @@
-//! What wrappers make of observations and rewards that are known beforehand, in steps as in resets.
+//! The results of wrappers for known observations and rewards, in steps and resets.
 
 use gym_core::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, TextSpace, TupleSpace,

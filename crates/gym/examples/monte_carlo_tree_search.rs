@@ -5,8 +5,8 @@
 use gym::prelude::*;
 use gym::{Error, Generator};
 
-/// What came of an action, and in `children` of each action after it. Chance may lead the same actions
-/// to different states; a node is the mean over them.
+/// The results of an action, and in `children` those of each action after it. The same actions may
+/// lead to different states; a node is the mean over them.
 #[derive(Default)]
 struct Node {
     visits: f64,
@@ -20,7 +20,7 @@ struct Search {
     futures: usize,
     /// Steps of a future at most.
     horizon: usize,
-    /// How much actions that were rarely tried are preferred, in units of the return.
+    /// The weight of exploration, in units of the return.
     exploration: f64,
     rng: Generator,
 }
@@ -31,7 +31,7 @@ impl Search {
         let mut root = Node::default();
         for _ in 0..self.futures {
             let mut future = env.clone();
-            // the luck to come must stay unknown: each future has its own
+            // each future has its own random numbers, so that the planner cannot know them
             if let Some(rng) = future.generator() {
                 *rng = Generator::from(self.rng.integers(0, i64::MAX) as u64);
             }
@@ -108,7 +108,7 @@ fn evaluate(
     Ok(total / episodes as f64)
 }
 
-/// Mean returns of random play and of planning with so many futures of so many steps per decision.
+/// Mean returns of random play, and of planning with a number of futures and steps per decision.
 fn compare(id: &str, episodes: u64, futures: usize, horizon: usize, exploration: f64) -> Result<(f64, f64)> {
     let mut env = gym::make(id)?;
     let Space::Discrete(space) = env.action_space() else {

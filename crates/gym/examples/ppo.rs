@@ -1,8 +1,9 @@
 //! PPO in one file: learns CartPole in seconds, with no dependency but `gym`.
 //! Run it with `cargo run --release --example ppo`.
 //!
-//! Proximal policy optimisation (Schulman et al., 2017, <https://arxiv.org/abs/1707.06347>), with the settings and details of
-//! CleanRL's `ppo.py`. The crate `gym-ppo` has more: continuous actions, pictures, checkpoints, several threads.
+//! Proximal policy optimisation (Schulman et al., 2017, <https://arxiv.org/abs/1707.06347>), with the settings and
+//! details of CleanRL's `ppo.py`. The crate `gym-ppo` has more: continuous actions, images, checkpoints, several
+//! threads.
 
 use gym::prelude::*;
 use gym::vector::{Columns, Progress};
@@ -125,7 +126,7 @@ fn softmax(logits: &[f64]) -> Vec<f64> {
     powers.iter().map(|p| p / sum).collect()
 }
 
-/// One step of one environment, and what it was worth.
+/// One step of one environment, with its advantage.
 #[derive(Clone, Default)]
 struct Transition {
     observation: Vec<f64>,
@@ -194,7 +195,7 @@ fn row(columns: &Columns, index: usize) -> Vec<f64> {
     all[index * width..(index + 1) * width].iter().map(|x| f64::from(*x)).collect()
 }
 
-/// Learns until the task is solved or `MOST_STEPS` are over; gives the steps taken and the last mean return.
+/// Learns until the task is solved or `MOST_STEPS` are over. Returns the number of steps and the last mean return.
 fn train(seed: u64) -> gym::Result<(usize, f64)> {
     let mut envs = gym::make_vec("CartPole-v1", ENVS, None)?;
     let mut rng = Generator::from(seed);
@@ -236,7 +237,7 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
             let mut next_advantage = 0.0;
             for (transitions, outcome) in rollout.iter_mut().zip(&outcomes).rev() {
                 let transition = &mut transitions[i];
-                // a truncated episode would have gone on: what it shows last keeps its value
+                // a truncated episode has not terminated: bootstrap from its last observation
                 let value_after = if outcome.terminated[i] { 0.0 } else { next_value };
                 let advantage_after = if outcome.done(i) { 0.0 } else { next_advantage };
                 let delta = outcome.rewards[i] + DISCOUNT * value_after - transition.value;

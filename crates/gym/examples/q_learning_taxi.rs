@@ -18,7 +18,7 @@ fn greedy(values: &[f64; ACTIONS]) -> usize {
     (0..ACTIONS).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
 }
 
-/// Plays one episode; learns from it unless `exploration` is 0. Gives its return.
+/// Plays one episode and learns from it unless `exploration` is 0. Returns its return.
 fn episode(
     env: &mut impl Env<Observation = usize, Action = Action>,
     q: &mut Table,
@@ -33,7 +33,7 @@ fn episode(
         let step = env.step(&Action::ALL[action])?;
         total += step.reward;
         if exploration > 0.0 {
-            // only a termination ends all reward; after a truncation the next state keeps its value
+            // after a truncation the next state keeps its value; after a termination it has none
             let next = if step.terminated { 0.0 } else { q[step.observation][greedy(&q[step.observation])] };
             q[state][action] += LEARNING_RATE * (step.reward + DISCOUNT * next - q[state][action]);
         }

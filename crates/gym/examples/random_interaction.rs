@@ -5,8 +5,8 @@ use gym::prelude::*;
 use gym::render::{RenderMode, Rendered};
 use gym::rendering::{GifWriter, Plot};
 
-/// Plays `episodes` episodes of random actions, hands each rendered frame to `recorder`, and gives
-/// return and length of each episode. Takes a typed environment as well as one from `make`.
+/// Plays `episodes` episodes of random actions, gives each rendered frame to `recorder`, and
+/// returns return and length of each episode. It accepts typed environments and those from `make`.
 fn random_interaction<E: Env>(
     env: &mut E,
     episodes: u64,

@@ -20,8 +20,8 @@
 //! # }
 //! ```
 //!
-//! This crate links the families of environments that its features name and re-exports
-//! [`gym_core`], where everything is explained; [`Env`] is the place to start.
+//! This crate links the families of environments that its features name, and re-exports
+//! [`gym_core`]. Start with [`Env`].
 
 #[cfg(feature = "atari")]
 pub use gym_atari as atari;
@@ -45,7 +45,7 @@ pub use gym_toytext as toytext;
 pub use gym_wrappers as wrappers;
 pub use gym_wrappers::{VectorWrap, Wrap};
 
-/// What a program that uses environments needs: `use gym::prelude::*`.
+/// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
     #[doc(no_inline)]
     pub use gym_core::prelude::*;

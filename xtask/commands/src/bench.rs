@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: how fast the environments are, typed, through `make`, and as vectors.
+//! `cargo xtask bench`: the speed of the environments, typed, through `make`, and as vectors.
 
 use std::fmt;
 use std::hint::black_box;
@@ -25,14 +25,14 @@ pub(crate) struct Arguments {
     /// Sizes of the vectors.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384])]
     num_envs: Vec<usize>,
-    /// What to measure; all of it if nothing is named.
+    /// What to measure; everything by default.
     #[arg(long, value_enum, value_delimiter = ',')]
     kind: Vec<Kind>,
     /// Seconds for each number: the fastest tenth of that time counts, since others use the machine
     /// too.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = parse_seconds)]
     seconds: f64,
-    /// Counts instructions as well, with `valgrind`, which takes much longer.
+    /// Also counts instructions, with `valgrind`, which takes much longer.
     #[arg(long)]
     instructions: bool,
     /// Also records 500 frames of random episodes of CartPole-v1 to a GIF.
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     /// Writes the numbers to a file, as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Does so many steps of one environment, kind and number, and nothing else: what is counted.
+    /// Takes this many steps of one environment, kind and number, and nothing else; used for counting.
     #[arg(long, hide = true)]
     only_steps: Option<u64>,
 }
@@ -66,7 +66,7 @@ enum Kind {
     Async,
     /// A vector of its own code.
     Native,
-    /// From `make`, with a picture after each step.
+    /// From `make`, with a frame after each step.
     Frames,
 }
 
@@ -108,7 +108,7 @@ struct Start {
     milliseconds: f64,
 }
 
-/// Takes at least that many steps, and says how many.
+/// Takes at least this many steps, and returns their number.
 type Work = Box<dyn FnMut(u64) -> Result<u64>>;
 
 pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {

@@ -48,7 +48,7 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    // whoever is free takes the next one: some take a hundred times as long as others
+    // a free thread takes the next one: some take a hundred times as long as others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
         let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -96,7 +96,7 @@ fn gif_path(id: &str, arguments: &Arguments) -> PathBuf {
     arguments.out.join(format!("{}.gif", crate::file_stem(id)))
 }
 
-/// Plays one environment, writes its files, and gives its row of the table.
+/// Plays one environment, writes its files, and returns its row of the table.
 fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
     let id = spec.id.clone();
     bar.set_message(id.clone());

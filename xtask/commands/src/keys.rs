@@ -1,4 +1,4 @@
-//! Which key is which action, while somebody plays.
+//! The keys of play.
 
 use gym::keys::{Idle, Keys};
 use gym::{BoxEnv, Env, Error, Result, Space, registry};
@@ -19,7 +19,7 @@ pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
 /// Whether every action is one of the space.
 pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
     if keys.actions.is_empty() {
-        let reason = format!("no keys are known for {space}: add `--key NAME=ACTION`");
+        let reason = format!("there are no default keys for {space}: add `--key NAME=ACTION`");
         return Err(Error::argument("play", reason));
     }
     let idle = match &keys.idle {

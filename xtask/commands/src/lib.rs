@@ -1,13 +1,12 @@
 //! Commands over every environment that is linked: `cargo xtask help`.
 //!
-//! The program `xtask` builds this crate with what a command needs, and runs it; for a plugin it makes a program that
-//! links the plugin and calls [`main_of`].
+//! The program `xtask` builds this crate with the features of a command, and runs it; for a plugin it makes a program
+//! that links the plugin and calls [`main_of`].
 
 // they panic where the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
-#[cfg(feature = "conform")]
 mod conform;
 mod demo;
 mod docs;
@@ -38,12 +37,12 @@ use crate::selection::Selection;
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
+    bin_name = "cargo xtask",
     about = "Commands over every environment that is linked",
     after_help = "`cargo xtask web` builds a page that runs every environment in a browser; `cargo xtask web --help` says more."
 )]
 struct Arguments {
-    /// The folder of a crate with environments of its own, instead of those of this workspace, for every command but
-    /// `new`.
+    /// The folder of a crate whose environments replace those of this workspace, for every command except `new`.
     #[arg(long, global = true, value_name = "PATH")]
     plugin: Option<PathBuf>,
     #[command(subcommand)]
@@ -54,7 +53,7 @@ struct Arguments {
 enum Command {
     /// Lists the environments.
     List(list::Arguments),
-    /// Plays random episodes of every environment; writes GIFs, plots and a table to target/demo.
+    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to target/demo.
     Demo(demo::Arguments),
     /// Records one episode as a GIF, animated PNG or MP4.
     Gif(gif::Arguments),
@@ -71,12 +70,11 @@ enum Command {
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
     Bench(bench::Arguments),
-    /// Checks that environments keep the rules.
-    #[cfg(feature = "conform")]
+    /// Checks environments against the rules of gym-conform.
     Conform(conform::Arguments),
-    /// Starts a crate with an environment of your own.
+    /// Creates a crate with an environment of your own.
     New(new::Arguments),
-    /// Steps through every environment for a long time, and watches the memory.
+    /// Steps every environment for a long time, and checks that memory does not grow.
     Soak(soak::Arguments),
 }
 
@@ -117,7 +115,6 @@ fn command(arguments: Arguments, selection: Selection) -> Result<()> {
         Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
         Command::Docs(arguments) => docs::docs(&arguments, selection),
         Command::Bench(arguments) => bench::bench(&arguments, selection),
-        #[cfg(feature = "conform")]
         Command::Conform(arguments) => conform::conform(&arguments, selection),
         Command::New(arguments) => new::new(&arguments),
         Command::Soak(arguments) => soak::soak(&arguments, selection),
@@ -133,7 +130,7 @@ impl log::Log for Stderr {
     }
 
     fn log(&self, record: &log::Record<'_>) {
-        // those of other crates are about their own inner workings
+        // warnings of other crates are not about environments
         if record.target().starts_with("gym") {
             tell!("{}: {}", record.level().as_str().to_lowercase(), record.args());
         }
@@ -166,4 +163,79 @@ fn file_stem(id: &str) -> String {
 fn root() -> &'static Path {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));
     own.ancestors().nth(2).unwrap_or(own)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    /// The README, CONTRIBUTING and every page of the book.
+    fn documents(folder: &Path, files: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                documents(&path, files);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                files.push(path);
+            }
+        }
+    }
+
+    /// Fails with what is wrong in the rest of a line behind `cargo xtask`.
+    fn check(line: &str, program: &clap::Command, web: &str) -> std::result::Result<(), String> {
+        let mut words = line.split_whitespace().map(|word| word.trim_end_matches([',', '.', ';', ':', ')']));
+        let mut command = None;
+        while let Some(word) = words.next() {
+            let flag = word.strip_prefix("--").map(|flag| flag.split('=').next().unwrap_or(flag));
+            match (flag, command) {
+                (Some("plugin" | "help"), _) => drop(words.next()),
+                (Some(flag), Some("web")) if web.contains(&format!("--{flag} ")) => {}
+                (Some(flag), Some(name)) => {
+                    let of = program.find_subcommand(name).ok_or(format!("`{name}` has no option"))?;
+                    let mut flags = of.get_arguments().filter_map(clap::Arg::get_long);
+                    flags.find(|other| *other == flag).ok_or(format!("`{name}` has no option `--{flag}`"))?;
+                }
+                (Some(flag), None) => return Err(format!("`--{flag}` is an option of no command")),
+                (None, None) if word == "COMMAND" => return Ok(()),
+                (None, None) => {
+                    let is_command =
+                        ["web", "help"].contains(&word) || program.find_subcommand(word).is_some();
+                    is_command.then_some(()).ok_or(format!("there is no command `{word}`"))?;
+                    command = Some(word);
+                }
+                // an argument of the command
+                (None, Some(_)) => {}
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn commands_and_options_in_the_documents_exist() {
+        let root = root();
+        let mut files =
+            vec![root.join("README.md"), root.join("CONTRIBUTING.md"), root.join("ARCHITECTURE.md")];
+        documents(&root.join("docs"), &mut files);
+        let web = std::fs::read_to_string(root.join("xtask/src/web.rs")).unwrap();
+        let (program, mut seen) = (super::Arguments::command(), 0);
+        for file in files {
+            let text = std::fs::read_to_string(&file).unwrap();
+            for (number, line) in text.lines().enumerate() {
+                for rest in line.split("cargo xtask ").skip(1) {
+                    let rest = rest
+                        .split(['`', '#', '|', '&', '<'])
+                        .next()
+                        .unwrap_or_default()
+                        .trim_end_matches("-->");
+                    seen += 1;
+                    if let Err(reason) = check(rest, &program, &web) {
+                        panic!("{}:{}: `cargo xtask {rest}`: {reason}", file.display(), number + 1);
+                    }
+                }
+            }
+        }
+        assert!(seen > 40, "{seen} commands");
+    }
 }

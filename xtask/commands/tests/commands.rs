@@ -56,6 +56,19 @@ fn list() {
 }
 
 #[test]
+fn help_knows_every_command() {
+    let help = prints(&["help"]);
+    assert!(help.contains("Usage: cargo xtask"), "{help}");
+    for command in ["list", "demo", "gif", "play", "run", "replay", "docs", "bench", "conform", "new", "soak"]
+    {
+        let names_it = |line: &str| first_word(line) == command;
+        assert!(help.lines().any(names_it), "{command}: {help}");
+        let usage = prints(&["help", command]);
+        assert!(usage.contains(&format!("Usage: cargo xtask {command}")), "{usage}");
+    }
+}
+
+#[test]
 fn demo() {
     let out = folder("demo");
     let output = xtask(&["demo", "--episodes", "2", "--max-frames", "4", "--out", out.to_str().unwrap()]);

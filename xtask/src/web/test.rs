@@ -49,7 +49,7 @@ pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
                     }
                 }
             }
-            Err(RecvTimeoutError::Timeout) => break Err("the page says nothing any more".into()),
+            Err(RecvTimeoutError::Timeout) => break Err("the page has stopped reporting".into()),
             Err(RecvTimeoutError::Disconnected) => break Err("the server ended".into()),
         }
         if Instant::now() > end {

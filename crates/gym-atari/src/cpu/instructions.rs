@@ -1,4 +1,4 @@
-//! The instruction set of the 6502 as data: what each of the 256 opcodes does, and to what.
+//! The instruction set of the 6502 as data: operation and mode of each of the 256 opcodes.
 //!
 //! Documented opcodes are MOS Technology's (MCS6500 Microcomputer Family Programming Manual, 1976); the names of
 //! the others are those of the community's tables ("NMOS 6510 Unintended Opcodes").

@@ -1,7 +1,7 @@
 //! The processor: a 6507, which is a 6502 without interrupt lines and with 13 address lines.
 //!
-//! It knows nothing of the machine around it. Each access of its [`Bus`] takes one cycle, in the order of the real
-//! chip, reads of no use included: some of them switch the banks of a cartridge.
+//! It does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the order of the real chip,
+//! including useless reads: some of them switch the banks of a cartridge.
 //!
 //! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for what is documented.
 

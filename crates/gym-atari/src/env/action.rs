@@ -1,8 +1,8 @@
-//! What an agent does: one of a game's actions, or a stick and a button by degrees.
+//! The actions of an agent: one of a game's actions, or a stick and a button by degrees.
 
 use std::f32::consts::PI;
 
-use gym_core::{Element, Value};
+use gym_core::{Element, Value, math};
 
 use crate::action::Action;
 
@@ -11,8 +11,8 @@ use crate::action::Action;
 pub enum AtariAction {
     /// An index into the actions of the environment: the game's minimal set, or all 18.
     Index(usize),
-    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and how hard the button is
-    /// pressed.
+    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and pressure of the
+    /// button.
     Stick([f32; 3]),
 }
 
@@ -48,10 +48,11 @@ impl Element for AtariAction {
     }
 }
 
-/// The action that a stick and a button amount to: one of eight directions beyond a radius of `threshold`, and fire
-/// beyond a pressure of it.
+/// The action of a stick and a button. An axis whose coordinate exceeds `threshold` counts as pushed, and so does the button.
+/// ale-py computes the coordinates with numpy's `float32` functions.
 pub(super) fn from_stick([radius, angle, pressure]: [f32; 3], threshold: f32) -> Action {
-    let (x, y) = (radius * angle.cos(), radius * angle.sin());
+    let (sin, cos) = math::numpy_sin_cos_f32(angle);
+    let (x, y) = (radius * cos, radius * sin);
     let (horizontal, vertical) = (direction(x, threshold), direction(y, threshold));
     let fire = pressure > threshold;
     let plain = match (horizontal, vertical) {
@@ -74,3 +75,25 @@ fn direction(coordinate: f32, threshold: f32) -> i32 {
 
 /// The largest angle of a stick.
 pub(super) const MOST_ANGLE: f32 = PI;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ale-py 0.12.1 answers these sticks so; with glibc's `cosf` each would be the other action.
+    #[test]
+    fn sticks_at_the_threshold_are_decided_by_numpys_cosine() {
+        for (radius, angle, expected) in [
+            (0x3f45_3a67, 0x3f5d_521b, Action::Noop),
+            (0x3f27_888e, 0x3f33_8618, Action::Noop),
+            (0x3f23_0948, 0x3f2a_fde0, Action::Noop),
+            (0x3f26_e297, 0x3f32_57c9, Action::Right),
+        ] {
+            let (radius, angle) = (f32::from_bits(radius), f32::from_bits(angle));
+            // the sine exceeds the threshold or not as well: only the horizontal direction is compared
+            let action = from_stick([radius, angle, 0.0], 0.5);
+            let is_right = matches!(action, Action::Right | Action::UpRight);
+            assert_eq!(is_right, expected == Action::Right, "{radius} {angle}: {action:?}");
+        }
+    }
+}

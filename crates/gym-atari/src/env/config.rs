@@ -16,20 +16,19 @@ gym_core::arguments! {
         pub mode: Option<u16>,
         /// The difficulty; `None` for the game's default.
         pub difficulty: Option<u8>,
-        /// What the agent observes: `rgb`, `grayscale` or `ram`.
+        /// The observation: `rgb`, `grayscale` or `ram`.
         pub obs_type: ObsType = ObsType::Rgb,
-        /// For how many frames an action is executed: a number, or the ends of a range, the second excluded, of which each
-        /// step draws one.
+        /// The number of frames for each action: a number, or a range `[low, high)` from which each step draws one.
         pub frameskip: Frameskip = Frameskip::Fixed(4),
         /// The probability with which a frame repeats the action of the frame before.
         pub repeat_action_probability: f64 = 0.25,
-        /// All 18 actions, instead of those that make a difference in the game.
+        /// All 18 actions, instead of those with an effect in the game.
         pub full_action_space: bool,
         /// Actions are a stick's radius and angle and a button's pressure.
         pub continuous: bool,
         /// Beyond which radius, and beyond which pressure, a continuous action counts.
         pub continuous_action_threshold: f64 = 0.5,
-        /// After how many frames an episode is truncated; `None` for never.
+        /// The number of frames after which an episode is truncated; `None` for never.
         #[unit = "frames"]
         pub max_num_frames_per_episode: Option<u32>,
         /// Observing sound is not supported.
@@ -63,7 +62,7 @@ pub enum ObsType {
     Ram,
 }
 
-/// For how many frames an action is executed.
+/// The number of frames for each action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Frameskip {
@@ -85,7 +84,7 @@ impl Config {
         let invalid = |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
         let Some(game) = games::by_name(&self.game) else {
             let names: Vec<_> = games::GAMES.iter().map(|game| game.name).collect();
-            return invalid(format!("game is not known: the games are {}", names.join(", ")));
+            return invalid(format!("unknown game: the games are {}", names.join(", ")));
         };
         match self.frameskip {
             Frameskip::Range([low, _]) if low <= 0 => {

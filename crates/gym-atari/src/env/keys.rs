@@ -1,4 +1,4 @@
-//! Arrow keys and the space bar, for those actions that a game has.
+//! Arrow keys and the space bar, for the actions of a game.
 
 use gym_core::{BoxEnv, EnvExt, Keys};
 use serde_json::json;

@@ -60,8 +60,7 @@ impl AtariEnv {
     /// The environment with these arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument that is not valid, and for a ROM that is missing: the message says what
-    /// to do.
+    /// [`Error::InvalidArgument`] for an invalid argument, and for a missing ROM, with the remedy.
     pub fn new(config: Config) -> Result<Self> {
         let rom = rom::load(config.check()?, config.rom_dir.as_deref())?;
         Self::with_rom(config, &rom)
@@ -273,7 +272,7 @@ impl Env for AtariEnv {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let stored: Option<Stored> = snapshot.for_config(NAME, &self.config, |_| true)?;
-        let not_a_state = || Error::Snapshot(format!("what it holds is not a state of {}", self.config.game));
+        let not_a_state = || Error::Snapshot(format!("its content is not a state of {}", self.config.game));
         let Some(stored) = stored else { return Err(not_a_state()) };
         if stored.md5 != self.md5 {
             let reason = format!("it was taken with the ROM of MD5 {}, not {}", stored.md5, self.md5);

@@ -1,6 +1,6 @@
-//! What is known of each game: its ROM, how it starts, and where its RAM holds score and lives.
+//! The facts about each game: its ROM, its start, and the RAM addresses of score and lives.
 //!
-//! Everything here was measured from outside; `NOTICE.md` says how.
+//! Everything here was measured from outside; see `NOTICE.md`.
 
 mod special;
 mod table;

@@ -1,6 +1,6 @@
 //! A controller without learning.
 
-/// Gymnasium's hand-written gait. It has no notion of balance.
+/// Gymnasium's hand-written gait. It does not balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heuristic {
     state: Gait,

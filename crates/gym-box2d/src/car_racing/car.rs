@@ -226,12 +226,12 @@ impl Car {
             let number = self.marks_made;
             skid.mark = Some(number);
             self.marks_made += 1;
-            // the oldest mark lends its memory to the new one
+            // the new mark reuses the memory of the oldest
             self.marks.rotate_left(1);
             if let Some(mark) = self.marks.last_mut() {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
-                // (Gymnasium means to begin where the wheel was, but its name for that place has moved on)
+                // (Gymnasium intends to begin at the wheel's old place, but its variable has already changed)
                 mark.points.extend([position, position]);
             }
         } else {
@@ -239,7 +239,7 @@ impl Car {
         }
     }
 
-    /// The white stripe of a wheel, in its coordinates, where the wheel's turn lets it be seen.
+    /// The white stripe of a wheel, in its coordinates, if visible at the wheel's turn.
     pub(super) fn stripe(wheel: &Wheel) -> Option<[[f64; 2]; 4]> {
         let ends = [wheel.phase, wheel.phase + 1.2].map(gym_core::math::sin_cos);
         if ends.iter().all(|(sin, _)| *sin > 0.0) {

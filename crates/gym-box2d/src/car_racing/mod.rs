@@ -2,18 +2,18 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | a picture of the car and what is around it; `Box(0, 255, (96, 96, 3), uint8)` |
+//! | observation | an image of the car and its surroundings; `Box(0, 255, (96, 96, 3), uint8)` |
 //! | action | [`Action`]: steering, gas and brake, `Box([-1, 0, 0], 1, (3,), float32)`, or without `continuous` one of five, `Discrete(5)` |
 //! | reward | 1000 / number of tiles for each tile that a wheel touches first, less 0.1 per step; -100 for leaving the field |
 //! | start | at rest on the track; reset option `randomize` (boolean, true; with `domain_randomize`): whether to draw new colours |
-//! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` tells which |
+//! | end | terminated when the lap is complete or the car leaves the field; info `lap_finished` is true for a lap |
 //! | limit | 1000 steps |
 //!
-//! Versions: v3 terminates the episode when the lap is complete, and says so in info; v2, which Gymnasium
-//! no longer has, truncates it and has no info.
+//! Versions: v3 terminates the episode when the lap is complete, with an entry of info; v2, which
+//! Gymnasium no longer has, truncates it and has no info.
 //!
-//! Differences from Gymnasium: the score has digits of our own; all other pixels are equal. The render mode
-//! `state_pixels` is missing: the observation is that picture.
+//! Differences from Gymnasium: the score has our own digits; all other pixels are equal. The render mode
+//! `state_pixels` is missing: the observation is that image.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/car_racing.py` and `car_dynamics.py`.
@@ -137,7 +137,7 @@ pub struct CarRacing {
     glyphs: Option<Arc<ScoreGlyphs>>,
 }
 
-/// Where the car is and how it moves: what decides an episode, beside the track.
+/// The car's position and motion, which determine an episode with the track.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position x, y in m, angle in rad, velocity x, y in m/s, angular velocity in rad/s.
@@ -187,7 +187,7 @@ struct Episode {
     car: Car,
     reward: f64,
     prev_reward: f64,
-    /// The score that the observation shows: without what the step itself costs.
+    /// The score that the observation shows, without the cost of the step itself.
     observed_reward: f64,
     t: f64,
     new_lap: bool,
@@ -229,7 +229,7 @@ impl CarRacing {
         Ok(Self { config, version, episode: None, camera: Camera::default(), glyphs: None })
     }
 
-    /// Where the car is; `None` before the first reset.
+    /// The car's position; `None` before the first reset.
     pub fn state(&self) -> Option<State> {
         self.episode.as_ref().map(Episode::state)
     }
@@ -239,8 +239,8 @@ impl CarRacing {
         self.episode.as_ref().map(|episode| &*episode.track)
     }
 
-    /// Writes the score with these digits from the next picture on, as Gymnasium does, instead of our own.
-    /// They are no part of snapshots and specs.
+    /// Writes the score with these digits from the next frame on, as Gymnasium does, instead of our own.
+    /// Snapshots and specs do not contain them.
     pub fn set_score_glyphs(&mut self, glyphs: ScoreGlyphs) {
         self.glyphs = Some(Arc::new(glyphs));
     }
@@ -257,7 +257,7 @@ impl CarRacing {
             colors = match &self.episode {
                 _ if randomize => Colors::random(&mut rng),
                 Some(episode) => episode.colors,
-                // those of the constructor, which has drawn them from a generator of its own
+                // those of the constructor, drawn from its own generator
                 None => Colors::random(&mut rng.clone()),
             };
         }
@@ -365,7 +365,7 @@ impl Episode {
         outcome
     }
 
-    /// Which wheels came onto and left which tiles.
+    /// The wheels that entered and left tiles.
     fn touch_tiles(&mut self, config: &Config) {
         let tiles = self.track.len() as f64;
         for event in self.world.contact_events() {

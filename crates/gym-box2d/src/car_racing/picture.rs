@@ -1,4 +1,4 @@
-//! What the driver sees: the field from above, turned with the car, and a dashboard.
+//! The driver's view: the field from above, turned with the car, and a dashboard.
 //!
 //! All is drawn in the coordinates of Gymnasium's window of 1000x800 pixels, which pygame shrinks to the
 //! observation and to the frame.
@@ -23,16 +23,16 @@ const STATE_H: usize = 96;
 const ZOOM: f64 = 2.7;
 /// Side of a grass patch, and half the distance of two.
 const GRASS_DIM: f64 = PLAYFIELD / 20.0;
-/// Longest diagonal of a shape, in pixels of the window: what lies so far out of it is not drawn.
+/// Longest diagonal of a shape, in pixels of the window: shapes so far outside are not drawn.
 const MAX_SHAPE_DIM: f64 = GRASS_DIM * SQRT_2 * ZOOM * SCALE;
 
-/// The space of observations: any picture.
+/// The space of observations: any image.
 pub(super) fn space() -> Space {
     let space = BoxSpace::uniform(0.0, 255.0, [STATE_H, STATE_W, 3], DType::U8);
     space.map_or_else(|_| unreachable!("0 to 255 are bounds of bytes"), Space::from)
 }
 
-/// Draws observations, and keeps what that needs from one to the next.
+/// Draws observations, and keeps the buffers.
 #[derive(Debug, Default)]
 pub(super) struct Camera {
     #[cfg(feature = "picture")]
@@ -48,7 +48,7 @@ impl Clone for Camera {
 }
 
 impl Camera {
-    /// Leaves a picture of the episode in `observation`.
+    /// Writes an image of the episode to `observation`.
     pub(super) fn take(&mut self, episode: &Episode, glyphs: Option<&ScoreGlyphs>, observation: &mut Array) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
             *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]).unwrap_or_default();
@@ -100,7 +100,7 @@ impl View {
     fn new(episode: &Episode) -> Self {
         let (world, hull) = (&episode.world, episode.car.hull);
         let rotation = Rotation::new(-f64::from(world.angle(hull)));
-        // the camera comes near in the first second
+        // the camera zooms in during the first second
         let zoom = 0.1 * SCALE * (1.0 - episode.t).max(0.0) + ZOOM * SCALE * episode.t.min(1.0);
         let position = world.position(hull);
         let scroll = [-f64::from(position.x) * zoom, -f64::from(position.y) * zoom];
@@ -124,7 +124,7 @@ impl View {
 }
 
 impl Episode {
-    /// Draws a scene in a picture of that size.
+    /// Draws a scene in an image of that size.
     pub(super) fn draw(
         &self,
         canvas: &mut dyn Canvas,

@@ -1,5 +1,5 @@
-//! The score on the dashboard. Gymnasium writes it with a font; the digits here are our own, unless pictures
-//! of that font's are loaded.
+//! The score on the dashboard. Gymnasium writes it with a font; the digits here are our own, unless images
+//! of that font's digits are loaded.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,18 +16,17 @@ const HEIGHT: f64 = 26.0;
 /// Of a stroke.
 const PEN: f64 = 3.0;
 
-/// The strokes of a digit that shine: top, left and right above, middle, left and right below, bottom.
+/// The lit strokes of a digit: top, left and right above, middle, left and right below, bottom.
 const STROKES: [u8; 10] = [
     0b111_0111, 0b001_0010, 0b101_1101, 0b101_1011, 0b011_1010, 0b110_1011, 0b110_1111, 0b101_0010,
     0b111_1111, 0b111_1011,
 ];
 const MINUS: u8 = 0b000_1000;
 
-/// Pictures of the digits that Gymnasium writes the score with: with them, all pixels of CarRacing's pictures
-/// are Gymnasium's.
+/// Images of Gymnasium's digits: with them, all pixels of CarRacing's frames equal Gymnasium's.
 ///
-/// They come from a font under another licence, so they are not part of this crate. With pygame-ce at hand,
-/// this Python program writes them to a file:
+/// They come from a font under another licence, so this crate does not include them. With pygame-ce, this
+/// Python program writes them to a file:
 ///
 /// ```python
 /// import json, pygame
@@ -56,7 +55,7 @@ impl ScoreGlyphs {
     /// Reads the file that the program above writes.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::InvalidArgument`] if it does not hold the pictures.
+    /// [`Error::Io`] if it cannot be read, [`Error::InvalidArgument`] if it does not contain the images.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
@@ -66,7 +65,7 @@ impl ScoreGlyphs {
     /// Reads the text of such a file.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if it does not hold the pictures.
+    /// [`Error::InvalidArgument`] if it does not contain the images.
     pub fn parse(text: &str) -> Result<Self> {
         let invalid = |reason: String| Error::argument("CarRacing", format!("score glyphs: {reason}"));
         #[derive(Deserialize)]
@@ -97,7 +96,7 @@ impl ScoreGlyphs {
     /// Writes a number around a column.
     fn draw(&self, canvas: &mut dyn Canvas, text: &str, middle: f64) {
         let index = |c: u8| if c.is_ascii_digit() { usize::from(c - b'0') + 1 } else { 0 };
-        // where each character begins, by a pen that moves in 64ths of a pixel
+        // the start of each character, for a pen that moves in 64ths of a pixel
         let (mut pen, mut before, mut width) = (0, None, 0);
         let mut places = [(0, 0); MOST];
         for (place, c) in places.iter_mut().zip(text.bytes()) {
@@ -201,7 +200,7 @@ pub(super) fn draw(canvas: &mut dyn Canvas, text: &str, [x, y]: Point, glyphs: O
         return glyphs.draw(canvas, text, x);
     }
     let mut left = x - (ADVANCE * text.len() as f64 - (ADVANCE - WIDTH)) / 2.0;
-    // a font's digits stand above the middle of their line
+    // a font's digits are above the middle of their line
     let top = y - HEIGHT / 2.0 - 4.0;
     for character in text.bytes() {
         let strokes = match character {

@@ -24,7 +24,7 @@ const _: () = assert!(1.5 * TRACK_RAD < PLAYFIELD);
 /// A point of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackPoint {
-    /// The direction of the point from the middle of the field; its last digit may be another one than
+    /// The direction of the point from the middle of the field; its last digit may differ from
     /// Gymnasium's, whose C library does not always round an arc tangent correctly.
     pub alpha: f64,
     /// The direction of the road: forward is (-sin, cos).
@@ -143,7 +143,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
     track
 }
 
-/// Where the turn is hard, counted back from each point over the last few.
+/// The sharp turns, counted back from each point over the last few.
 fn borders(track: &[TrackPoint]) -> Vec<bool> {
     let n = track.len();
     let back = |i: usize, by: usize| (i + n - by % n) % n;

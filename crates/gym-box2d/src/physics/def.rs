@@ -1,4 +1,4 @@
-//! What a world is asked for, and what it answers.
+//! The arguments and results of a world's methods.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,8 +10,8 @@ use super::Vec2;
 pub struct BodyId(pub(super) u32);
 
 impl BodyId {
-    /// Its number: bodies are numbered from 0 as they are made; those destroyed leave their number
-    /// to new ones.
+    /// Its number: bodies are numbered from 0 in the order of creation; a new body reuses the
+    /// number of a destroyed one.
     pub fn index(&self) -> u32 {
         self.0
     }
@@ -105,11 +105,11 @@ pub struct FixtureDef {
     pub density: f32,
     /// Of two fixtures in contact, the geometric mean counts.
     pub friction: f32,
-    /// How much of a hard collision's speed comes back; of two fixtures, the larger counts.
+    /// The restitution of a hard collision; of two fixtures, the larger counts.
     pub restitution: f32,
     /// Which fixtures it touches.
     pub filter: Filter,
-    /// Whether it only tells of contacts, without resisting.
+    /// Whether it only reports contacts, without resisting.
     pub sensor: bool,
 }
 
@@ -127,7 +127,7 @@ impl FixtureDef {
     }
 }
 
-/// How to hinge two bodies; the angle between them is then 0.
+/// The hinge of two bodies; their angle is then 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RevoluteJointDef {
     /// The first body.
@@ -164,7 +164,7 @@ pub struct ContactEvent {
 /// Where a ray met a fixture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// What it met; `None` for an edge of the [terrain](super::World::create_terrain).
+    /// The fixture; `None` for an edge of the [terrain](super::World::create_terrain).
     pub fixture: Option<FixtureId>,
     /// Where.
     pub point: Vec2,

@@ -1,6 +1,6 @@
-//! A small two-dimensional world of rigid bodies, in the manner of Box2D: bodies carry fixtures,
-//! revolute joints with motors and limits hold them together, contacts begin and end, rays find what
-//! is in the way, and what lies still falls asleep. It knows nothing of environments.
+//! A small two-dimensional world of rigid bodies, in the manner of Box2D: bodies with fixtures,
+//! revolute joints with motors and limits, contacts, ray casts, and sleep. It does not depend on
+//! environments.
 //!
 //! ```
 //! use gym_box2d::physics::{BodyDef, FixtureDef, Shape, Vec2, World};

@@ -437,8 +437,8 @@ impl Rapier {
     }
 }
 
-/// rapier's state as text within a snapshot: it has numbers of 128 bits, which a JSON value of
-/// `serde_json` cannot hold, and its text can.
+/// rapier's state as text in a snapshot, because a JSON value of `serde_json` cannot hold its
+/// numbers of 128 bits.
 mod text {
     use serde::de::Error as _;
     use serde::ser::Error as _;

@@ -1,4 +1,4 @@
-//! The door behind which the engines stand.
+//! The interface of the engines.
 
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +59,7 @@ impl gym_core::ArgumentType for Physics {
 /// again, continues identically.
 ///
 /// # Panics
-/// Methods that take an id panic, as indexing does, if what it names was destroyed.
+/// Methods that take an id panic, as indexing does, if its object was destroyed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct World {
     engine: Engine,
@@ -110,8 +110,8 @@ impl World {
     }
 
     /// Adds terrain: an edge from each point to the next, each of them a static body of its own, and its fixture,
-    /// of Box2D's default filter. An edge takes little room: it has an id only while something is near it, and no
-    /// ray tells it. A world has terrain once.
+    /// of Box2D's default filter. An edge takes little memory: it has an id only while something is near it, and
+    /// rays do not report it. A world has at most one terrain.
     pub fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
         match &mut self.engine {
             Engine::Box2d(world) => world.create_terrain(points, friction),
@@ -141,8 +141,8 @@ impl World {
         engine!(&mut self.engine, world => world.step(dt, velocity_iterations, position_iterations));
     }
 
-    /// The first part of a step, up to its velocity sweeps; tells whether there are any to be made. A [`Lanes`] can
-    /// [make](Self::enter) them, or this world [itself](Self::solve).
+    /// The first part of a step, up to its velocity sweeps; returns whether there are any. Then a [`Lanes`]
+    /// [computes](Self::enter) them, or this world [itself](Self::solve).
     pub(crate) fn begin(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) -> bool {
         match &mut self.engine {
             Engine::Box2d(world) => world.begin(dt, velocity_iterations, position_iterations),
@@ -163,8 +163,8 @@ impl World {
         }
     }
 
-    /// Has the velocity sweeps of the step that has begun made together with those of other worlds: gives its lane, if
-    /// they are alike and there is room.
+    /// Enters the velocity sweeps of the begun step into the lanes of other worlds. Returns the lane, if the worlds
+    /// are alike and there is room.
     pub(crate) fn enter(&self, lanes: &mut Lanes) -> Option<usize> {
         match &self.engine {
             Engine::Box2d(world) => lanes.load(world),
@@ -173,7 +173,7 @@ impl World {
         }
     }
 
-    /// Takes what the sweeps have made from a lane.
+    /// Takes the result of the sweeps from a lane.
     pub(crate) fn leave(&mut self, lanes: &Lanes, lane: usize) {
         match &mut self.engine {
             Engine::Box2d(world) => lanes.collect(lane, world),
@@ -202,7 +202,7 @@ impl World {
         hit
     }
 
-    /// What each of some rays from one point meets first.
+    /// The first hit of each of some rays from one point.
     pub fn ray_casts<const N: usize>(
         &self,
         from: Vec2,
@@ -227,7 +227,7 @@ impl World {
         engine!(&mut self.engine, world => world.body_mut(body.0).apply_impulse(impulse, point));
     }
 
-    /// Where a body and its coordinates are.
+    /// The transform of a body.
     pub fn pose(&self, body: BodyId) -> Pose {
         engine!(&self.engine, world => world.body(body.0).xf)
     }
@@ -237,7 +237,7 @@ impl World {
         self.pose(body).translation.vector
     }
 
-    /// How far a body is turned, all turns counted.
+    /// The angle of a body, full turns included.
     pub fn angle(&self, body: BodyId) -> f32 {
         engine!(&self.engine, world => world.body(body.0).sweep.a)
     }

@@ -14,7 +14,7 @@ use crate::{BoxEnv, Error, Kwargs, Result};
 /// `TimeLimit` where its id has one.
 ///
 /// # Errors
-/// What is wrong with the id, or [`Error::InvalidArgument`].
+/// An error about the id, or [`Error::InvalidArgument`].
 pub fn make(id: &str) -> Result<BoxEnv> {
     builder(id).build()
 }
@@ -39,7 +39,7 @@ pub fn builder(id: &str) -> EnvBuilder {
     EnvBuilder { spec }
 }
 
-/// An [`EnvSpec`] to be changed, and then made; see [`builder`]. What is wrong with it is told when it is made.
+/// An [`EnvSpec`] to change, and then make; see [`builder`]. Errors appear when it is made.
 #[derive(Clone, Debug)]
 pub struct EnvBuilder {
     spec: Result<EnvSpec>,
@@ -72,20 +72,20 @@ impl EnvBuilder {
         })
     }
 
-    /// How [`render`](crate::EnvExt::render) shows the environment.
+    /// The mode of [`render`](crate::EnvExt::render).
     #[must_use]
     pub fn render_mode(self, mode: RenderMode) -> Self {
         self.change(|spec| Ok(EnvSpec { render_mode: Some(mode), ..spec }))
     }
 
-    /// Width and height of rendered frames; drawings are vectors and scale.
+    /// Width and height of rendered frames.
     #[must_use]
     pub fn render_size(self, width: u32, height: u32) -> Self {
         self.change(|spec| Ok(EnvSpec { render_size: Some((width, height)), ..spec }))
     }
 
-    /// Truncates episodes after that many steps, instead of the number registered; `None` for
-    /// never.
+    /// Truncates episodes after this number of steps instead of the registered one; `None` for no
+    /// limit.
     #[must_use]
     pub fn max_episode_steps(self, steps: impl Into<Option<u32>>) -> Self {
         self.change(|spec| Ok(EnvSpec { max_episode_steps: steps.into(), ..spec }))
@@ -97,7 +97,7 @@ impl EnvBuilder {
         self.change(|spec| Ok(EnvSpec { disable_env_checker: disable, ..spec }))
     }
 
-    /// Leaves out the check for calls before `reset` and after `close`, with `false`.
+    /// `false` leaves out the check for calls before `reset` and after `close`.
     #[must_use]
     pub fn order_enforce(self, enforce: bool) -> Self {
         self.change(|spec| Ok(EnvSpec { order_enforce: enforce, ..spec }))
@@ -112,11 +112,11 @@ impl EnvBuilder {
         })
     }
 
-    /// The spec that all options together make. An id without version, or with one that is out of
-    /// date, gives a warning through the `log` crate.
+    /// The spec with all options. An id without version, or with an outdated one, logs a warning
+    /// through the `log` crate.
     ///
     /// # Errors
-    /// What is wrong with the id, or an unknown render mode among the arguments.
+    /// An error about the id, or about an unknown render mode.
     pub fn spec(self) -> Result<EnvSpec> {
         self.spec
     }
@@ -124,7 +124,7 @@ impl EnvBuilder {
     /// Makes the environment.
     ///
     /// # Errors
-    /// What is wrong with the id, an argument, or the render mode.
+    /// An error about the id, an argument, or the render mode.
     pub fn build(self) -> Result<BoxEnv> {
         let spec = self.spec?;
         let mut env = find(&spec.id)?.construct(&spec)?;
@@ -139,8 +139,8 @@ impl EnvBuilder {
 }
 
 impl EnvSpec {
-    /// Gymnasium passes the arguments of `make` and those of the constructor together; this moves
-    /// the former to where they belong.
+    /// Gymnasium passes the arguments of `make` and of the constructor together; this separates
+    /// them.
     fn take_arguments_of_make(&mut self) -> Result<()> {
         self.render_mode = self.take("render_mode")?.or(self.render_mode);
         self.disable_env_checker = self.take("disable_env_checker")?.unwrap_or(self.disable_env_checker);

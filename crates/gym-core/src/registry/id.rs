@@ -81,8 +81,8 @@ impl fmt::Display for EnvId {
     }
 }
 
-/// The most similar of some names, if it is similar at all. Case counts for nothing, so that
-/// `cartpole` finds `CartPole`.
+/// The most similar of some names, if any is similar. Case is ignored, so `cartpole` finds
+/// `CartPole`.
 pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
     let name = name.to_lowercase();

@@ -1,8 +1,7 @@
 //! Environments by id: link-time and runtime registration, look-up, listing.
 //!
-//! The table is made of what the linked crates submitted with [`register!`](crate::register!) and
-//! of what [`register`] added while the program runs. Its order is that of the ids, whatever the
-//! order of linking.
+//! The table contains the entries of [`register!`](crate::register!) in linked crates, and those
+//! that [`register`] adds at run time, sorted by id.
 
 mod builder;
 mod id;
@@ -30,8 +29,8 @@ use crate::{Error, Result};
 
 type Table = BTreeMap<EnvId, Vec<Registration>>;
 
-/// All registrations by id. A link-time id whose grammar is broken is kept under a name that
-/// nobody can ask for, so that the conformance check can report it.
+/// All registrations by id. A malformed link-time id is kept under a name that cannot be looked up,
+/// so that the conformance check can report it.
 static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
     let mut table = Table::new();
     for registration in inventory::iter::<Registration> {
@@ -52,11 +51,11 @@ fn with_table<R>(f: impl FnOnce(&mut Table) -> R) -> R {
     f(&mut TABLE.write().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Adds an environment while the program runs.
+/// Adds an environment at run time.
 ///
 /// # Errors
 /// [`Error::MalformedId`]; [`Error::Registration`] if the id exists, or if the same name exists
-/// with a version where this has none or the other way round.
+/// with a version and this id has none, or the reverse.
 pub fn register(registration: Registration) -> Result<()> {
     let id: EnvId = registration.id().parse()?;
     let refuse = |reason: String| Err(Error::Registration { id: id.to_string(), reason });
@@ -68,7 +67,7 @@ pub fn register(registration: Registration) -> Result<()> {
             .keys()
             .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
         if let Some(other) = other {
-            return refuse(format!("`{other}` exists: a name has versions on all its ids or on none"));
+            return refuse(format!("`{other}` exists: give all ids of a name a version, or none"));
         }
         table.insert(id.clone(), vec![registration]);
         Ok(())
@@ -80,7 +79,7 @@ pub fn all() -> Vec<Registration> {
     with_table(|table| table.values().flatten().cloned().collect())
 }
 
-/// As [`all`], without the environments that need what no crate brings; see [`Registration::needs`].
+/// As [`all`], without environments that have external requirements; see [`Registration::needs`].
 pub fn self_contained() -> Vec<Registration> {
     all().into_iter().filter(|registration| registration.needs.is_none()).collect()
 }
@@ -88,8 +87,8 @@ pub fn self_contained() -> Vec<Registration> {
 /// The registration of an id.
 ///
 /// # Errors
-/// [`Error::MalformedId`], or which part of the id is unknown and what is near it; and
-/// [`Error::Duplicate`] if more than one crate registers it.
+/// [`Error::MalformedId`]; an error that names the unknown part of the id and a similar one;
+/// [`Error::Duplicate`] if several crates register it.
 pub fn find(id: &str) -> Result<Registration> {
     let id: EnvId = id.parse()?;
     with_table(|table| match table.get(&id).map(Vec::as_slice) {
@@ -102,8 +101,8 @@ pub fn find(id: &str) -> Result<Registration> {
     })
 }
 
-/// An id as [`make`] understands it: without a version, the newest of that name.
-/// The second part says what the user should know about the choice.
+/// The registration that [`make`] uses for an id: without a version, the newest of that name. The
+/// second part is a warning about the choice.
 ///
 /// # Errors
 /// As [`find`].
@@ -121,7 +120,7 @@ pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
     Ok((registration, note))
 }
 
-/// Says which part of an unknown id is at fault.
+/// The error of an unknown id, which names its unknown part.
 fn not_found(table: &Table, id: &EnvId) -> Error {
     let crates = || {
         let names: std::collections::BTreeSet<_> = table
@@ -149,13 +148,13 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
     let Some(newest) = versions.last() else {
         let known: Vec<_> = table.keys().filter(|other| other.namespace == id.namespace).collect();
         let near = nearest(&id.name, known.iter().map(|other| other.name.as_str()));
-        // the very name in a namespace that was left out, or has another name
+        // the same name in another namespace
         let elsewhere = || {
             let mut ids = table.keys().rev().filter(|other| other.name.eq_ignore_ascii_case(&id.name));
             let newest = ids.clone().next();
             ids.find(|other| other.version == id.version).or(newest)
         };
-        // among the versions of the near name, the one asked for, else the newest
+        // of the similar name, the requested version, else the newest
         let near = near.and_then(|name| {
             let mut ids = known.iter().copied().rev().filter(|other| other.name == name);
             let newest = ids.clone().next();

@@ -3,19 +3,19 @@
 use super::id::nearest;
 use crate::{Error, Kwargs, Result};
 
-/// The reset options that an environment knows, each with an example as JSON; empty where it does not say.
+/// The reset options of an environment, each with an example as JSON; empty if the registration names none.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ResetOptions(pub(crate) &'static [(&'static str, &'static str)]);
 
 impl ResetOptions {
-    /// Refuses options of other names, where names are known.
+    /// Refuses unknown options, if the registration names any.
     pub(crate) fn check(self, id: &str, options: &Kwargs) -> Result<()> {
         let names = || self.0.iter().map(|(name, _)| *name);
         let unknown = options.keys().find(|option| names().all(|name| name != *option));
         let Some(unknown) = unknown.filter(|_| !self.0.is_empty()) else { return Ok(()) };
         let near = nearest(unknown, names()).map(|near| format!(": did you mean `{near}`?"));
         let known = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let reason = format!("unknown option `{unknown}`{} (it knows {known})", near.unwrap_or_default());
+        let reason = format!("unknown option `{unknown}`{} (there are {known})", near.unwrap_or_default());
         Err(Error::argument(format!("reset options of `{id}`"), reason))
     }
 }

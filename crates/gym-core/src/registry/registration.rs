@@ -1,4 +1,4 @@
-//! What a crate says about an environment to have it made by id.
+//! The registration of an environment.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -18,27 +18,27 @@ use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Ahead, Lockstep};
 use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
 
-/// An environment that can be built from arguments: what [`register!`](crate::register!) needs.
+/// An environment that can be built from arguments; [`register!`](crate::register!) needs it.
 /// [`Stateful`] implements it for every [`Dynamics`].
 pub trait Configure: Env {
     /// The constructor's arguments, a struct of [`arguments!`](crate::arguments!).
     type Config: Arguments;
 
-    /// The environment with these arguments, under an id of this version. Most environments have one version and ignore the
-    /// number; an id without a version has the highest.
+    /// The environment with these arguments, for an id of this version. Most environments have one version and ignore
+    /// it; an id without a version counts as the newest.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn configure(config: Self::Config, version: u32) -> Result<Self>;
 
-    /// The arguments' default values under an id of this version, where versions differ in them.
+    /// The default arguments for an id of this version, if versions differ.
     fn defaults(version: u32) -> Self::Config {
         let _ = version;
         Self::Config::default()
     }
 
-    /// The environment that renders by itself in a mode, where [`render_into`](Env::render_into) is its own: `make`
-    /// then puts no [`Render`](crate::wrappers::Render) around it. `None`, by default, for those that are drawn.
+    /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make` then adds no
+    /// [`Render`](crate::wrappers::Render). The default, `None`, is for environments that implement `draw`.
     ///
     /// # Errors
     /// As [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
@@ -47,8 +47,8 @@ pub trait Configure: Env {
         Ok(None)
     }
 
-    /// The arguments with every random choice filled in, such as a map that the constructor drew: the spec then rebuilds
-    /// this environment and no other. `None` where nothing is random.
+    /// The arguments with every random choice filled in, such as a map that the constructor drew, so that the spec
+    /// rebuilds this environment. `None` if nothing is random.
     fn config(&self) -> Option<&Self::Config> {
         None
     }
@@ -74,11 +74,11 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
 /// Makes a native vector from its spec.
 ///
-/// It fails for what it cannot do, such as a render mode or wrappers in the spec. It respects
+/// It refuses what it does not support, such as a render mode or wrappers in the spec. It respects
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
-/// Makes what lets environments go ahead together.
+/// Makes the function that begins the steps of several environments together.
 type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
 
 /// An external requirement of an environment, such as ROMs.
@@ -109,19 +109,19 @@ pub struct Clip {
     pub size: (u32, u32),
 }
 
-/// An entry of the registry: what is known of the environment of one id. Submit it at link time with
+/// An entry of the registry: the facts about the environment of one id. Submit it at link time with
 /// [`register!`](crate::register!), or at run time with [`registry::register`](crate::registry::register).
 ///
-/// A method sets the fact that the field of its name holds.
+/// Each method sets the field of its name.
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct Registration {
     pub(super) id: Cow<'static, str>,
-    /// The crate it comes from, the module and the source file; empty if it was registered at run time.
+    /// The crate, module and source file; empty if registered at run time.
     pub source: Source,
-    /// What the agent has to do, in a sentence.
+    /// The agent's task, in a sentence.
     pub description: &'static str,
-    /// The [reset options](field@crate::Reset::options) that the environment knows, each with an example as JSON.
+    /// The environment's [reset options](field@crate::Reset::options), each with an example as JSON.
     pub reset_options: &'static [(&'static str, &'static str)],
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     pub exceptions: &'static [(&'static str, &'static str)],
@@ -149,7 +149,7 @@ pub struct Registration {
     construct: fn(&Registration, &EnvSpec) -> Result<BoxEnv>,
 }
 
-/// Where a registration stands; [`register!`](crate::register!) fills it in.
+/// The source of a registration; [`register!`](crate::register!) fills it in.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Source {
     /// The name of the package.
@@ -161,12 +161,12 @@ pub struct Source {
 }
 
 impl Registration {
-    /// The environment `E` under an id that is known when the program is compiled.
+    /// The environment `E` under a constant id.
     pub const fn new<E: Configure>(id: &'static str) -> Self {
         Self::with_id::<E>(Cow::Borrowed(id))
     }
 
-    /// The environment `E` under an id that is made while the program runs.
+    /// The environment `E` under an id built at run time.
     pub fn dynamic<E: Configure>(id: impl Into<String>) -> Self {
         Self::with_id::<E>(Cow::Owned(id.into()))
     }
@@ -196,21 +196,21 @@ impl Registration {
         }
     }
 
-    /// The package, the module and the file it stands in; [`register!`](crate::register!) fills them in.
+    /// The package, module and file; [`register!`](crate::register!) fills them in.
     #[must_use]
     pub const fn source(mut self, package: &'static str, module: &'static str, file: &'static str) -> Self {
         self.source = Source { package, module, file };
         self
     }
 
-    /// What the agent has to do, in a sentence, for lists of environments.
+    /// The agent's task in a sentence, for lists of environments.
     #[must_use]
     pub const fn description(mut self, sentence: &'static str) -> Self {
         self.description = sentence;
         self
     }
 
-    /// The version of the environment whose rules and arguments hold, where it is not that of the id.
+    /// The version whose rules and arguments apply, if it differs from the id's.
     #[must_use]
     pub const fn version(mut self, version: u32) -> Self {
         self.version = Some(version);
@@ -231,16 +231,16 @@ impl Registration {
         self
     }
 
-    /// The steps after which an episode is truncated; without it there is no limit.
+    /// The steps after which an episode is truncated; the default is no limit.
     #[must_use]
     pub const fn max_episode_steps(mut self, steps: u32) -> Self {
         self.max_episode_steps = Some(steps);
         self
     }
 
-    /// The [reset options](field@crate::Reset::options) that the environment knows, each with an example as JSON, such as
-    /// `&[("low", "-0.1"), ("high", "0.1")]`. Any other option is then an error that names these; an environment
-    /// that names none is handed every option.
+    /// The environment's [reset options](field@crate::Reset::options), each with an example as JSON, such as `&[("low",
+    /// "-0.1"), ("high", "0.1")]`. Other options are then an error; if none are named, the environment receives every
+    /// option.
     #[must_use]
     pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
         self.reset_options = options;
@@ -261,22 +261,22 @@ impl Registration {
         self
     }
 
-    /// Says that the same seed can give different episodes.
+    /// Declares that the same seed can give different episodes.
     #[must_use]
     pub const fn nondeterministic(mut self) -> Self {
         self.nondeterministic = true;
         self
     }
 
-    /// Has a native vector, which [`make_vec`](crate::make_vec) then prefers.
+    /// Declares a native vector, which [`make_vec`](crate::make_vec) then prefers.
     #[must_use]
     pub const fn vector_entry_point(mut self, entry_point: VectorEntryPoint) -> Self {
         self.vector_entry_point = Some(entry_point);
         self
     }
 
-    /// Has a native vector of environments that take their steps together, see
-    /// [`lockstep`](crate::vector::lockstep); async vectors then let those of each thread do so.
+    /// Declares a native vector of environments that step in [`lockstep`](crate::vector::lockstep);
+    /// the threads of async vectors then do the same.
     #[must_use]
     pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
         self.vector_entry_point = Some(lockstep::entry_point::<E>);
@@ -284,8 +284,8 @@ impl Registration {
         self
     }
 
-    /// The keys with which a person plays it; they may depend on the environment's arguments. Without, the digits are
-    /// the actions of a `Discrete` space.
+    /// The keys of `cargo xtask play`, which may depend on the arguments. By default the digits are the actions of a
+    /// `Discrete` space.
     #[must_use]
     pub const fn keys(mut self, keys: fn(&BoxEnv) -> Keys) -> Self {
         self.keys = Some(keys);
@@ -299,7 +299,7 @@ impl Registration {
         self
     }
 
-    /// Says that a step takes less than a microsecond or so: other threads need not run meanwhile.
+    /// Declares that a step takes less than about a microsecond: Python then keeps the GIL during a step.
     #[must_use]
     pub const fn light_step(mut self) -> Self {
         self.light_step = true;
@@ -313,7 +313,7 @@ impl Registration {
         self
     }
 
-    /// What the GIF on its page shows. Ids registered in one module share the page.
+    /// The clip in the GIF on its page. Ids registered in one module share the page.
     #[must_use]
     pub const fn clip(mut self, clip: Clip) -> Self {
         self.clip = Some(clip);
@@ -325,14 +325,15 @@ impl Registration {
         &self.id
     }
 
-    /// The version whose rules hold; the highest number where neither the id nor [`version`](Self::version) says one.
+    /// The version whose rules apply; the highest number if neither the id nor [`version`](Self::version) gives
+    /// one.
     pub(crate) fn rules(&self) -> u32 {
         let of_id = || self.id.parse::<EnvId>().ok().and_then(|id| id.version);
         self.version.or_else(of_id).unwrap_or(u32::MAX)
     }
 
-    /// The constructor's arguments that this id takes, with their default values: those that the id [sets](Self::kwargs), and
-    /// those of its version.
+    /// The constructor's arguments for this id, with the default values that the id [sets](Self::kwargs) and those of
+    /// its version.
     ///
     /// # Errors
     /// As [`spec`](Self::spec).
@@ -346,7 +347,7 @@ impl Registration {
         Ok(table)
     }
 
-    /// What lets environments of this id take their steps together.
+    /// The function that begins the steps of several environments of this id.
     pub(super) fn ahead(&self) -> Option<Box<dyn Ahead<BoxEnv>>> {
         self.ahead.map(|ahead| ahead())
     }
@@ -437,8 +438,7 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
 /// # }
 /// ```
 ///
-/// A crate that is a dependency but is never named is not linked, and its environments are then
-/// missing: name it with `use my_envs as _;`.
+/// Cargo does not link a dependency that the code never names: name it with `use my_envs as _;`.
 #[macro_export]
 macro_rules! register {
     ($($registration:expr),+ $(,)?) => {

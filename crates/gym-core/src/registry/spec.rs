@@ -7,9 +7,8 @@ use super::EnvBuilder;
 use crate::render::RenderMode;
 use crate::{BoxEnv, Kwargs, Result};
 
-/// Everything needed to make an environment again, with its wrappers. Goes through JSON under
-/// Gymnasium's names; fields that Gymnasium has and this crate does not (`entry_point`) are
-/// ignored when read.
+/// Everything needed to rebuild an environment with its wrappers. JSON uses Gymnasium's names;
+/// reading ignores Gymnasium's other fields (`entry_point`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EnvSpec {
     /// The id, with its version.
@@ -35,7 +34,7 @@ pub struct EnvSpec {
     /// How it is rendered, if at all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub render_mode: Option<RenderMode>,
-    /// Width and height of rendered frames, where not the environment's own.
+    /// Width and height of rendered frames, if not the environment's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub render_size: Option<(u32, u32)>,
     /// Wrappers around the default stack, innermost first.
@@ -51,7 +50,7 @@ impl EnvSpec {
     /// Makes the environment with its wrappers.
     ///
     /// # Errors
-    /// As [`make`](crate::make), and for a wrapper that is not known.
+    /// As [`make`](crate::make), and for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         EnvBuilder::from_spec(self.clone()).build()
     }
@@ -66,7 +65,7 @@ impl EnvSpec {
     /// The spec of this environment in one more wrapper.
     #[must_use]
     pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
-        // a list mode stands for a `RenderCollection` around all other wrappers; now it is within this one
+        // a list mode means a `RenderCollection` outside all other wrappers; the new wrapper is outside it
         if let Some(mode) = self.render_mode.filter(|mode| mode.is_list()) {
             self.render_mode = Some(mode.single());
             self.additional_wrappers.push(WrapperSpec::new("RenderCollection"));

@@ -23,7 +23,7 @@ pub(super) fn stack<E: Env>(
     spec: &EnvSpec,
     options: ResetOptions,
 ) -> Result<BoxEnv> {
-    // the wrappers add themselves to the spec again
+    // the wrappers will add themselves to the spec
     let bare = EnvSpec {
         max_episode_steps: None,
         order_enforce: false,
@@ -39,12 +39,12 @@ pub(super) fn stack<E: Env>(
     if let Some((width, height)) = spec.render_size {
         render = render.with_size(width, height)?;
     }
-    // drawing outweighs what another type for each environment would save
+    // one more type per environment would save little beside drawing
     guarded(BoxEnv::new(render), spec)
 }
 
-/// An environment in the rest of its stack. The usual one is a single type, which is erased once, so
-/// that a step converts its action and its observation once and not in each wrapper.
+/// An environment in the rest of its stack. The usual stack is one type, erased once, so that a step
+/// converts its action and observation once and not in each wrapper.
 fn guarded<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
     let EnvSpec { disable_env_checker, order_enforce, max_episode_steps, .. } = *spec;
     if !disable_env_checker && order_enforce {

@@ -14,9 +14,8 @@ use crate::{BoxEnv, Env, Error, Result, WrapperSpec};
 
 /// Makes a vector of `num_envs` environments, as Gymnasium's `make_vec`.
 ///
-/// Without a kind it is native where the id has a native vector that can do what is asked for, and sync
-/// otherwise; see [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit
-/// included.
+/// Without a kind, the vector is native if the id has a native vector that supports the options, else sync; see
+/// [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit included.
 ///
 /// # Errors
 /// As [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than memory holds, or a
@@ -42,7 +41,7 @@ pub enum VectorKind {
     Sync,
     /// On a pool of threads: [`AsyncVectorEnv`].
     Async,
-    /// All in one, by a kernel of the environment's own: what Gymnasium calls a vector entry point.
+    /// All in one SIMD loop: Gymnasium's vector entry point.
     #[serde(alias = "vector_entry_point")]
     Native,
 }
@@ -78,8 +77,8 @@ impl FromStr for VectorKind {
     }
 }
 
-/// Everything needed to make a vector again: that of its sub-environments, its own options, and the
-/// wrappers around it.
+/// Everything needed to rebuild a vector: the spec of its sub-environments, its own options, and
+/// the wrappers around it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct VectorSpec {
@@ -93,7 +92,7 @@ pub struct VectorSpec {
     /// When they are reset.
     #[serde(default)]
     pub autoreset_mode: Autoreset,
-    /// On how many threads, where async; `None` for one per core.
+    /// The number of threads of an async vector; `None` for one per core.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
     /// Arguments that differ between the sub-environments.
@@ -125,12 +124,12 @@ impl Each {
         if let Self::Range { low, high } = *self { Some((low, high)) } else { None }
     }
 
-    /// The value of a sub-environment, where it is a number of a list.
+    /// The value of a sub-environment, if it is a number in a list.
     pub(crate) fn number(&self, index: usize) -> Option<f64> {
         if let Self::Values(values) = self { values.get(index)?.as_f64() } else { None }
     }
 
-    /// Refuses what is not for `num_envs` environments.
+    /// Refuses a list whose length is not `num_envs`, and an invalid range.
     pub(crate) fn check(&self, name: &str, num_envs: usize) -> Result<()> {
         match self {
             Self::Values(values) if values.len() != num_envs => {
@@ -179,7 +178,7 @@ impl VectorSpec {
         }
     }
 
-    /// The same with its sub-environments reset at another time.
+    /// The same with another autoreset mode.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
         Self { autoreset_mode: autoreset, ..self }
@@ -192,14 +191,14 @@ impl VectorSpec {
         self
     }
 
-    /// Refuses arguments of each that sub-environments cannot be made with.
+    /// Refuses arguments that separate sub-environments do not support.
     pub(crate) fn check_each(&self) -> Result<()> {
         for (name, each) in &self.each {
             each.check(name, self.num_envs)?;
             if each.range().is_some() {
                 return Err(Error::argument(
                     name,
-                    "this vector draws no arguments from a range: those of classic control do, where native",
+                    "ranges need a native vector of classic control: give a list of values",
                 ));
             }
         }
@@ -220,7 +219,7 @@ impl VectorSpec {
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`], and for a wrapper that is not known.
+    /// As [`make_vec`], and for an unknown wrapper.
     pub fn make(&self) -> Result<Box<dyn VectorEnv>> {
         self.vector_wrappers.iter().try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
     }
@@ -262,11 +261,11 @@ impl VectorSpec {
     }
 }
 
-/// What an environment in the stack of `make` takes of the memory at least, beside its observations: its own
-/// state, its spec, and the boxes of its wrappers.
+/// The least memory of an environment from `make`, beside its observations: its state, its spec, and the
+/// boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
-/// The sub-environments; the first one tells whether there can be so many.
+/// The sub-environments. The first one is made before the others, to check the memory of all.
 fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
     spec.check_each()?;
     let make = |index| spec.env_at(index).make();
@@ -277,12 +276,12 @@ fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
     std::iter::once(Ok(first)).chain((1..spec.num_envs).map(make)).collect()
 }
 
-/// What a spec asks for that only environments can give.
+/// The option of a spec that native vectors do not support.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
     if !spec.additional_wrappers.is_empty() {
-        Some("it has no single environments to wrap: wrap the vector, or make a sync or async one")
+        Some("its environments cannot be wrapped: wrap the vector, or make a sync or async one")
     } else if spec.render_mode.is_some() {
-        Some("it draws nothing: make a sync or async one")
+        Some("it cannot render: make a sync or async one")
     } else {
         None
     }
@@ -298,13 +297,13 @@ impl EnvBuilder {
     /// # }
     /// ```
     pub fn vector(self, num_envs: usize) -> VectorBuilder {
-        // a kind has to stand there until one is chosen
+        // a placeholder until a kind is chosen
         let spec = self.spec().map(|env| VectorSpec::new(env, num_envs, VectorKind::Native));
         VectorBuilder { spec, has_kind: false }
     }
 }
 
-/// A [`VectorSpec`] to be changed, and then made; see [`EnvBuilder::vector`]. What is wrong with it is told when it is made.
+/// A [`VectorSpec`] to change, and then make; see [`EnvBuilder::vector`]. Errors appear when it is made.
 #[derive(Clone, Debug)]
 pub struct VectorBuilder {
     spec: Result<VectorSpec>,
@@ -312,8 +311,8 @@ pub struct VectorBuilder {
 }
 
 impl VectorBuilder {
-    /// Sets an argument of each sub-environment: a list with one value for each, or a range, from which each draws a new value
-    /// at each reset. Native vectors do both at full speed, with arguments that are numbers; sync and async ones take lists.
+    /// Sets an argument of each sub-environment: a list has one value for each; from a range, each draws a new value at
+    /// each reset. Native vectors support both, for arguments that are numbers; sync and async vectors support lists.
     ///
     /// ```no_run
     /// # fn main() -> gym_core::Result<()> {
@@ -329,28 +328,28 @@ impl VectorBuilder {
         self
     }
 
-    /// How the sub-environments are stepped. Where this is not said, the vector is native if there is a
-    /// native vector that can do what is asked for, and sync if not: with wrappers of environments, a
-    /// render mode, a time limit above 65534 steps, or an argument that only environments have.
+    /// How the sub-environments are stepped. The default is native if the id has a native vector that
+    /// supports the options, else sync. Native vectors do not support wrappers of environments, a
+    /// render mode, a time limit above 65534 steps, or arguments that only scalar environments have.
     #[must_use]
     pub fn kind(self, kind: VectorKind) -> Self {
         let spec = self.spec.map(|spec| VectorSpec { vectorization_mode: kind, ..spec });
         Self { spec, has_kind: true }
     }
 
-    /// When sub-environments are reset; on the next step where this is not said.
+    /// When sub-environments are reset; the default is the next step.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
         Self { spec: self.spec.map(|spec| spec.autoreset(autoreset)), ..self }
     }
 
-    /// The number of threads of an async vector, instead of one per core.
+    /// The number of threads of an async vector; the default is one per core.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Self { spec: self.spec.map(|spec| VectorSpec { threads: Some(threads), ..spec }), ..self }
     }
 
-    /// The spec that all options together make.
+    /// The spec with all options.
     ///
     /// # Errors
     /// As [`EnvBuilder::spec`].
@@ -375,7 +374,7 @@ impl VectorBuilder {
         if self.has_kind {
             return Ok((spec, None));
         }
-        // a native vector says itself what it cannot do; what sync cannot do either, that will say
+        // a native vector refuses unsupported options; a sync vector reports those it does not support either
         match spec.make() {
             Ok(vector) => Ok((spec, Some(vector))),
             Err(_) => Ok((VectorSpec { vectorization_mode: VectorKind::Sync, ..spec }, None)),

@@ -1,4 +1,4 @@
-//! Wrappers by name: how specs rebuild them, and what the book says of them.
+//! Wrappers by name, for specs and for the book's table.
 
 use serde_json::Value as Json;
 
@@ -11,7 +11,7 @@ pub type WrapEnv = fn(BoxEnv, &Kwargs) -> Result<BoxEnv>;
 /// Puts a wrapper around a vector, with the arguments in a spec.
 pub type WrapVector = fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEnv>>;
 
-/// A wrapper that specs can name: what [`register_wrapper!`](crate::register_wrapper!) submits.
+/// A wrapper that specs can name; [`register_wrapper!`](crate::register_wrapper!) submits it.
 #[derive(Clone, Copy, Debug)]
 pub struct WrapperRegistration {
     /// The name in [`WrapperSpec`].
@@ -26,7 +26,7 @@ pub struct WrapperRegistration {
 inventory::collect!(WrapperRegistration);
 
 impl WrapperRegistration {
-    /// The wrapper of these arguments, around nothing yet, and what it does.
+    /// An entry with these arguments and description, without functions yet.
     pub const fn new<C: WrapperConfig>(description: &'static str) -> Self {
         let arguments = || arguments::table(&C::default(), 0);
         Self { name: C::NAME, description, arguments, env: None, vector: None }
@@ -145,8 +145,8 @@ impl WrapperSpec {
     /// Puts the wrapper of this name around an environment.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a name that is not known or a bad argument, and whatever the
-    /// wrapper refuses.
+    /// [`Error::InvalidArgument`] for an unknown name or a bad argument, and the wrapper's own
+    /// errors.
     pub fn wrap(&self, env: BoxEnv) -> Result<BoxEnv> {
         self.find("additional_wrappers", |wrapper| wrapper.env)?(env, &self.kwargs)
     }

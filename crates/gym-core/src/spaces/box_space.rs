@@ -12,7 +12,7 @@ use super::fault::{Fault, expect_array, is_array};
 use super::number::{Number, Numeric, collect, limits, with_type};
 use super::{array_of, element_count, invalid, json, numpy_fmt};
 
-/// Arrays of one shape and type, each element between bounds of its own (inclusive), which may be
+/// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
 /// infinite: Gymnasium's `Box`.
 ///
 /// ```
@@ -24,8 +24,8 @@ use super::{array_of, element_count, invalid, json, numpy_fmt};
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// A sample of a bounded element is uniform; where one bound is infinite it is the other bound plus
-/// or minus an exponential variable; where both are, a normal one.
+/// A sample of a bounded element is uniform. If one bound is infinite, it is the other bound plus
+/// or minus an exponential variable; if both are, a normal variable.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "Description", into = "Description")]
 pub struct BoxSpace {
@@ -77,7 +77,7 @@ impl BoxSpace {
     pub fn uniform(low: f64, high: f64, shape: impl Into<Vec<usize>>, dtype: DType) -> Result<Self> {
         let shape = shape.into();
         let [low, high] = [low, high].map(Number::Float);
-        // Bounds are checked even where there is no element to bear them.
+        // Bounds are checked even without elements.
         let checked = Bound::Low.settle(low, dtype).and_then(|_| Bound::High.settle(high, dtype));
         let len = checked.and_then(|_| element_count(&shape));
         let len = len.map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
@@ -287,9 +287,9 @@ fn uniform(rng: &mut Generator, start: f64, end: f64) -> f64 {
     }
 }
 
-/// A drawn number as an element: whole types take the next number below, within the bounds.
+/// A drawn number as an element: integer types round down, within the bounds.
 fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
-    /// Where numpy's cast to `int64` overflows, to the smallest number.
+    /// If numpy's cast to `int64` overflows, the smallest number.
     const I64_END: f64 = (1u64 << 63) as f64;
 
     if T::DTYPE.is_float() {
@@ -308,8 +308,8 @@ fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
     }
 }
 
-/// The stored form. A bound is one number where all elements share it, and `"inf"` or `"-inf"`
-/// where it is infinite.
+/// The stored form. A bound is one number if all elements share it, and `"inf"` or `"-inf"` if it
+/// is infinite.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {

@@ -13,7 +13,7 @@ use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, invalid, numpy_fmt};
 
-/// Values with a member per key, each from a space of its own: Gymnasium's `Dict`.
+/// Values with a member per key, each from its own space: Gymnasium's `Dict`.
 ///
 /// ```
 /// use gym_core::{Space, spaces::DictSpace};
@@ -31,7 +31,7 @@ pub struct DictSpace {
 }
 
 impl DictSpace {
-    /// The members with their keys sorted, as Gymnasium sorts those of a plain `dict`.
+    /// The members, sorted by key, as Gymnasium sorts a plain `dict`.
     ///
     /// # Errors
     /// [`Error::InvalidSpace`] if a key occurs twice.

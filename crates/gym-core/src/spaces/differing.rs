@@ -1,4 +1,4 @@
-//! Spaces that differ in their bounds alone: Gymnasium's `is_space_dtype_shape_equiv` and
+//! Spaces that differ only in their bounds: Gymnasium's `is_space_dtype_shape_equiv` and
 //! `batch_differing_spaces`.
 
 use super::batch::batch_space;
@@ -6,7 +6,7 @@ use super::number::{Number, can_cast, collect};
 use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, invalid};
 use crate::{Array, Result};
 
-/// The spaces within, of those that are of this kind.
+/// The inner spaces of those of this kind.
 macro_rules! of_kind {
     ($spaces:expr, $kind:ident) => {
         $spaces.iter().filter_map(|space| match space {
@@ -17,8 +17,8 @@ macro_rules! of_kind {
 }
 
 impl Space {
-    /// Whether elements of both spaces have the same form, so that one buffer holds either: the same kinds,
-    /// shapes, types of numbers, keys and charsets, whatever the bounds. Gymnasium's
+    /// Whether elements of both spaces have the same form, so that one buffer fits either: the same kinds,
+    /// shapes, types of numbers, keys and charsets; bounds may differ. Gymnasium's
     /// `is_space_dtype_shape_equiv`.
     pub fn has_form_of(&self, other: &Self) -> bool {
         let all =

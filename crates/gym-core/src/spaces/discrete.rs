@@ -22,9 +22,9 @@ use super::weight::Weight;
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// A sample is uniform. Its type is `int64` unless [set](Self::with_dtype); the type matters to the
-/// stream of random numbers and to [`flatten_space`](super::Space::flatten_space) alone, because an
-/// element is always a [`Value::Int`].
+/// A sample is uniform. The type is `int64` unless [set](Self::with_dtype). It affects only the
+/// stream of random numbers and [`flatten_space`](super::Space::flatten_space), because an element
+/// is always a [`Value::Int`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Description")]
 pub struct Discrete {
@@ -45,7 +45,7 @@ impl Discrete {
     /// As many integers from `start` on.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the largest is no number of the type.
+    /// [`Error::InvalidSpace`] if the largest integer does not fit the type.
     pub fn with_start(self, start: i64) -> Result<Self> {
         Self { start, ..self }.checked()
     }
@@ -53,7 +53,7 @@ impl Discrete {
     /// The same integers as numbers of another type.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the type is no integer type or does not hold them all.
+    /// [`Error::InvalidSpace`] if the type is not an integer type, or the integers do not fit it.
     pub fn with_dtype(self, dtype: DType) -> Result<Self> {
         Self { dtype, ..self }.checked()
     }
@@ -66,7 +66,7 @@ impl Discrete {
         if dtype.is_float() {
             return invalid(format!("Discrete cannot be of type {dtype}: choose an integer type"));
         }
-        // numpy keeps `n` itself in the type as well.
+        // numpy also stores `n` itself in the type.
         let last = start.checked_add(n - 1).map(i128::from);
         let fits = |number: i128| Number::Int(number).fits(dtype);
         match last {
@@ -130,7 +130,7 @@ impl Discrete {
 }
 
 /// A draw from `0..=last` as numpy's `buffered_bounded_lemire_uint16` makes it: of the halves of
-/// 32-bit words, low half first; what is left of the last word is dropped.
+/// 32-bit words, low half first; the rest of the last word is dropped.
 fn integer_u16(rng: &mut Generator, last: u16) -> u16 {
     let Some(n) = last.checked_add(1).map(u32::from) else {
         return rng.next_u32() as u16;

@@ -8,7 +8,7 @@ use crate::{DType, Value};
 use super::number::can_cast;
 use super::numpy_fmt;
 
-/// What is wrong with a value or a description, and where in it.
+/// The fault of a value or a description, and its place.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Fault {
     /// `["x"][1]`; empty at the top.
@@ -58,7 +58,7 @@ impl Fault {
             .iter()
             .rev()
             .map(|&n| {
-                // A number too many for its shape may be at fault, and the shape empty.
+                // The fault may be a number too many, and the shape empty.
                 let n = n.max(1);
                 let i = rest % n;
                 rest /= n;

@@ -11,8 +11,8 @@ use super::{
 };
 
 impl Space {
-    /// Whether elements flatten to an array of one length: all but those of `Sequence`, `Graph` and
-    /// what contains them. Gymnasium's `is_np_flattenable`.
+    /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph` and
+    /// spaces that contain them. Gymnasium's `is_np_flattenable`.
     pub fn is_flattenable(&self) -> bool {
         match self {
             Self::Sequence(_) | Self::Graph(_) => false,
@@ -37,8 +37,8 @@ impl Space {
     /// [flattenable](Self::is_flattenable), else a space of the same kind with flat members.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if a tuple or dict within has no members,
-    /// as there is no type of number for none.
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if an inner tuple or dict has no members,
+    /// and so no type of number.
     pub fn flatten_space(&self) -> Result<Self> {
         Ok(match self {
             _ if self.is_flattenable() => self.flat_box()?.into(),
@@ -104,7 +104,7 @@ impl Space {
         Ok(result_type(once(dtype).chain(index.filter(|_| !last.fits(dtype)))).unwrap_or(dtype))
     }
 
-    /// The length of flat elements, if the space is flattenable and a `usize` holds it.
+    /// The length of flat elements, if the space is flattenable and the length fits `usize`.
     pub(super) fn flat_len(&self) -> Option<usize> {
         let product = |shape: &[usize]| shape.iter().try_fold(1, |product: usize, &n| product.checked_mul(n));
         match self {

@@ -27,7 +27,7 @@ impl Space {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the value is no element (but numbers of a
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the value is not an element (numbers of a
     /// `Box` may be out of bounds); [`Error::InvalidSpace`](crate::Error::InvalidSpace) as
     /// `flatten_space`.
     pub fn flatten(&self, value: &Value) -> Result<Value> {
@@ -52,12 +52,11 @@ impl Space {
 
     /// The element that [`flatten`](Self::flatten) made a row of, with its types restored.
     ///
-    /// Integers beyond 2^53 that were flattened together with real numbers come back rounded.
+    /// Integers beyond 2^53 that were flattened together with real numbers are rounded.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if there is no such element: the length is
-    /// wrong, or the one-hot part of an integer has no 1;
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) as
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the length is wrong, or the one-hot part
+    /// of an integer has no 1; [`Error::InvalidSpace`](crate::Error::InvalidSpace) as
     /// [`flatten_space`](Self::flatten_space).
     pub fn unflatten(&self, flat: &Value) -> Result<Value> {
         let flat_space = self.flatten_space()?;
@@ -129,7 +128,7 @@ impl Space {
                 *first = int(index);
                 let (flat, padding) = rest.split_at_mut(space.flat_len().unwrap_or_default());
                 space.write_flat(member, flat).map_err(|fault| fault.at(1))?;
-                // Where there is no first number, zeros (Gymnasium raises).
+                // Without a first number, zeros (Gymnasium raises).
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
             Self::Sequence(_) | Self::Graph(_) => return Err(Fault::new("it does not flatten to an array")),

@@ -15,7 +15,7 @@ use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 
-/// Graphs whose nodes, and edges if they carry features, are elements of a space: Gymnasium's
+/// Graphs whose nodes, and edges if they have features, are elements of a space: Gymnasium's
 /// `Graph`.
 ///
 /// ```
@@ -36,7 +36,7 @@ pub struct GraphSpace {
 }
 
 impl GraphSpace {
-    /// How many nodes a sample has unless told otherwise; Gymnasium's choice.
+    /// The default number of nodes of a sample, as in Gymnasium.
     pub(super) const NUM_NODES: usize = 10;
 
     /// The graphs of such nodes and edges.
@@ -62,7 +62,7 @@ impl GraphSpace {
         &self.node_space
     }
 
-    /// The space of each edge, if edges carry features.
+    /// The space of each edge, if edges have features.
     pub fn edge_space(&self) -> Option<&Space> {
         self.edge_space.as_deref()
     }
@@ -93,7 +93,7 @@ impl GraphSpace {
             _ => (Self::NUM_NODES, None, &Selection::Any, &Selection::Any),
         };
         let Streams { own, members } = streams;
-        // An `i64` holds this, because `Selection::check` bounds the number of nodes.
+        // This fits `i64`, because `Selection::check` bounds the number of nodes.
         let pairs = (num_nodes * (num_nodes - 1)) as i64;
         let num_edges = match num_edges {
             Some(n) => n,
@@ -143,9 +143,8 @@ fn check_links(links: &Array, num_edges: usize, num_nodes: usize) -> Result<(), 
     let is_node = |x: Number| x >= Number::Int(0) && x < Number::Int(num_nodes as i128);
     match Number::all(links.data()).enumerate().find(|(_, x)| !is_node(*x)) {
         None => Ok(()),
-        Some((i, x)) => {
-            Err(Fault::new(format!("{x} is none of the {num_nodes} nodes")).at_element(i, links.shape()))
-        }
+        Some((i, x)) => Err(Fault::new(format!("{x} is not the index of one of the {num_nodes} nodes"))
+            .at_element(i, links.shape())),
     }
 }
 

@@ -36,9 +36,9 @@ impl Space {
     /// space.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the JSON is not of the form of the space's
-    /// elements, or holds a number that their type does not have, such as 1.5 for an integer. The
-    /// value may be out of bounds: [`contains`](Self::contains) tells.
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the JSON does not have the form of the
+    /// space's elements, or has a number that does not fit their type, such as 1.5 for an integer.
+    /// The value may be out of bounds: check [`contains`](Self::contains).
     pub fn from_json(&self, json: &Json) -> Result<Value> {
         self.read(json).map_err(|fault| self.refuse(json, &fault))
     }
@@ -201,7 +201,7 @@ fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
     if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
         Ok(number)
     } else {
-        Err(Fault::new(format!("{number} is no number of type {dtype}")))
+        Err(Fault::new(format!("{number} is not a number of type {dtype}")))
     }
 }
 
@@ -243,7 +243,7 @@ pub(super) fn write_number(number: Number) -> Json {
     }
 }
 
-/// The numbers of an array as nested lists; a single number where the shape is `[]`.
+/// The numbers of an array as nested lists; a single number for the shape `[]`.
 pub(crate) fn rows(array: &Array) -> Json {
     fn rows(array: &Array, axis: usize, start: usize) -> Json {
         match array.shape()[axis..].split_first() {
@@ -258,8 +258,8 @@ pub(crate) fn rows(array: &Array) -> Json {
 }
 
 impl Value {
-    /// Plain JSON for people, without the types that the [stored form](Self#impl-Serialize-for-Value) keeps: arrays as nested
-    /// lists, tuples as lists, dicts as objects, `OneOf` as `[index, value]`, infinities and NaN as `"inf"`, `"-inf"` and
+    /// Plain JSON, without the types in the [stored form](Self#impl-Serialize-for-Value): arrays as nested lists,
+    /// tuples as lists, dicts as objects, `OneOf` as `[index, value]`, infinities and NaN as `"inf"`, `"-inf"` and
     /// `"NaN"`. [`Space::from_json`] reads it again.
     pub fn to_json(&self) -> Json {
         match self {

@@ -1,8 +1,8 @@
 //! Spaces: which observations and actions an environment has, and random elements of them.
 //!
-//! A [`Space`] describes; it never changes. A [`Sampler`] holds the generators that Gymnasium keeps
-//! in the space itself. Written after Gymnasium 1.4's `gymnasium.spaces`: names, samples, printed
-//! form and rules of membership are the same.
+//! A [`Space`] is an immutable description. A [`Sampler`] has the generators that Gymnasium keeps
+//! in the space. Names, samples, printed form and rules of membership equal those of Gymnasium
+//! 1.4's `gymnasium.spaces`.
 
 mod batch;
 mod box_space;
@@ -108,7 +108,7 @@ from! {
     Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
 }
 
-/// Evaluates `$body` with `$inner` bound to the space within, whatever its type.
+/// Evaluates `$body` with `$inner` bound to the inner space of any type.
 macro_rules! each {
     ($space:expr, $inner:ident => $body:expr) => {
         match $space {
@@ -127,7 +127,7 @@ macro_rules! each {
 }
 
 impl Space {
-    /// The integers `0, ..., n - 1`. For other starts and types, or an `n` that may be bad, see
+    /// The integers `0, ..., n - 1`. For other starts and types, or an `n` that may be invalid, see
     /// [`Discrete`].
     ///
     /// # Panics
@@ -140,7 +140,7 @@ impl Space {
     }
 
     /// The `float32` arrays of `N` numbers between bounds. For other types and shapes, or bounds that
-    /// may be bad, see [`BoxSpace`].
+    /// may be invalid, see [`BoxSpace`].
     ///
     /// # Panics
     /// If a bound is NaN, or a low bound above its high bound.
@@ -153,8 +153,8 @@ impl Space {
 
     /// Whether a value is an element.
     ///
-    /// Arrays must have the exact shape, but may have any type whose numbers the space's type holds:
-    /// `float32` in a `float64` box, not the other way round. Members of dicts may come in any order.
+    /// Arrays must have the exact shape, but may have any type whose numbers fit the space's type:
+    /// `float32` in a `float64` box, not the reverse. Members of dicts may come in any order.
     pub fn contains(&self, value: &Value) -> bool {
         each!(self, space => space.contains(value))
     }
@@ -215,7 +215,7 @@ impl Space {
         Ok(self.sampler(Seed::from_os()?))
     }
 
-    /// The shape of the elements; `[]` for single numbers, `None` where they are neither numbers nor
+    /// The shape of the elements; `[]` for single numbers, `None` if they are neither numbers nor
     /// arrays.
     pub fn shape(&self) -> Option<&[usize]> {
         match self {
@@ -227,7 +227,7 @@ impl Space {
         }
     }
 
-    /// The type of the elements' numbers; `None` where they are neither numbers nor arrays.
+    /// The type of the elements' numbers; `None` if they are neither numbers nor arrays.
     pub fn dtype(&self) -> Option<DType> {
         match self {
             Self::Box(space) => Some(space.dtype()),
@@ -283,7 +283,7 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
     Err(Error::InvalidSpace(reason.into()))
 }
 
-/// The array in `out`, made anew unless it has that type and shape: how a buffer is filled without allocating.
+/// The array in `out`, replaced unless it has that type and shape: fills a buffer without allocating.
 pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {
@@ -296,8 +296,8 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
     }
 }
 
-/// The most numbers that an element may have: some gigabytes. A description that asks for more is a
-/// mistake or an attack, and is refused before memory runs out.
+/// The most numbers that an element may have: some gigabytes. A larger description is refused
+/// before memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// How many elements a shape has.

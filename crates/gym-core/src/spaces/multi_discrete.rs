@@ -1,4 +1,4 @@
-//! `MultiDiscrete`: arrays of integers, each from a range of its own.
+//! `MultiDiscrete`: arrays of integers, each from its own range.
 
 use std::fmt;
 
@@ -46,11 +46,11 @@ impl MultiDiscrete {
         Self { start: vec![0; nvec.len()], shape, nvec, dtype: DType::I64 }.checked()
     }
 
-    /// As many integers per element, from those of `start` on.
+    /// `nvec` integers per element, from those of `start` on.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the shape is another, or an element's largest integer is no
-    /// number of the type.
+    /// [`Error::InvalidSpace`] if the shapes differ, or an element's largest integer does not fit
+    /// the type.
     pub fn with_start(self, start: impl Into<Array>) -> Result<Self> {
         let start = start.into();
         if start.shape() != self.shape {
@@ -63,7 +63,7 @@ impl MultiDiscrete {
     /// The same integers as numbers of another type.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the type is no integer type or does not hold them all.
+    /// [`Error::InvalidSpace`] if the type is not an integer type, or the integers do not fit it.
     pub fn with_dtype(self, dtype: DType) -> Result<Self> {
         Self { dtype, ..self }.checked()
     }
@@ -90,7 +90,7 @@ impl MultiDiscrete {
         &self.shape
     }
 
-    /// How many integers each element can be, in row-major order.
+    /// The number of values of each element, in row-major order.
     pub fn nvec(&self) -> &[i64] {
         &self.nvec
     }
@@ -141,7 +141,7 @@ impl MultiDiscrete {
             for (i, value) in array.as_mut_slice::<N>().into_iter().flatten().enumerate() {
                 let index = match selection {
                     Selection::Each(weights) => T::choose_rescaled(&weights[i], rng) as i64,
-                    // Values of one list for all stand for a list each: the nodes of a graph.
+                    // One list for all is the same as equal lists: the nodes of a graph.
                     Selection::Values(weights) => T::choose_rescaled(weights, rng) as i64,
                     _ => (rng.random() * self.nvec[i] as f64) as i64,
                 };

@@ -1,11 +1,11 @@
-//! Single numbers of any type, and numpy's rules for which type holds which.
+//! Single numbers of any type, and numpy's rules of conversion.
 
 use std::cmp::Ordering;
 use std::fmt;
 
 use crate::data::{DType, Data, Scalar};
 
-/// Evaluates `$body` with `$values` bound to the numbers of a [`Data`], whatever their type.
+/// Evaluates `$body` with `$values` bound to the numbers of a [`Data`] of any type.
 macro_rules! with_numbers {
     ($data:expr, $values:ident => $body:expr) => {
         match $data {
@@ -70,8 +70,8 @@ impl Number {
         (0..data.len()).map(|index| Self::at(data, index))
     }
 
-    /// Whether a type holds this number, a fraction being rounded to its precision. Infinities are
-    /// numbers of the real types; NaN is a number of none.
+    /// Whether a number fits a type; fractions are rounded to its precision. Infinities fit the
+    /// real types; NaN fits none.
     pub(crate) fn fits(self, dtype: DType) -> bool {
         let (min, max) = limits(dtype);
         match self {
@@ -192,7 +192,7 @@ pub(crate) fn can_cast(from: DType, to: DType) -> bool {
     from == to || promote(from, to) == to
 }
 
-/// numpy's `promote_types`: the smallest type that holds the numbers of both.
+/// numpy's `promote_types`: the smallest type that the numbers of both fit.
 fn promote(a: DType, b: DType) -> DType {
     match (a.is_float(), b.is_float()) {
         (true, true) => wider(a, b),

@@ -15,7 +15,7 @@ const LINE_WIDTH: usize = 75;
 const THRESHOLD: usize = 1000;
 const EDGE_ITEMS: usize = 3;
 
-/// A bound as `Box` prints it: one number where all are equal, else the array.
+/// A bound as `Box` prints it: one number if all are equal, else the array.
 pub(super) fn bound(array: &Array) -> String {
     let mut numbers = Number::all(array.data());
     match numbers.next() {
@@ -71,7 +71,7 @@ pub(super) fn quoted(text: &str) -> String {
     out
 }
 
-/// numpy's `str` of one number: the fewest digits that tell it from its neighbours.
+/// numpy's `str` of one number: the fewest digits that distinguish it from its neighbours.
 fn scalar(data: &Data, index: usize) -> String {
     // From here on numpy writes an exponent: 10^6 has all the digits that float32 surely holds;
     // 10^16 is the tradition of C for float64.
@@ -100,7 +100,7 @@ fn integer(data: &Data, index: usize) -> i128 {
     }
 }
 
-/// The indices of the numbers that are shown: the columns are aligned by these alone.
+/// The indices of the numbers that are printed; only these align the columns.
 fn corners(shape: &[usize], summarise: bool, start: usize, out: &mut Vec<usize>) {
     let Some((&n, inner)) = shape.split_first() else {
         out.push(start);

@@ -32,7 +32,7 @@ impl OneOfSpace {
     /// The spaces to choose from.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if there are none.
+    /// [`Error::InvalidSpace`] for an empty list.
     pub fn new(spaces: impl IntoIterator<Item = Space>) -> Result<Self> {
         let spaces: Vec<_> = spaces.into_iter().collect();
         if spaces.is_empty() {

@@ -1,4 +1,4 @@
-//! The rows of a batch, one at a time: without allocation where elements are numbers.
+//! The rows of a batch, one at a time: without allocation if elements are numbers.
 
 use crate::array::Array;
 use crate::{DType, Result, Value};
@@ -8,8 +8,8 @@ use super::number::{Number, Numeric, can_cast, with_type};
 use super::{DictSpace, Space};
 
 impl Space {
-    /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers take the type of
-    /// the space.
+    /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted to
+    /// the type of the space.
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `batch` has another form or no such row.
@@ -21,16 +21,16 @@ impl Space {
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or there
-    /// is no such row; the row may then be half written.
+    /// is no such row; the row may then be partly written.
     pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
         self.put_at(batch, index, element).map_err(|fault| self.refuse(element, &fault))
     }
 
     /// Whether a value has the form of a batch of `n` elements; their bounds are not checked, and
-    /// numbers may be of any type that the space's type holds.
+    /// numbers may be of any type that fits the space's type.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if it has not, with the place in the value.
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if not, with the place in the value.
     pub fn check_batch(&self, batch: &Value, n: usize) -> Result<()> {
         self.check_rows(batch, n).map_err(|fault| self.refuse_batch(batch, &fault))
     }
@@ -241,7 +241,7 @@ fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
     array.shape().split_first().and_then(|(&n, inner)| (inner == shape).then_some(n))
 }
 
-// what every row goes through is inlined, and what only a fault needs is not
+// the path of every row is inlined, the path of a fault is not
 
 #[inline]
 fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {

@@ -12,11 +12,10 @@ use super::selection::{Mask, Probabilities, Selection};
 use super::weight::Weight;
 use super::{MultiBinary, Space};
 
-/// Draws random elements of a space: the part of Gymnasium's `Space` that changes.
+/// Draws random elements of a space.
 ///
-/// It is made by [`Space::sampler`]. The same seed gives the same elements as `space.seed(seed)` and
-/// `space.sample()` give in Gymnasium. A sampler that is cloned or stored continues as the original
-/// does.
+/// [`Space::sampler`] makes it. The same seed gives the same elements as Gymnasium's
+/// `space.seed(seed)` and `space.sample()`. A cloned or stored sampler continues like the original.
 ///
 /// ```
 /// use gym_core::{Space, Value};
@@ -37,7 +36,7 @@ pub struct Sampler<A: Element = Value> {
     element: PhantomData<fn() -> A>,
 }
 
-/// Random elements without end: [`sample`](Sampler::sample) again and again.
+/// Endless random elements, from [`sample`](Sampler::sample).
 ///
 /// ```
 /// use gym_core::{Space, Value};
@@ -70,7 +69,7 @@ impl Sampler<Value> {
 }
 
 impl<A: Element> Sampler<A> {
-    /// Fails where the type does not hold the first or the last element of the space.
+    /// Fails if the type does not hold the first or the last element of the space.
     fn checked(self) -> Result<Self> {
         for high in [false, true] {
             let value = corner(&self.space, high);
@@ -89,7 +88,7 @@ impl<A: Element> Sampler<A> {
         &self.space
     }
 
-    /// Starts again, as a new sampler of this seed.
+    /// Restarts as a new sampler with this seed.
     pub fn seed(&mut self, seed: impl Into<Seed>) {
         self.streams = Streams::new(&self.space, &seed.into());
     }
@@ -97,20 +96,20 @@ impl<A: Element> Sampler<A> {
     /// A random element.
     ///
     /// # Panics
-    /// If the type `A` holds the smallest and the largest elements of the space but not this one.
-    /// The types of this library hold all that lies between.
+    /// If the type `A` holds the smallest and the largest elements of the space but not this one,
+    /// which no type of this library does.
     pub fn sample(&mut self) -> A {
         self.draw(&Mask::Any)
     }
 
-    /// Leaves a random element in `out`, as a [`Value`]. If `out` holds an element of the space
-    /// already, this allocates nothing for `Box`, `Discrete`, `MultiDiscrete`, `MultiBinary`, and
+    /// Writes a random element to `out`, as a [`Value`]. If `out` already holds an element of the
+    /// space, this allocates nothing for `Box`, `Discrete`, `MultiDiscrete`, `MultiBinary`, and
     /// tuples and dicts of them.
     pub fn sample_into(&mut self, out: &mut Value) {
         self.space.draw(&mut self.streams, &Mask::Any, out);
     }
 
-    /// A random one of the elements that a mask allows.
+    /// A random element that the mask allows.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if the mask does not fit the space; then nothing is drawn.
@@ -132,11 +131,11 @@ impl<A: Element> Sampler<A> {
         self.sample_selected(probabilities, "probabilities")
     }
 
-    /// A random graph of so many nodes and edges; the number of edges is random where `None`.
+    /// A random graph with these numbers of nodes and edges; `None` for a random number of edges.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if the space is no `Graph`, there are no nodes, or there are edges
-    /// but no edge space; then nothing is drawn.
+    /// [`Error::InvalidArgument`] if the space is not a `Graph`, there are no nodes, or there are
+    /// edges but no edge space; then nothing is drawn.
     ///
     /// # Panics
     /// As [`sample`](Self::sample).
@@ -179,14 +178,14 @@ impl Streams {
             Self::new(space, &Seed::from(seed.unsigned_abs()))
         };
         let members = space.members().into_iter().map(&mut member).collect();
-        // Those that use theirs again when sampling start it afresh.
+        // Spaces that reuse their generator when sampling reseed it.
         if matches!(space, Space::OneOf(_) | Space::Sequence(_) | Space::Graph(_)) {
             own = Generator::new(seed);
         }
         Self { own, members }
     }
 
-    /// Whether there is a generator for each member of a space, and theirs.
+    /// Whether there is a generator for each member of a space, recursively.
     fn fit(&self, space: &Space) -> bool {
         let members = space.members();
         members.len() == self.members.len()
@@ -213,8 +212,8 @@ impl<A: Element> TryFrom<Stored> for Sampler<A> {
     }
 }
 
-/// An element at the lower or upper end of a space: of the smallest or largest numbers, and where the
-/// length is free, short.
+/// An element at the lower or upper end of a space: of the smallest or largest numbers, and short if
+/// the length varies.
 fn corner(space: &Space, high: bool) -> Value {
     let pick = |(start, last): (i64, i64)| if high { last } else { start };
     match space {

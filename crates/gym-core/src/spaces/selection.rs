@@ -1,4 +1,4 @@
-//! What a sampler may choose: masks and probabilities.
+//! Masks and probabilities for a sampler.
 
 use super::fault::Fault;
 use super::weight::Weight;
@@ -39,7 +39,7 @@ pub enum Selection<T> {
     Each(Vec<Vec<T>>),
     /// For a `Text`.
     Text {
-        /// How many characters; `None` for a uniform length.
+        /// The number of characters; `None` for a uniform length.
         length: Option<usize>,
         /// An entry per character of the set; `None` for uniform characters.
         characters: Option<Vec<T>>,
@@ -55,12 +55,12 @@ pub enum Selection<T> {
         /// For each element of the sequence.
         member: Box<Selection<T>>,
     },
-    /// For a `Graph`. Where nodes or edges are of a `Discrete` space, their selection is `Values`,
-    /// for all alike, or `Each`, with a list per node or edge; otherwise it is `Any`.
+    /// For a `Graph`. If nodes or edges are of a `Discrete` space, their selection is `Values` (the
+    /// same for all) or `Each` (a list per node or edge); otherwise it is `Any`.
     Graph {
-        /// How many nodes, 1 or more; `None` for 10.
+        /// The number of nodes, 1 or more; `None` for 10.
         num_nodes: Option<usize>,
-        /// How many edges; `None` for a uniform number below that of ordered pairs of nodes.
+        /// The number of edges; `None` for a uniform number below that of ordered pairs of nodes.
         num_edges: Option<usize>,
         /// For the nodes.
         nodes: Box<Selection<T>>,
@@ -69,14 +69,14 @@ pub enum Selection<T> {
     },
 }
 
-/// Which elements a sample may be: 1 for those that it may, else 0. Where none may be chosen, the
-/// first is.
+/// The elements that a sample may be: 1 for allowed, 0 for not. If none is allowed, the sample is
+/// the first.
 ///
-/// For a `MultiBinary` it says what each number becomes: 0, 1, or 2 for either. A `Text` none of
-/// whose characters may be chosen is empty, if the space allows that.
+/// For a `MultiBinary` an entry is the value of its number: 0, 1, or 2 for either. If no character
+/// of a `Text` is allowed, the sample is empty, if the space allows that.
 pub type Mask = Selection<i8>;
 
-/// How probable each element of a sample is: numbers from 0 to 1 that sum to 1.
+/// The probability of each element: numbers from 0 to 1 that sum to 1.
 ///
 /// For a `MultiBinary` it is the probability of a 1, for each number.
 pub type Probabilities = Selection<f64>;
@@ -99,8 +99,8 @@ impl<T: Clone> From<&[T]> for Selection<T> {
     }
 }
 
-/// numpy's `choice` takes probabilities whose sum is off by the square root of the precision of
-/// `f64`. Gymnasium's own, wider tolerance decides for the spaces that rescale the sum to 1.
+/// numpy's `choice` tolerates a sum that is off by the square root of the precision of `f64`.
+/// Gymnasium's own, wider tolerance decides for the spaces that rescale the sum to 1.
 const CHOICE_TOLERANCE: f64 = 1.490_116_119_384_765_6e-8;
 /// The tolerance of numpy's `isclose` to 1.
 const RESCALED_TOLERANCE: f64 = 1e-5 + 1e-8;
@@ -206,7 +206,7 @@ fn check_text<T: Weight>(
     let Some(weights) = characters else { return Ok(()) };
     check_list(weights, space.charset().len() as i64, CHOICE_TOLERANCE)?;
     if min > 0 && T::probabilities(weights).iter().all(|&p| p == 0.0) {
-        return Err(Fault::new("no character may be chosen, but the text cannot be empty"));
+        return Err(Fault::new("the mask allows no character, but the text cannot be empty"));
     }
     Ok(())
 }
@@ -236,7 +236,7 @@ fn check_graph<T: Weight>(
     }
 }
 
-/// For nodes or edges, of which there are `n` if that is known.
+/// For nodes or edges; `n` is their number, if known.
 fn check_rows<T: Weight>(space: &Space, n: Option<usize>, selection: &Selection<T>) -> Result<(), Fault> {
     let check = |space: &Discrete, weights: &[T]| check_list(weights, space.n(), RESCALED_TOLERANCE);
     match (space, selection) {
@@ -292,7 +292,7 @@ mod tests {
         );
 
         let bits = MultiBinary::new([2]).unwrap();
-        assert_eq!(fault(bits.clone(), [3i8, 0]), "[0]: 3 is none of 0, 1 and 2");
+        assert_eq!(fault(bits.clone(), [3i8, 0]), "[0]: 3 is not 0, 1 or 2");
         assert_eq!(Mask::from([2, 0]).check(&bits.clone().into()), Ok(()));
         assert_eq!(Probabilities::from([0.9, 0.9]).check(&bits.into()), Ok(()));
     }

@@ -13,7 +13,7 @@ use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 
-/// The probability with which a sampled sequence ends after each element; Gymnasium's choice.
+/// The probability that a sampled sequence ends after an element, as in Gymnasium.
 const END_PROBABILITY: f64 = 0.25;
 
 /// Any number of elements of one space, in order: Gymnasium's `Sequence`.
@@ -25,8 +25,8 @@ const END_PROBABILITY: f64 = 0.25;
 /// ```
 ///
 /// An element is a [`Value::Tuple`]; of a [stacked](Self::stacked) space it is one array of all
-/// elements, or, where they are tuples or dicts, a tuple or dict of such arrays. A sample has a
-/// geometric length, 4 on average and never 0.
+/// elements, or, for tuples or dicts, a tuple or dict of such arrays. A sample has a geometric
+/// length, 4 on average and never 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SequenceSpace {

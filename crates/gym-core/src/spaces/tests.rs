@@ -1,4 +1,4 @@
-//! What holds for every space, and samples that Gymnasium 1.4.0 drew (numpy 2.4.6).
+//! Rules for every space, and samples of Gymnasium 1.4.0 (numpy 2.4.6).
 
 use serde_json::{Value as Json, json};
 
@@ -37,7 +37,7 @@ fn graph(node_space: Space, edge_space: Option<Space>) -> Space {
     GraphSpace::new(node_space, edge_space).unwrap().into()
 }
 
-/// Every kind of space, and every kind within another.
+/// Every kind of space, and every kind inside another.
 fn many() -> Vec<Space> {
     let inf = f64::INFINITY;
     let mut spaces = vec![

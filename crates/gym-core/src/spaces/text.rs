@@ -11,7 +11,7 @@ use super::selection::Selection;
 use super::weight::Weight;
 use super::{MAX_ELEMENTS, invalid};
 
-/// The characters of a text space unless told otherwise, in the order that numbers them.
+/// The default characters of a text space, in the order of their numbers.
 const ALPHANUMERIC: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
 
 /// Strings of `min_length` to `max_length` characters of a set: Gymnasium's `Text`.
@@ -55,7 +55,7 @@ impl TextSpace {
     /// Strings of these characters, numbered in the order given; repetitions count once.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if there are none.
+    /// [`Error::InvalidSpace`] for an empty list.
     pub fn with_charset(self, charset: &str) -> Result<Self> {
         let mut distinct = Vec::new();
         for c in charset.chars() {
@@ -123,7 +123,7 @@ impl TextSpace {
             Some(weights) => T::probabilities(weights),
             None => vec![1.0 / self.charset.len() as f64; self.charset.len()],
         };
-        // Where no character may be chosen, the text is empty.
+        // If no character is allowed, the text is empty.
         let length = if probabilities.iter().any(|&p| p > 0.0) { length } else { 0 };
         if !matches!(out, Value::Text(_)) {
             *out = Value::Text(String::new());

@@ -12,7 +12,7 @@ use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, write_list};
 
-/// Values with a fixed number of members, each from a space of its own: Gymnasium's `Tuple`.
+/// A fixed number of members, each from its own space: Gymnasium's `Tuple`.
 ///
 /// ```
 /// use gym_core::{Space, spaces::TupleSpace};

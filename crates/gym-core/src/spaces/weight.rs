@@ -1,4 +1,4 @@
-//! The entries of masks and probabilities: how they are checked and what they choose.
+//! The entries of masks and probabilities: checks and choices.
 
 use std::fmt;
 
@@ -6,12 +6,12 @@ use crate::Generator;
 
 use super::fault::Fault;
 
-/// An entry of a [`Selection`](super::Selection). What the methods may assume, the checks have checked.
+/// An entry of a [`Selection`](super::Selection). The methods assume that the checks have passed.
 pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
     /// Whether one of the entries can be chosen, `tolerance` being that of a sum of probabilities.
     fn check_choice(weights: &[Self], tolerance: f64) -> Result<(), Fault>;
 
-    /// Whether each entry tells how to toss a coin.
+    /// Whether each entry is valid for a binary choice.
     fn check_tosses(weights: &[Self]) -> Result<(), Fault>;
 
     /// An index, as `Discrete` chooses it.
@@ -31,8 +31,8 @@ pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
 
 /// numpy's `integers(0, 2, dtype=np.int8)`: a byte of the stream each.
 pub(super) fn toss(rng: &mut Generator, values: &mut [i8]) {
-    // Bytes come in words of four, whose rest is dropped at the end of a call alone: pieces of a
-    // multiple of four give the same bytes as the whole.
+    // A word holds four bytes, and the end of a call drops the rest: pieces of a multiple of four
+    // bytes equal the whole.
     let mut bytes = [0; 64];
     for piece in values.chunks_mut(bytes.len()) {
         let bytes = &mut bytes[..piece.len()];
@@ -50,7 +50,7 @@ impl Weight for i8 {
     }
 
     fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
-        check_each(weights, |entry| (0..=2).contains(entry), "none of 0, 1 and 2")
+        check_each(weights, |entry| (0..=2).contains(entry), "not 0, 1 or 2")
     }
 
     fn choose(weights: &[Self], rng: &mut Generator) -> usize {

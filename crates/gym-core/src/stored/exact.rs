@@ -1,5 +1,5 @@
-//! The state of any type, with the floats that JSON lacks: serde_json stores those as `null`, which is no number when it is
-//! read. Here such a float is written as the [stored form](super) says, wherever a number may stand.
+//! The state of any type, including floats that JSON lacks. serde_json writes those as `null`; here they are written in
+//! the [stored form](super).
 
 use serde::Serialize;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
@@ -25,7 +25,7 @@ pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
     T::deserialize(Stored(json))
 }
 
-/// A value that is written with all its floats.
+/// A value whose non-finite floats are kept.
 struct Exact<'a, T: ?Sized>(&'a T);
 
 impl<T: Serialize + ?Sized> Serialize for Exact<'_, T> {
@@ -34,10 +34,10 @@ impl<T: Serialize + ?Sized> Serialize for Exact<'_, T> {
     }
 }
 
-/// A serializer, or a part of one, that hands on everything but the floats that JSON lacks.
+/// A serializer that forwards everything except the floats that JSON lacks.
 struct Writer<S>(S);
 
-/// Methods that hand on their arguments, and the parts of something larger behind them.
+/// Methods that forward their arguments.
 macro_rules! hand_on {
     (values { $($value:ident($($arg:ident: $type:ty),*);)* } around { $($around:ident($($name:ident: $of:ty),*);)* }
      parts { $($part:ident($($about:ident: $kind:ty),*) -> $whole:ident;)* }) => {
@@ -143,7 +143,7 @@ hand_on_items! {
 struct Stored<'a>(&'a Json);
 
 impl Stored<'_> {
-    /// The number that JSON lacks, where this is one.
+    /// The number that JSON lacks, if this is one.
     fn float(self) -> Result<Option<f64>, Error> {
         let Some((text, 1)) = self.0.as_object().and_then(|map| Some((map.get(FLOAT)?, map.len()))) else {
             return Ok(None);
@@ -190,7 +190,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         visitor: V,
     ) -> Result<V::Value, Error> {
         match name {
-            // a value, or the snapshot within a wrapper's: it stays as it is stored
+            // a value, or an inner snapshot: already in stored form
             super::AS_IT_IS => visitor.visit_newtype_struct(self.0),
             _ => visitor.visit_newtype_struct(self),
         }

@@ -1,8 +1,7 @@
 //! The stored form of numbers, values and states: JSON that keeps every bit.
 //!
-//! [`Value`] says what it looks like, where it implements `Serialize`. [`exact`] does the same for
-//! the floats of any other type. What people read and write by hand is plainer, as a space says what belongs where: see
-//! [`Value::to_json`] and [`Space::from_json`](crate::Space::from_json).
+//! [`Value`]'s `Serialize` describes the form; [`exact`] handles the floats of any other type. For plain JSON, which a
+//! space interprets, see [`Value::to_json`] and [`Space::from_json`](crate::Space::from_json).
 
 pub(crate) mod exact;
 
@@ -36,7 +35,7 @@ pub(crate) fn parse_float(text: &str) -> Option<f64> {
     text.parse().ok().filter(|x| float_text(*x).is_some_and(|own| own == text))
 }
 
-/// JSON within stored data, to be left as it is.
+/// JSON within stored data, unchanged.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "$json")]
 struct AsItIs(Json);
@@ -240,10 +239,10 @@ fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Val
         },
         _ => None,
     }
-    .ok_or_else(|| Fault::new("no value is stored so"))
+    .ok_or_else(|| Fault::new("this is not the stored form of a value"))
 }
 
-/// The shape of nested lists, as their first items tell it.
+/// The shape of nested lists, from their first items.
 fn shape_of(mut json: &Json) -> Vec<usize> {
     let mut shape = Vec::new();
     while let Json::Array(items) = json {
@@ -302,7 +301,7 @@ mod tests {
     #[test]
     fn every_bit_returns() {
         for value in values() {
-            // NaN equals nothing, so compare what is printed
+            // NaN differs from itself, so compare the printed text
             let text = serde_json::to_string(&value).unwrap();
             let read: Value = serde_json::from_str(&text).unwrap();
             assert_eq!(format!("{read:?}"), format!("{value:?}"), "{text}");

@@ -3,27 +3,27 @@ use serde::{Deserialize, Serialize};
 use super::size;
 use crate::{Result, Space, Value};
 
-/// What a call of `reset_into` or `step_into` did with a sub-environment.
+/// The effect of a call of `reset_into` or `step_into` on a sub-environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Progress {
-    /// Nothing: a mask left it out, or its reset or step failed. Its row has a reward of 0 and no flag
-    /// set, and the observation is the last one it gave.
+    /// None: a mask left it out, or its reset or step failed. Its row has a reward of 0, no flag set,
+    /// and its last observation.
     #[default]
     Unchanged,
     /// It began an episode: a reset, or the step after the end of an episode with
     /// [`Autoreset::NextStep`](super::Autoreset::NextStep), whose action was ignored. Do not train on
     /// such a transition: it crosses an episode boundary.
     Started,
-    /// It took the action. With [`Autoreset::SameStep`](super::Autoreset::SameStep) it has begun the
-    /// next episode as well where [`Columns::has_final`] is set.
+    /// It took the action. With [`Autoreset::SameStep`](super::Autoreset::SameStep), it has also
+    /// begun the next episode if [`Columns::has_final`] is set.
     Stepped,
 }
 
-/// What a step of a [`VectorEnv`](super::VectorEnv) gives: a row for each sub-environment.
+/// The result of a step of a [`VectorEnv`](super::VectorEnv): a row for each sub-environment.
 ///
-/// The caller owns the columns and hands them to each `reset_into` and `step_into`, which overwrite
-/// them. [`VectorEnvExt::columns`](super::VectorEnvExt::columns) makes them. A call that gets columns of another
-/// form, such as `Columns::default()`, replaces them.
+/// The caller owns the columns; `reset_into` and `step_into` overwrite them.
+/// [`VectorEnvExt::columns`](super::VectorEnvExt::columns) makes them. A call replaces columns of another form,
+/// such as `Columns::default()`.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Columns {
@@ -32,18 +32,18 @@ pub struct Columns {
     pub observations: Value,
     /// The reward of each sub-environment's step.
     pub rewards: Vec<f64>,
-    /// Where the task has reached an end of its own.
+    /// Whether the task has ended, for each sub-environment.
     pub terminated: Vec<bool>,
-    /// Where the episode was cut off from outside, as by a time limit.
+    /// Whether something outside the task, such as a time limit, ended the episode.
     pub truncated: Vec<bool>,
-    /// In the form of `observations`: the last observations of the episodes that have ended in this
-    /// step and have been reset in it, as [`Autoreset::SameStep`](super::Autoreset::SameStep) does. The
-    /// other rows mean nothing.
+    /// The last observations of episodes that ended and were reset in this step
+    /// ([`Autoreset::SameStep`](super::Autoreset::SameStep)), in the form of `observations`. The other
+    /// rows are meaningless.
     pub final_observations: Value,
     /// Which rows of `final_observations` count.
     pub has_final: Vec<bool>,
-    /// What the call that filled the columns did with each sub-environment. After
-    /// [`begin`](Self::begin) and an `Err` it tells which of them have taken their step nevertheless.
+    /// The effect of the last call on each sub-environment. After [`begin`](Self::begin) and an `Err`
+    /// it shows which have stepped nevertheless.
     pub progress: Vec<Progress>,
 }
 
@@ -51,23 +51,23 @@ impl Columns {
     /// Columns of `n` rows for observations of a space: zeros.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if there is no buffer for its elements, and
-    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for more than memory holds.
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if the space has no buffers, and
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for more than fits in memory.
     pub fn new(single_observation_space: &Space, n: usize) -> Result<Self> {
         let mut columns = Self::default();
         columns.prepare(single_observation_space, n)?;
         Ok(columns)
     }
 
-    /// Notes in `progress` that nothing has happened yet. A wrapper calls this before the vector within
-    /// fills the columns: where that call is refused, no row then looks as if it had been stepped.
+    /// Sets `progress` to unchanged. A wrapper calls this before the inner vector fills the columns, so
+    /// that after a refused call no row appears stepped.
     pub fn begin(&mut self) {
         self.progress.fill(Progress::Unchanged);
     }
 
-    /// Replaces the columns that do not have the form for `n` observations of a space, and leaves the
-    /// others as they are: what implementations of `reset_into` and `step_into` call once nothing can be
-    /// refused any more.
+    /// Replaces the columns that do not have the form for `n` observations of a space, and keeps the
+    /// others. Implementations of `reset_into` and `step_into` call it once nothing can be refused any
+    /// more.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -86,7 +86,7 @@ impl Columns {
         Ok(())
     }
 
-    /// Whether the last call did something with any sub-environment.
+    /// Whether the last call changed any sub-environment.
     pub fn any_progress(&self) -> bool {
         self.progress.iter().any(|progress| *progress != Progress::Unchanged)
     }

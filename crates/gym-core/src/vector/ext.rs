@@ -5,7 +5,7 @@ use std::any::Any;
 use super::{Columns, VectorEnv, VectorReset, infos};
 use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
 
-/// The methods for whoever uses a vector. Every [`VectorEnv`] has them, and none can change them.
+/// The methods for callers. Every [`VectorEnv`] has them, and no implementation can override them.
 pub trait VectorEnvExt: VectorEnv {
     /// The entries of all [`info`](crate::vector::VectorEnv::info)s as Gymnasium's dict of columns, to go with the columns of
     /// the same step.
@@ -39,16 +39,16 @@ pub trait VectorEnvExt: VectorEnv {
         Ok(self.action_space()?.sampler(seed))
     }
 
-    /// Columns for this vector, to be filled by `reset_into`.
+    /// Columns for this vector, which `reset_into` fills.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if there is no buffer for observations of the space.
+    /// [`Error::InvalidSpace`] if the observation space has no buffers.
     fn columns(&self) -> Result<Columns> {
         Columns::new(&self.single_observation_space(), self.num_envs())
     }
 
     /// Starts episodes, with new columns: `reset(42)` seeds the sub-environments with 42, 43, ...,
-    /// `reset(())` carries their generators on.
+    /// `reset(())` continues their generators.
     ///
     /// # Errors
     /// As [`reset_into`](crate::vector::VectorEnv::reset_into).
@@ -97,7 +97,10 @@ impl dyn VectorEnv {
         })?;
         if !fits {
             let name = crate::env::short_type_name::<E>();
-            return Err(Error::custom(format!("the sub-environments of {} are no {name}", self.describe())));
+            return Err(Error::custom(format!(
+                "the sub-environments of {} are not of type {name}",
+                self.describe()
+            )));
         }
         Ok(results)
     }
@@ -133,8 +136,7 @@ impl dyn VectorEnv {
         }
     }
 
-    /// As `wrapper`, to be changed. What is reset or stepped past the wrappers around
-    /// it, these do not see.
+    /// As `wrapper`, mutable. Outer wrappers do not see resets and steps made through it.
     pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
         let mut layer = self;
         loop {

@@ -38,18 +38,18 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
     entries
 }
 
-/// A truth value for each sub-environment, as infos hold it.
+/// A flag for each sub-environment, as in infos.
 pub(crate) fn flags(flags: &[bool]) -> Value {
     Value::Tuple(flags.iter().map(|flag| Value::Bool(*flag)).collect())
 }
 
-/// Columns by key, for `n` sub-environments, each with the mask of the values that are there.
+/// Columns by key, for `n` sub-environments, each with the mask of present values.
 struct Group {
     n: usize,
     columns: BTreeMap<String, (Values, Vec<bool>)>,
 }
 
-/// The values of one key. What is not there is zero, `false` or `Null`.
+/// The values of one key. Missing ones are zero, `false` or `Null`.
 enum Values {
     Numbers(Array),
     Flags(Vec<bool>),
@@ -77,7 +77,7 @@ impl Group {
         self.columns.insert(key.to_owned(), (values, is_there));
     }
 
-    /// Each key with its values, and with an underscore before it the mask.
+    /// Each key with its values, and `_key` with the mask.
     fn into_entries(self) -> impl Iterator<Item = (String, Value)> {
         self.columns.into_iter().flat_map(|(key, (values, is_there))| {
             let mask = (format!("_{key}"), flags(&is_there));

@@ -1,10 +1,10 @@
-//! Environments that solve the hardest part of their steps together.
+//! Environments whose steps share their hardest part.
 //!
-//! A step of such an environment has three parts. The first is its own, then comes what many can do side by side, in
-//! the lanes of vector registers, and the last is its own again. A vector has a group of sub-environments
-//! [begin](Lockstep::begin_step) what comes next, [solves](Together::solve) the middle for all of them, and then
-//! resets or steps each as any vector does: the environment finds its step begun, and finishes it. So time limits,
-//! autoreset, infos and errors are those of a sync vector, and so is every number.
+//! A step of such an environment has three parts, and the middle one can be computed for many environments in SIMD
+//! lanes. A vector lets a group of sub-environments [begin](Lockstep::begin_step) their next call,
+//! [solves](Together::solve) the middle part for all of them, and then resets or steps each as a sync vector does:
+//! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
+//! those of a sync vector.
 
 use std::marker::PhantomData;
 
@@ -14,12 +14,12 @@ use crate::registry::{VectorKind, find};
 use crate::wrappers::TimeLimit;
 use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
 
-/// Working memory for a group of environments, and the part of their steps that they take together.
+/// Working memory for a group of environments, and the shared part of their steps.
 pub trait Together: Default + Send + 'static {
     /// How many environments a group can have.
     const LEN: usize;
 
-    /// Does what all that have begun have in common.
+    /// Computes the shared part for all environments that have begun.
     fn solve(&mut self);
 
     /// Forgets them.
@@ -28,24 +28,24 @@ pub trait Together: Default + Send + 'static {
 
 /// An environment whose steps can be taken side by side with others of its kind.
 ///
-/// The results must be those of steps that were not begun, bit for bit.
+/// The results must equal those of ordinary steps, bit for bit.
 pub trait Lockstep: Env {
     /// What a group of them shares.
     type Group: Together;
 
-    /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument, which finishes it.
-    /// Whatever cannot be begun is left for that call, errors included.
+    /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument and finishes it.
+    /// That call does everything that cannot begin here, and returns the errors.
     fn begin_reset(&mut self, reset: &Reset, group: &mut Self::Group);
 
-    /// Begins a step; the next call is [`step_into`](Env::step_into) with the same action, which finishes it. Whatever
-    /// cannot be begun is left for that call, errors included.
+    /// Begins a step; the next call is [`step_into`](Env::step_into) with the same action and finishes it. That call
+    /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes what [`Together::solve`] has made of its step.
+    /// Takes the result of [`Together::solve`].
     fn collect(&mut self, group: &Self::Group);
 }
 
-/// Lets a group of sub-environments go ahead to where they only need to finish what they are asked for next.
+/// Begins the next calls of a group of sub-environments.
 pub(crate) trait Ahead<E>: Send {
     /// How many can go together.
     fn group_len(&self) -> usize;
@@ -56,17 +56,17 @@ pub(crate) trait Ahead<E>: Send {
     /// Forgets those of the group before.
     fn clear(&mut self);
 
-    /// Begins the reset or the step that is asked of a slot next.
+    /// Begins the next reset or step of a slot.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
 
-    /// Solves what all that have begun have in common.
+    /// Computes the shared part for all that have begun.
     fn solve(&mut self);
 
-    /// Lets a slot take what was solved, before its reset or step.
+    /// Gives a slot its result, before its reset or step.
     fn collect(&mut self, slot: &mut Slot<E>);
 }
 
-/// Those of `E` within the wrappers of `W`, which pass every action on as it is.
+/// Environments `E` within wrappers `W` that pass actions on unchanged.
 struct Within<E: Lockstep, W> {
     group: E::Group,
     wrapped: PhantomData<fn(W)>,
@@ -118,7 +118,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
 /// Makes a native vector of a registered environment that is [`Lockstep`], for
 /// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync vector whose
-/// sub-environments take their steps together.
+/// sub-environments step together.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
@@ -154,7 +154,7 @@ pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
 }
 
-/// How many of `n` slots go together, where at most `most` can: groups of about one size.
+/// The size of groups of `n` slots, at most `most`: groups of about one size.
 pub(super) fn group_len(n: usize, most: usize) -> usize {
     n.div_ceil(n.div_ceil(most).max(1)).max(1)
 }

@@ -30,8 +30,8 @@ pub use sync::SyncVectorEnv;
 /// When the sub-environments of a vector are reset after their episodes have ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Autoreset {
-    /// On the next step: that step ignores the action, starts the next episode and gives its first
-    /// observation, with a reward of 0 and no flag set. Do not train on this transition.
+    /// On the next step, which ignores its action and returns the first observation of the next
+    /// episode, with a reward of 0 and no flag set. Do not train on this transition.
     #[default]
     NextStep,
     /// On the same step: the observation is the first of the next episode, and the last of the one
@@ -42,13 +42,13 @@ pub enum Autoreset {
     Disabled,
 }
 
-/// How far the observation spaces of a vector's sub-environments may differ: Gymnasium's `observation_mode`.
+/// Whether the observation spaces of sub-environments may differ: Gymnasium's `observation_mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ObservationMode {
     /// They are equal.
     #[default]
     Same,
-    /// They may have other bounds, but are of [one form](Space::has_form_of).
+    /// Their bounds may differ, but not their [form](Space::has_form_of).
     /// [`VectorEnv::single_observation_space`] is that of the first, and
     /// [`VectorEnv::observation_space`] [has a row](Space::batch_differing) for each.
     Different,
@@ -59,8 +59,8 @@ pub type BoxVector = Box<dyn VectorEnv>;
 
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
 ///
-/// Results go to the caller's [`Columns`], which have a row for each sub-environment, so that a
-/// step allocates nothing. Actions come as one element of the batched
+/// Results go to the caller's [`Columns`], with a row for each sub-environment, so that a step
+/// allocates nothing. The actions are one element of the batched
 /// [`action_space`](Self::action_space).
 ///
 /// ```no_run
@@ -82,7 +82,7 @@ pub type BoxVector = Box<dyn VectorEnv>;
 /// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`](crate::VectorWrapper), and so does
 /// `Box<dyn VectorEnv>`.
 pub trait VectorEnv: Any + Send {
-    /// How many sub-environments there are: at least one.
+    /// The number of sub-environments, at least one.
     fn num_envs(&self) -> usize;
 
     /// The space that each observation lies in.
@@ -94,38 +94,37 @@ pub trait VectorEnv: Any + Send {
     /// When sub-environments are reset after their episodes have ended.
     fn autoreset(&self) -> Autoreset;
 
-    /// Starts episodes and leaves their first observations in `columns`, with rewards of 0 and no flag
+    /// Starts episodes and writes their first observations to `columns`, with rewards of 0 and no flag
     /// set.
     ///
-    /// Where a mask leaves a sub-environment out, that one is not touched: its row holds the
-    /// observation it had before.
+    /// A sub-environment that a mask leaves out is unchanged; its row holds its last observation.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for seeds or a mask of another number than there are
-    /// sub-environments, or a mask that selects none: then nothing was reset.
-    /// [`Error::SubEnvironment`] if one cannot be reset; the others then are.
+    /// [`Error::InvalidArgument`] if the number of seeds or mask entries is not that of the
+    /// sub-environments, or the mask selects none: then nothing was reset.
+    /// [`Error::SubEnvironment`] if one cannot be reset; the others are reset.
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()>;
 
-    /// Takes a step in every sub-environment (one whose reset is due starts an episode instead, see
-    /// [`Autoreset`]) and leaves the results in `columns`.
+    /// Steps every sub-environment and writes the results to `columns`. One with a pending reset
+    /// starts an episode instead; see [`Autoreset`].
     ///
     /// # Errors
     /// [`Error::NotInSpace`] unless `actions` has the form of the batched action space, and
-    /// [`Error::SubEnvironment`] if one cannot step because it must be reset first: then nothing has
-    /// changed. [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the
-    /// others have then taken their step, as [`Columns::progress`] tells. (A native vector checks all
-    /// actions first, so none has stepped then.)
+    /// [`Error::SubEnvironment`] if one must be reset first: then nothing has changed.
+    /// [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the others
+    /// have then stepped, as [`Columns::progress`] shows. (A native vector checks all actions first,
+    /// so none has stepped then.)
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()>;
 
-    /// Shows `visit` each entry of the [`info`](crate::Env::info) of sub-environment `index` about the last
-    /// call of `reset_into` or `step_into`; nothing if a mask left it out. With
-    /// [`Autoreset::SameStep`], where an episode has ended this is about the reset.
+    /// Calls `visit` with each entry of the [`info`](crate::Env::info) of sub-environment `index` about the
+    /// last call of `reset_into` or `step_into`; nothing if a mask left it out. With
+    /// [`Autoreset::SameStep`], after the end of an episode this is about the reset.
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let _ = (index, visit);
     }
 
-    /// Shows `visit` each entry of the `info` of the step that ended an episode of sub-environment
-    /// `index`, where the last step did so and [`Autoreset::SameStep`] has reset it since:
+    /// Calls `visit` with each entry of the `info` of the step that ended an episode of
+    /// sub-environment `index`, if that was the last step and [`Autoreset::SameStep`] has reset it:
     /// Gymnasium's `final_info`.
     fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let _ = (index, visit);
@@ -138,17 +137,17 @@ pub trait VectorEnv: Any + Send {
         let _ = visit;
     }
 
-    /// Shows `visit` each sub-environment, in order, with its index, to downcast to its type: `call` of
-    /// `dyn VectorEnv` does so.
+    /// Calls `visit` with each sub-environment and its index, in order. `call` of `dyn VectorEnv`
+    /// downcasts them.
     ///
     /// # Errors
-    /// [`Error::Custom`] if there are no environments to show, as in a native vector.
+    /// [`Error::Custom`] if the vector has no separate environments, as a native one.
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
         let _ = visit;
         Err(no_envs(&self.describe()))
     }
 
-    /// The picture or text of each sub-environment, by the render mode they were made with.
+    /// The frame or text of each sub-environment, in their render mode.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] if they were made without a render mode, or cannot be drawn.
@@ -156,7 +155,7 @@ pub trait VectorEnv: Any + Send {
         Err(Error::UnsupportedMode {
             target: self.describe(),
             mode: "anything".into(),
-            reason: "it draws nothing: make a sync or an async vector for this".into(),
+            reason: "it cannot render: make a sync or async vector".into(),
         })
     }
 
@@ -165,7 +164,7 @@ pub trait VectorEnv: Any + Send {
         Metadata::default()
     }
 
-    /// How [`VectorSpec::make`] would build this vector again, if it can.
+    /// The spec from which [`VectorSpec::make`] rebuilds this vector, if it can.
     fn spec(&self) -> Option<VectorSpec> {
         None
     }
@@ -176,11 +175,11 @@ pub trait VectorEnv: Any + Send {
         format!("{name}(num_envs={})", self.num_envs())
     }
 
-    /// The whole state, generators and resets that are due included, in a form that can be stored: a
-    /// vector built alike that restores it continues identically, bit for bit.
+    /// The whole state, generators and pending resets included, in a form that can be stored: a
+    /// vector built with the same arguments that restores it continues bit for bit.
     ///
-    /// What [`info`](Self::info) tells of the last step is part of it where the sub-environments keep
-    /// it. [`final_info`](Self::final_info) and the wall-clock time of episodes are not.
+    /// The last [`info`](Self::info) is part of it if the sub-environments store it.
+    /// [`final_info`](Self::final_info) and the wall-clock time of episodes are not.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if this vector or a sub-environment has no stored form, [`Error::Custom`] while
@@ -189,29 +188,28 @@ pub trait VectorEnv: Any + Send {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// Continues from a snapshot of a vector built alike: the same environments, number, autoreset mode
-    /// and wrappers. Snapshots of sync and of async vectors are interchangeable.
+    /// Continues from a snapshot of a vector with the same environments, number, autoreset mode and
+    /// wrappers. Snapshots of sync and async vectors are interchangeable.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if the snapshot is of something else or was damaged, [`Error::Closed`] after
-    /// `close`, and [`Error::SubEnvironment`] if one refuses its part. The vector is then as it was
-    /// before.
+    /// [`Error::Snapshot`] if the snapshot is of something else or damaged, [`Error::Closed`] after
+    /// `close`, and [`Error::SubEnvironment`] if one refuses its part. The vector is then unchanged.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let _ = snapshot;
         Err(no_snapshots(&self.describe()))
     }
 
-    /// The vector within, of a wrapper. The method `wrapper` of `dyn VectorEnv` finds one by its type.
+    /// The inner vector, for a wrapper. The method `wrapper` of `dyn VectorEnv` calls it.
     fn within(&self) -> Option<&dyn VectorEnv> {
         None
     }
 
-    /// The vector within, of a wrapper, to be changed.
+    /// The inner vector, mutable, for a wrapper.
     fn within_mut(&mut self) -> Option<&mut dyn VectorEnv> {
         None
     }
 
-    /// Ends the use of all sub-environments: later steps are an `Err`.
+    /// Closes all sub-environments: later steps are an `Err`.
     fn close(&mut self) {}
 
     /// The space of all observations together.
@@ -232,7 +230,7 @@ pub trait VectorEnv: Any + Send {
 }
 
 fn no_envs(vector: &str) -> Error {
-    Error::custom(format!("{vector} is not made of environments: make a sync or an async vector for this"))
+    Error::custom(format!("{vector} has no separate environments: make a sync or async vector"))
 }
 
 fn no_snapshots(vector: &str) -> Error {

@@ -1,7 +1,7 @@
 //! A vector on a pool of threads.
 //!
-//! Sub-environments travel: a worker gets them by value, steps them and sends them back, so that nothing
-//! is shared and nothing waits for a lock. `home[i]` is `None` while a worker owns environment `i`.
+//! Workers receive sub-environments by value, step them and send them back, so nothing is shared and
+//! nothing is locked. `home[i]` is `None` while a worker owns environment `i`.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -22,23 +22,22 @@ use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value}
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///
 /// The results are those of [`SyncVectorEnv`](super::SyncVectorEnv) for any number of threads. It pays
-/// where steps take microseconds, as with physics and pictures.
+/// if steps take microseconds, as with physics and images.
 ///
-/// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and take the
-/// results of whichever are ready first, so that no step waits for the slowest; what each of them goes
-/// through is still the same.
+/// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and receive the
+/// first results, so that no step waits for the slowest. The episodes are still the same.
 ///
-/// Dropping the vector waits for the steps that are being taken, and for nothing else.
+/// Dropping the vector waits only for running steps.
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// By index, `None` while away.
     home: Vec<Option<Box<Traveller<E>>>>,
-    /// Back with an answer that nobody has received yet.
+    /// Back with a result that was not received yet.
     ready: VecDeque<Box<Traveller<E>>>,
     pool: Pool<E>,
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
-    /// Of the first sub-environment, which may be away when they are asked for.
+    /// Of the first sub-environment, which may be with a worker.
     metadata: Metadata,
     env_spec: Option<EnvSpec>,
 }
@@ -54,16 +53,16 @@ struct Traveller<E> {
 /// Some sub-environments that one worker steps.
 type Group<E> = Vec<Box<Traveller<E>>>;
 
-/// So many groups per thread when all are stepped: a thread that is done early takes another.
+/// Groups per thread when all are stepped, so that a thread that finishes early takes another.
 const GROUPS_PER_THREAD: usize = 4;
 
 impl<E: Env> AsyncVectorEnv<E> {
-    /// A vector of these environments, which are reset on the next step, with a thread for each core, but
-    /// no more than there are sub-environments.
+    /// A vector of these environments with autoreset on the next step, and a thread per core, at most one
+    /// per sub-environment.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if there are none, or if their spaces differ; [`Error::Custom`] if the
-    /// operating system gives no threads.
+    /// operating system cannot start threads.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
         Self::with_observation_mode(envs, ObservationMode::Same)
     }
@@ -71,7 +70,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), where they differ by more than `mode` allows.
+    /// As [`new`](Self::new), if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
@@ -87,11 +86,11 @@ impl<E: Env> AsyncVectorEnv<E> {
         Ok(Self { home, ready, pool, spaces, autoreset, spec: None, metadata, env_spec })
     }
 
-    /// With so many threads; they make no difference to the results.
+    /// With this number of threads; the results do not depend on it.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for 0 or for more than 1024 threads, [`Error::Custom`] while sub-environments are pending or if
-    /// the operating system gives no threads.
+    /// [`Error::InvalidArgument`] for 0 or for more than 1024 threads, [`Error::Custom`] while sub-environments are
+    /// pending or if the operating system cannot start threads.
     pub fn with_threads(self, threads: usize) -> Result<Self> {
         if !(1..=MAX_THREADS).contains(&threads) {
             let reason = format!("threads is {threads}: it must be from 1 to {MAX_THREADS}");
@@ -103,7 +102,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         Ok(Self { pool: Pool::new(threads.min(self.home.len()), None)?, ..self })
     }
 
-    /// Lets the sub-environments that a worker takes at once go together.
+    /// Lets the sub-environments that a worker takes at once step together.
     pub(crate) fn with_ahead(self, ahead: &dyn Ahead<E>) -> Result<Self> {
         let threads = self.num_threads();
         Ok(Self { pool: Pool::new(threads, Some(ahead))?, ..self })
@@ -124,18 +123,18 @@ impl<E: Env> AsyncVectorEnv<E> {
         self.pool.workers.len()
     }
 
-    /// How many sub-environments were [sent](Self::send) and not yet received.
+    /// The number of sub-environments that were [sent](Self::send) and not yet received.
     pub fn num_pending(&self) -> usize {
         self.home.iter().filter(|traveller| traveller.is_none()).count()
     }
 
-    /// Lets the sub-environments `ids` take a step, and returns at once: EnvPool's `send`. Row `i` of
+    /// Makes the sub-environments `ids` step, and returns at once: EnvPool's `send`. Row `i` of
     /// `actions` is for the sub-environment `ids[i]`.
     ///
     /// # Errors
     /// [`Error::NotInSpace`] unless `actions` has a row for each of `ids`; [`Error::InvalidArgument`] for
-    /// an id that is no index or occurs twice; [`Error::SubEnvironment`] for one that is pending or must
-    /// be reset. Then nothing was sent.
+    /// an id that is not an index or occurs twice; [`Error::SubEnvironment`] for one that is pending or
+    /// must be reset. Then nothing was sent.
     pub fn send(&mut self, actions: &Value, ids: &[usize]) -> Result<()> {
         self.spaces.action.check_batch(actions, ids.len())?;
         let n = self.home.len();
@@ -155,18 +154,18 @@ impl<E: Env> AsyncVectorEnv<E> {
         Ok(())
     }
 
-    /// Waits until `m` of the sub-environments that were sent have taken their step and receives these:
-    /// EnvPool's `recv`. Their indices go to `ids`, in no particular order, and their results to as many
-    /// rows of `columns`. [`info`](VectorEnv::info) then tells of them.
+    /// Waits for `m` of the sent sub-environments and receives their results: EnvPool's `recv`. Their
+    /// indices go to `ids`, in no particular order, and their results to as many rows of `columns`.
+    /// [`info`](VectorEnv::info) is then about them.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for fewer pending than `m`, or for an `m` of 0; then nothing was
-    /// received. [`Error::SubEnvironment`] for one whose step failed; it alone was received, and the
-    /// others are there for the next call.
+    /// received. [`Error::SubEnvironment`] for one whose step failed; only this one was received;
+    /// the next call receives the others.
     pub fn recv_into(&mut self, m: usize, ids: &mut Vec<usize>, columns: &mut Columns) -> Result<()> {
         let pending = self.num_pending();
         if m == 0 || m > pending {
-            let reason = format!("m is {m} and {pending} are pending: it must be at least 1 and no more");
+            let reason = format!("m is {m}: it must be from 1 to the {pending} that are pending");
             return Err(Error::argument("recv_into", reason));
         }
         while self.ready.len() < m {
@@ -193,9 +192,9 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// Calls a function with each sub-environment and its index, on this thread; the results are in the
     /// order of the indices.
     ///
-    /// A sub-environment that the function resets, steps or restores is not at the state that its row shows, and the
-    /// vector cannot know whether its episode has ended: the next step is an error, unless it was reset with a mask. (Of
-    /// sub-environments whose type is not [`BoxEnv`](crate::BoxEnv) the vector does not hear of it.)
+    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the next step, which is
+    /// otherwise an error: the vector cannot know whether its episode has ended. (The vector detects this only for
+    /// [`BoxEnv`](crate::BoxEnv)s.)
     ///
     /// # Errors
     /// [`Error::Custom`] while some are pending.
@@ -218,7 +217,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
     }
 
-    /// How many sub-environments a worker takes at once, where all go.
+    /// The number of sub-environments that a worker takes at once, if all are stepped.
     fn group_len(&self) -> usize {
         let (n, threads) = (self.home.len(), self.pool.workers.len());
         match self.pool.group_len {
@@ -228,7 +227,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
     }
 
-    /// Takes back one that was away, and tells how it went.
+    /// Takes back a sub-environment, and returns its result.
     fn welcome(&mut self, mut traveller: Box<Traveller<E>>) -> Result<()> {
         let index = traveller.index;
         let result = std::mem::replace(&mut traveller.result, Ok(()));
@@ -236,8 +235,8 @@ impl<E: Env> AsyncVectorEnv<E> {
         result.map_err(|error| error.at_env(index))
     }
 
-    /// Lets those that `goes` selects take a step or a reset, waits for all of them, and writes every row.
-    /// The first error, by index, is returned.
+    /// Steps or resets the sub-environments that `goes` selects, waits for them, and writes every row.
+    /// Returns the first error, by index.
     fn round(&mut self, columns: &mut Columns, goes: impl Fn(usize) -> bool) -> Result<()> {
         let n = self.home.len();
         let group_len = self.group_len();
@@ -398,7 +397,7 @@ struct Pool<E> {
     workers: Vec<JoinHandle<()>>,
     /// Empty groups whose storage is used again.
     spare: Vec<Group<E>>,
-    /// How many sub-environments can go together, where they can.
+    /// The number of sub-environments that can step together, if they can.
     group_len: Option<usize>,
 }
 
@@ -422,7 +421,9 @@ impl<E: Env> Pool<E> {
             let worker = thread::Builder::new()
                 .name(format!("gym-vector-{i}"))
                 .spawn(move || work(&queue, &answers, &stop, ahead))
-                .map_err(|error| Error::custom(format!("no thread for an async vector: {error}")))?;
+                .map_err(|error| {
+                    Error::custom(format!("the system gives no thread for an async vector: {error}"))
+                })?;
             pool.workers.push(worker);
         }
         Ok(pool)
@@ -477,7 +478,7 @@ impl<E> Drop for Pool<E> {
         self.stop.store(true, Ordering::Relaxed);
         self.jobs = None;
         for worker in self.workers.drain(..) {
-            // a worker panics only where an environment does so while it is dropped
+            // a worker panics only if an environment panics while it is dropped
             let _ = worker.join();
         }
     }

@@ -2,7 +2,7 @@ use serde_json::Value as Json;
 
 use crate::{Error, Kwargs, Reset, Result, Seed};
 
-/// How to start the episodes of a vector. `VectorReset::default()` carries all generators on.
+/// How to start the episodes of a vector. `VectorReset::default()` continues all generators.
 ///
 /// ```
 /// use gym_core::vector::VectorReset;
@@ -28,7 +28,7 @@ pub enum Seeds {
     None,
     /// The seed of the first; the next ones have this plus 1, plus 2, ...
     From(Seed),
-    /// That of each; `None` carries the generator on.
+    /// The seed of each; `None` continues the generator.
     Each(Vec<Option<Seed>>),
 }
 
@@ -52,7 +52,7 @@ impl VectorReset {
         Self { mask: Some(mask.into()), ..self }
     }
 
-    /// Whether this is a reset for `n` sub-environments.
+    /// Checks that this is a reset for `n` sub-environments.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for seeds or a mask of another number, or a mask that selects none.

@@ -5,11 +5,11 @@ use std::hint::black_box;
 use crate::spaces::MAX_ELEMENTS;
 use crate::{Error, Result, Space};
 
-/// More threads than any machine has cores to gain from; so many can be had on common systems.
+/// More than any machine has cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;
 
-/// Refuses a number of sub-environments that cannot be, before anything is built: none, more than batched
-/// spaces can hold, or more than memory holds at `bytes` for each beside its row of the columns.
+/// Refuses a number of sub-environments before anything is built: zero, more than batched spaces can
+/// hold, or more than fit in memory at `bytes` each beside their rows of the columns.
 pub(crate) fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
         return Err(Error::argument("a vector", "there are no sub-environments: at least one is needed"));
@@ -31,10 +31,10 @@ fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     if fits(n.checked_mul((2 * 8 * numbers + 16).saturating_add(bytes))) {
         return Ok(());
     }
-    Err(Error::argument("a vector", format!("num_envs is {n}: so many do not fit in memory")))
+    Err(Error::argument("a vector", format!("num_envs = {n} does not fit in memory")))
 }
 
-/// Whether a batch can have `n` elements of so many numbers.
+/// Whether a batch can have `n` elements of this many numbers.
 fn check_len(n: usize, numbers: usize) -> Result<()> {
     let most = MAX_ELEMENTS / numbers.max(1);
     if n <= most {
@@ -46,11 +46,11 @@ fn check_len(n: usize, numbers: usize) -> Result<()> {
     Err(Error::argument("a vector", reason))
 }
 
-/// Whether the system would give so much memory.
+/// Whether the system has this much memory.
 fn fits(bytes: Option<usize>) -> bool {
     let mut probe = Vec::<u8>::new();
     let reserved = bytes.is_some_and(|bytes| probe.try_reserve_exact(bytes).is_ok());
-    // the compiler may otherwise leave out memory that nobody uses
+    // the compiler may otherwise remove an unused allocation
     black_box(&mut probe);
     reserved
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
 use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
 
-/// A sub-environment with what it answered last. Sync and async vectors are made of these.
+/// A sub-environment with its last result. Sync and async vectors are made of these.
 pub(crate) struct Slot<E> {
     pub(super) env: E,
     /// The action of the next step.
@@ -31,7 +31,7 @@ enum Stage {
     Running,
     Done,
     Panicked,
-    /// Somebody else has reset, stepped or restored it.
+    /// It was reset, stepped or restored from outside.
     Moved,
     Closed,
 }
@@ -48,12 +48,12 @@ pub(crate) enum Ask {
 pub(super) struct StoredSlot {
     env: Snapshot,
     stage: Stage,
-    /// Whether [`info`](Slot::info) tells something.
+    /// Whether [`info`](Slot::info) has entries.
     progress: Progress,
     observation: Value,
 }
 
-/// The error of a step that only a reset can help.
+/// The error of a step that needs a reset first.
 pub(super) fn episode_over() -> Error {
     Error::custom("the episode has ended and autoreset is disabled: call `reset_into` with a mask")
 }
@@ -85,14 +85,14 @@ impl<E: Env> Slot<E> {
                 Err(Error::custom("it panicked in an earlier call: call `reset_into` with a mask"))
             }
             Stage::Moved => Err(Error::custom(
-                "it was reset, stepped or restored through `call`, so the vector cannot know whether a reset is due: \
-                 call `reset_into` with a mask, or store and restore the vector as a whole",
+                "it was changed through `call`: \
+                 call `reset_into` with a mask before the next step",
             )),
             Stage::Closed => Err(Error::Closed("step")),
         }
     }
 
-    /// Lends the environment to a caller, who may move it.
+    /// Lends the environment to a caller, who may step it.
     pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
         let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
         let before = moves(&self.env);
@@ -183,14 +183,14 @@ impl<E: Env> Slot<E> {
         Ok(outcome)
     }
 
-    /// Lets the environment answer a reset or a step. If it fails there is no reward, flag or info; if
-    /// it panics it must be reset.
+    /// Resets or steps the environment. After an error there is no reward, flag or info; after a panic
+    /// it must be reset.
     fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
         let result = catch_unwind(AssertUnwindSafe(|| ask(self)));
         let result = result.unwrap_or_else(|panic| {
             self.stage = Stage::Panicked;
-            Err(Error::Contract(format!("it panicked, and must be reset: {}", message(&*panic))))
+            Err(Error::Contract(format!("it panicked; reset it before the next step: {}", message(&*panic))))
         });
         if result.is_err() {
             self.clear();
@@ -198,12 +198,12 @@ impl<E: Env> Slot<E> {
         result
     }
 
-    /// Forgets what it answered last, but for the observation.
+    /// Clears its last result, except the observation.
     pub(super) fn clear(&mut self) {
         (self.outcome, self.progress, self.has_final) = (Outcome::default(), Progress::Unchanged, false);
     }
 
-    /// Leaves what it answered in a row of the columns.
+    /// Writes its result to a row of the columns.
     pub(super) fn write(&self, spaces: &Spaces, columns: &mut Columns, row: usize) -> Result<()> {
         columns.rewards[row] = self.outcome.reward;
         columns.terminated[row] = self.outcome.terminated;
@@ -249,12 +249,15 @@ impl<E: Env> Slot<E> {
         }
         let mut batch = spaces.observation.empty_batch(1)?;
         spaces.observation.write_row(&mut batch, 0, &stored.observation).map_err(|_| {
-            Error::Snapshot(format!("its observation {} has another form", stored.observation))
+            Error::Snapshot(format!(
+                "its observation {} does not fit the observation space",
+                stored.observation
+            ))
         })?;
         self.env.clone().restore(&stored.env)
     }
 
-    /// Continues from what was stored, once it was [checked](Self::check_restore).
+    /// Continues from the stored state, after [`check_restore`](Self::check_restore).
     pub(super) fn restore(&mut self, stored: StoredSlot) -> Result<()> {
         self.env.restore(&stored.env)?;
         self.clear();
@@ -287,7 +290,7 @@ pub(super) struct Spaces {
 
 impl Spaces {
     /// The space of the observations of `n` sub-environments together. It is as large as their observations,
-    /// so it is made only for those who ask.
+    /// so it is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
         self.differing.clone().map_or_else(|| self.observation.batch(n), Ok)
     }
@@ -318,15 +321,13 @@ pub(super) fn restore<E: Env>(
 ) -> Result<()> {
     let stored: StoredSlots = snapshot.get()?;
     if stored.autoreset != autoreset {
-        let reason = format!(
-            "it is of a vector with autoreset {:?}, and this one has {autoreset:?}",
-            stored.autoreset
-        );
+        let reason =
+            format!("it was taken with autoreset {:?}, and this vector has {autoreset:?}", stored.autoreset);
         return Err(Error::Snapshot(reason));
     }
     if stored.slots.len() != slots.len() {
         let reason =
-            format!("it is of {} sub-environments, and here are {}", stored.slots.len(), slots.len());
+            format!("it has {} sub-environments, and this vector {}", stored.slots.len(), slots.len());
         return Err(Error::Snapshot(reason));
     }
     for (index, (slot, stored)) in slots.iter().zip(&stored.slots).enumerate() {
@@ -338,7 +339,7 @@ pub(super) fn restore<E: Env>(
     Ok(())
 }
 
-/// What a sub-environment takes of the memory, at least.
+/// The least memory of a sub-environment.
 pub(crate) fn slot_bytes<E>(observation: &Space) -> usize {
     size_of::<Slot<E>>() + 2 * 8 * observation.len_of_row()
 }
@@ -363,7 +364,7 @@ pub(super) fn slots<E: Env>(
             ObservationMode::Same => {
                 (seen == observation, "be equal, or differ in bounds with ObservationMode::Different")
             }
-            ObservationMode::Different => (seen.has_form_of(&observation), "differ in their bounds alone"),
+            ObservationMode::Different => (seen.has_form_of(&observation), "differ only in their bounds"),
         };
         for (kind, fits, space, first, rule) in [
             ("observation", fits, &seen, &observation, rule),
@@ -371,7 +372,7 @@ pub(super) fn slots<E: Env>(
         ] {
             if !fits {
                 return refuse(format!(
-                    "the {kind} space of sub-environment {index} is {space}, and that of the first {first}: they must {rule}"
+                    "the {kind} space of sub-environment {index} is {space}, and the first one's is {first}: they must {rule}"
                 ));
             }
         }

@@ -36,7 +36,7 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
 }
 
 impl<E: Env> SyncVectorEnv<E> {
-    /// A vector of these environments, which are reset on the next step.
+    /// A vector of these environments, with autoreset on the next step.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if there are none, or if their spaces differ.
@@ -47,7 +47,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), where they differ by more than `mode` allows.
+    /// As [`new`](Self::new), if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None, ahead: None })
@@ -70,15 +70,14 @@ impl<E: Env> SyncVectorEnv<E> {
     /// Calls a function with each sub-environment and its index; the results are in the order of the
     /// indices.
     ///
-    /// A sub-environment that the function resets, steps or restores is not at the state that its row shows, and the
-    /// vector cannot know whether its episode has ended: the next step is an error, unless it was reset with a mask. (Of
-    /// sub-environments whose type is not [`BoxEnv`](crate::BoxEnv) the vector does not hear of it.)
+    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the next step, which is
+    /// otherwise an error: the vector cannot know whether its episode has ended. (The vector detects this only for
+    /// [`BoxEnv`](crate::BoxEnv)s.)
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Vec<R> {
         self.slots.iter_mut().enumerate().map(|(index, slot)| slot.lend(|env| f(index, env))).collect()
     }
 
-    /// Lets each sub-environment do what it is asked, and writes its row. The first error is returned, after all have
-    /// answered.
+    /// Resets or steps each sub-environment and writes its row. Returns the first error, after all have finished.
     fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
         let Self { slots, spaces, autoreset, ahead, .. } = self;
         let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));

@@ -9,9 +9,8 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 
 /// A vector around a vector: every `VectorWrapper` is a [`VectorEnv`].
 ///
-/// Only [`inner`](Self::inner) and [`inner_mut`](Self::inner_mut) are needed. What a wrapper leaves out is
-/// that of the vector within, but for [`wrapper_spec`](Self::wrapper_spec): a wrapper that does not say how
-/// it is made again has no spec, rather than one that forgets it.
+/// Only [`inner`](Self::inner) and [`inner_mut`](Self::inner_mut) are required. Other methods call the
+/// inner vector by default, except [`wrapper_spec`](Self::wrapper_spec): a wrapper without one has no spec.
 ///
 /// ```
 /// use gym_core::vector::{Columns, Progress, VectorEnv};
@@ -50,13 +49,13 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 /// One that adds entries to the infos overrides [`info`](Self::info), from which
 /// [`infos`](crate::VectorEnvExt::infos) makes the columns.
 pub trait VectorWrapper: Any + Send {
-    /// The vector within.
+    /// The inner vector.
     fn inner(&self) -> &dyn VectorEnv;
 
     /// The vector within, to be changed.
     fn inner_mut(&mut self) -> &mut dyn VectorEnv;
 
-    /// The name and the arguments that [`VectorSpec::make`] makes this wrapper with again, if it can.
+    /// The name and arguments from which [`VectorSpec::make`] rebuilds this wrapper, if it can.
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
         None
     }
@@ -83,14 +82,13 @@ pub trait VectorWrapper: Any + Send {
         }
     }
 
-    /// See [`VectorEnv::spec`]: that of the vector within and [`wrapper_spec`](Self::wrapper_spec), if there
-    /// are both.
+    /// See [`VectorEnv::spec`]: the inner vector's with [`wrapper_spec`](Self::wrapper_spec), if both exist.
     fn spec(&self) -> Option<VectorSpec> {
         let wrapper = self.wrapper_spec()?;
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
 
-    /// The wrapper's own name: that of its type, if it does not say otherwise.
+    /// The wrapper's name; the default is the name of its type.
     fn name(&self) -> &'static str {
         crate::env::short_type_name::<Self>()
     }
@@ -126,7 +124,7 @@ macro_rules! methods {
 
 use methods;
 
-/// As [`methods`], with those that a wrapper has a default of its own for.
+/// As [`methods`], with those for which a wrapper has another default.
 macro_rules! all_methods {
     ($then:ident! $($words:tt)*) => {
         methods!($then! $($words)*);
@@ -150,7 +148,7 @@ impl<W: VectorWrapper> VectorEnv for W {
     all_methods!(forward! [VectorEnv] {} {});
 }
 
-/// A box changes nothing: not even the description.
+/// A box changes nothing, not even the description.
 impl VectorEnv for Box<dyn VectorEnv> {
     fn within(&self) -> Option<&dyn VectorEnv> {
         Some(&**self)

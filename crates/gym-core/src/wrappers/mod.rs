@@ -1,4 +1,4 @@
-//! Environments around environments: each changes one thing and forwards the rest.
+//! Wrappers: each changes one thing and forwards the rest.
 //!
 //! A wrapper takes any [`Env`](crate::Env), typed or erased, and is an `Env` again.
 
@@ -16,7 +16,7 @@ pub use render::Render;
 pub use render_collection::RenderCollection;
 pub use time_limit::TimeLimit;
 
-/// Where the inner environment of a [`Wrapper`](crate::Wrapper) is: in its field `env`, of type `$inner`.
+/// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `env`, of type `$inner`.
 macro_rules! within {
     ($inner:ident) => {
         type Inner = $inner;
@@ -36,17 +36,17 @@ use within;
 macro_rules! reach {
     ($name:ident<$env:ident $(: $bound:path)? $(, $parameter:ident)*>) => {
         impl<$env $(: $bound)? $(, $parameter)*> $name<$env $(, $parameter)*> {
-            /// The environment within.
+            /// The inner environment.
             pub fn get_ref(&self) -> &$env {
                 &self.inner
             }
 
-            /// The environment within, to change it. What the wrapper keeps of it does not follow.
+            /// The inner environment, mutable. The wrapper's own state does not follow changes.
             pub fn get_mut(&mut self) -> &mut $env {
                 &mut self.inner
             }
 
-            /// The environment within, without the wrapper.
+            /// The inner environment, without the wrapper.
             pub fn into_inner(self) -> $env {
                 self.inner
             }

@@ -4,8 +4,7 @@ use crate::registry::WrapperConfig;
 use crate::render::Rendered;
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
-/// Refuses to step or render before the first reset, and everything after `close`, whatever the
-/// environment would do.
+/// Refuses to step or render before the first reset, and every call after `close`.
 #[derive(Clone, Debug)]
 pub struct OrderEnforcing<E = BoxEnv> {
     inner: E,
@@ -16,7 +15,7 @@ pub struct OrderEnforcing<E = BoxEnv> {
 enum Stage {
     Made,
     Reset,
-    /// Never in a snapshot, so that none can close an environment.
+    /// Not in snapshots, so that none can close an environment.
     #[serde(skip)]
     Closed,
 }
@@ -94,7 +93,7 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers it is the one of `make`; further out, one more of them
+        // inside all other wrappers it is that of `make`; further out, an additional one
         self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
             true => EnvSpec { order_enforce: true, ..spec },
             false => spec.wrapped(Config {}.spec()),

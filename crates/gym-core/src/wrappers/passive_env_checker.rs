@@ -6,11 +6,10 @@ use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space}
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
 ///
-/// This is the cheap part of the crate gym-conform, left on in [`make`](crate::make) by
-/// default so that a mistake in a new environment shows at once. An episode that was started with
-/// options is not checked: they may ask for states beyond the space. What the checker saw is no part
-/// of a snapshot. Where it finds a mistake, the environment has been reset or has taken its step all the same: the
-/// [`Error::Contract`] is about what came of it.
+/// These are the cheap checks of the crate gym-conform; [`make`](crate::make) adds them by default, so that a
+/// mistake in a new environment shows at once. Episodes started with options are not checked, because options may
+/// lead beyond the space. Snapshots do not contain the checker's state. An [`Error::Contract`] is about the
+/// result: the environment has been reset or has stepped nevertheless.
 #[derive(Clone, Debug)]
 pub struct PassiveEnvChecker<E = BoxEnv> {
     inner: E,
@@ -26,7 +25,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "PassiveEnvChecker", "refuses observations outside of their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
+    "PassiveEnvChecker", "refuses observations outside their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
 );
 
 super::reach!(PassiveEnvChecker<E>);
@@ -75,7 +74,7 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
     }
 
     fn spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers it is the one of `make`; further out, one more of them
+        // inside all other wrappers it is that of `make`; further out, an additional one
         self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
             true => EnvSpec { disable_env_checker: false, ..spec },
             false => spec.wrapped(Config {}.spec()),

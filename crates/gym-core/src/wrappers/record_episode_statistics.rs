@@ -17,10 +17,10 @@ use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, Wrapper
 /// `r` (return), `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
 /// are kept in [`episodes`](Self::episodes).
 ///
-/// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask `_episode`. The
-/// entry belongs to the step that ended the episode in each [`Autoreset`](crate::vector::Autoreset) mode, and
-/// stands beside `final_info`, not in it. A reset with a mask starts the statistics of those sub-environments
-/// anew, and of no others. (Gymnasium's loses them all.)
+/// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask `_episode`. In
+/// each [`Autoreset`](crate::vector::Autoreset) mode the entry belongs to the step that ended the episode,
+/// and is beside `final_info`, not in it. A reset with a mask restarts only the statistics of those
+/// sub-environments. (Gymnasium's loses all.)
 #[derive(Clone, Debug)]
 pub struct RecordEpisodeStatistics<T = BoxEnv> {
     inner: T,
@@ -31,15 +31,15 @@ pub struct RecordEpisodeStatistics<T = BoxEnv> {
 crate::arguments! {
     /// The arguments of [`RecordEpisodeStatistics`].
     pub struct Config {
-        /// How many of the last episodes are kept: at least 1.
+        /// The number of last episodes to keep, at least 1.
         pub buffer_length: usize = 100,
-        /// The key of the entry of `info`: another one for each of two of these wrappers.
+        /// The key of the entry of `info`. Two of these wrappers need different keys.
         pub stats_key: String = "episode".into(),
     }
 }
 
 crate::register_wrapper!(
-    "RecordEpisodeStatistics", "tells return, length and seconds of each episode in `info[\"episode\"]`", Config,
+    "RecordEpisodeStatistics", "adds return, length and seconds of each episode to `info[\"episode\"]`", Config,
     env: RecordEpisodeStatistics::with_config, vector: RecordEpisodeStatistics::with_config
 );
 
@@ -97,7 +97,7 @@ impl Running {
 }
 
 impl Record {
-    /// Makes room for `n` environments and for the episodes, so that no step has to.
+    /// Allocates for `n` environments and the episodes, so that no step does.
     fn reserve(&mut self, n: usize, buffer_length: usize) -> Result<()> {
         if self.running.len() != n {
             self.running.resize_with(n, || Running::new(None));
@@ -131,7 +131,7 @@ impl Record {
         }
     }
 
-    /// Counts what the sub-environments of a vector have done.
+    /// Counts a step of a vector's sub-environments.
     fn columns(&mut self, columns: &Columns, buffer_length: usize) {
         for index in 0..self.running.len() {
             match columns.progress.get(index) {
@@ -161,7 +161,7 @@ impl Record {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();
         if there != n && there != 0 {
-            return Err(Error::Snapshot(format!("it is of {there} sub-environments, and here are {n}")));
+            return Err(Error::Snapshot(format!("it has {there} sub-environments, and this vector {n}")));
         }
         let surplus = record.episodes.len().saturating_sub(buffer_length);
         record.episodes.drain(..surplus);
@@ -179,7 +179,7 @@ impl<T> RecordEpisodeStatistics<T> {
     /// Records the episodes of `inner`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer length of 0, or one beyond the memory.
+    /// [`Error::InvalidArgument`] for a buffer length of 0, or one that does not fit in memory.
     pub fn with_config(inner: T, config: Config) -> Result<Self> {
         if config.buffer_length == 0 {
             return Err(Config::refuse("buffer_length is 0: it must be at least 1"));
@@ -194,7 +194,7 @@ impl<T> RecordEpisodeStatistics<T> {
         self.record.episodes.iter()
     }
 
-    /// How many episodes have ended, including those no longer kept.
+    /// The number of episodes that have ended, including those no longer kept.
     pub fn episode_count(&self) -> u64 {
         self.record.episode_count
     }

@@ -4,12 +4,12 @@ use crate::canvas::Canvas;
 use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
 
-/// Gives an environment its render mode: turns its [`draw`](Env::draw) or [`ansi`](Env::ansi) into
-/// what [`render`](crate::EnvExt::render) returns, one picture or text at a time.
+/// Adds a render mode to an environment: [`render`](crate::EnvExt::render) returns the frame of its
+/// [`draw`](Env::draw), or the text of its [`ansi`](Env::ansi).
 ///
-/// In the mode `human` each reset and step shows a picture in a window, no faster than the
-/// environment's frames per second. The window opens at the first reset. Once it is closed, nothing
-/// is drawn any more and steps take no longer than without it. A clone opens no window.
+/// In the mode `human` each reset and step shows a frame in a window, no faster than the
+/// environment's frames per second. The window opens at the first reset. After it is closed,
+/// nothing is drawn. A clone opens no window.
 pub struct Render<E = BoxEnv> {
     inner: E,
     mode: RenderMode,
@@ -35,8 +35,8 @@ impl<E: Env> Render<E> {
     /// around it makes a list.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if the environment lacks the mode, or no crate that draws is
-    /// linked, or none that opens windows for the mode `human`.
+    /// [`Error::UnsupportedMode`] if the environment lacks the mode, or the crate that draws (or
+    /// opens windows, for `human`) is not linked.
     pub fn new(env: E, mode: RenderMode) -> Result<Self> {
         let metadata = env.metadata();
         let unsupported = |reason: String| Error::UnsupportedMode {
@@ -75,7 +75,7 @@ impl<E: Env> Render<E> {
         Ok(Self { inner: env, mode, size: metadata.render_size, painter, window })
     }
 
-    /// Renders at another size; drawings are vectors and scale.
+    /// Renders at another size.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a width or height of 0 or above 16384.
@@ -90,8 +90,8 @@ impl<E: Env> Render<E> {
         Ok(Self { size: (width, height), ..self })
     }
 
-    /// Opens the window, if one is wanted. The environment moves only after this, so that it is as it was where the
-    /// window cannot be opened.
+    /// Opens the window, if one is wanted, before the environment changes: if the window cannot be opened, the
+    /// environment is unchanged.
     fn open(&mut self) -> Result<()> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()

@@ -3,8 +3,8 @@
 use crate::render::{RenderMode, Rendered};
 use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
-/// Gathers what the environment within renders after each reset and step; `render` hands over the
-/// list and clears it. An episode of `T` steps gives `T + 1` items.
+/// Collects a frame or text after each reset and step; `render` returns the list and clears it. An
+/// episode of `T` steps has `T + 1` items.
 ///
 /// A reset drops what was not asked for.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ crate::arguments! {
 }
 
 crate::register_wrapper!(
-    "RenderCollection", "gathers frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
+    "RenderCollection", "collects frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
 );
 
 super::reach!(RenderCollection<E>);
@@ -66,15 +66,20 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
                 Rendered::Frame(frame) => frames.push(frame),
                 Rendered::Text(text) => texts.push(text),
                 Rendered::Shown | Rendered::Frames(_) | Rendered::Texts(_) => {
-                    return Err(Error::Contract("only single frames or texts can be gathered".into()));
+                    let reason = "RenderCollection needs a mode of single items: `rgb_array` or `ansi`";
+                    return Err(Error::Contract(reason.into()));
                 }
             }
         }
-        *rendered = if texts.is_empty() { Rendered::Frames(frames) } else { Rendered::Texts(texts) };
+        // an empty list has the type of its mode
+        *rendered = match self.inner.render_mode() {
+            Some(RenderMode::Ansi) => Rendered::Texts(texts),
+            _ => Rendered::Frames(frames),
+        };
         Ok(())
     }
 
-    /// The frames gathered so far belong to the history that is left; they are dropped.
+    /// Drops the collected frames, which belong to the abandoned history.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner.restore(snapshot)?;
         self.items.clear();

@@ -3,8 +3,8 @@
 use crate::registry::WrapperConfig;
 use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
 
-/// Sets `truncated` once an episode has lasted a number of steps. `terminated` is left as it is:
-/// both can be set by the same step.
+/// Sets `truncated` once an episode has lasted a number of steps. `terminated` is unchanged: one
+/// step can set both.
 #[derive(Clone, Debug)]
 pub struct TimeLimit<E = BoxEnv> {
     inner: E,
@@ -15,13 +15,13 @@ pub struct TimeLimit<E = BoxEnv> {
 crate::arguments! {
     /// The arguments of [`TimeLimit`].
     pub struct Config {
-        /// After how many steps an episode is truncated: at least 1.
+        /// The number of steps after which an episode is truncated, at least 1.
         pub max_episode_steps: u32,
     }
 }
 
 crate::register_wrapper!(
-    "TimeLimit", "truncates episodes after some steps", Config,
+    "TimeLimit", "truncates episodes after a number of steps", Config,
     env: |env, config: Config| TimeLimit::new(env, config.max_episode_steps)
 );
 
@@ -84,7 +84,7 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
     fn spec(&self) -> Option<EnvSpec> {
         let limit = self.max_episode_steps;
         self.inner.spec().map(|spec| {
-            // the limit that `make` sets is inside all other wrappers, and a shorter one replaces it
+            // the limit of `make` is inside all other wrappers; a shorter one replaces it
             let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);
             if replaces && spec.additional_wrappers.is_empty() {
                 EnvSpec { max_episode_steps: Some(limit), ..spec }

@@ -41,8 +41,8 @@ impl Model {
     /// Compiles a model from a text in MJCF.
     ///
     /// # Errors
-    /// [`Error::Mjcf`] for text that is not XML, for what is outside of the supported part of MJCF, and for a model that
-    /// makes no sense, with the line.
+    /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF, and for an impossible
+    /// model, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
         let spec = reader::read(text)?;
         let compiled = compile::compile(&spec)?;
@@ -52,7 +52,7 @@ impl Model {
     /// Compiles a model from a file in MJCF.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read, or with what [`from_xml`](Self::from_xml) finds wrong.
+    /// [`Error::File`] if the file cannot be read, or with the error of [`from_xml`](Self::from_xml).
     pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let in_file = |reason: String| Error::File { path: path.display().to_string(), reason };

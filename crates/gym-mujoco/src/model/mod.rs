@@ -1,4 +1,4 @@
-//! What never changes during a simulation: bodies, joints, geoms and all that follows from them.
+//! The constant part of a simulation: bodies, joints, geoms and everything that follows from them.
 //!
 //! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form has these names too, so
 //! that figures of the two can be compared directly. [`Model`] is one that was checked: the engine takes no other.

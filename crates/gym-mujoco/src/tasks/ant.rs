@@ -9,10 +9,11 @@
 //! | end | terminated when the height of the torso leaves 0.2 to 1 m |
 //! | limit | 1000 steps of 0.05 s |
 //!
-//! Versions: 4 observes contact forces, and has them cost, only with `use_contact_forces`; `forward_reward_weight` and `main_body` are 5's alone. 3 has no camera's arguments; 2 has none at all.
+//! Versions: 4 observes contact forces, and subtracts their cost, only with `use_contact_forces`; only 5 has `forward_reward_weight` and `main_body`. 3 has no arguments of a camera; 2 has no arguments.
 //!
-//! Differences from Gymnasium: none in the numbers, where it runs on MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions 2 and 3,
-//! and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -70,7 +71,7 @@ gym_core::arguments! {
         /// Whether the episode ends when it is no longer healthy.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// Where the height lies while it is healthy.
+        /// The range of the height while healthy.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(0.2, 1.0),

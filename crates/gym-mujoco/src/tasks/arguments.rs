@@ -26,10 +26,10 @@ gym_core::arguments! {
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with `.`, `/` or `~`.
         #[versions = 5..]
         pub xml_file: String,
-        /// How many timesteps of the model a step takes.
+        /// The number of the model's timesteps per step.
         #[versions = 5..]
         pub frame_skip: usize = 1,
-        /// The camera's place, where it is not that of the task.
+        /// The camera's position, if not that of the task.
         #[versions = 5..]
         pub default_camera_config: CameraConfig,
         /// Width of the picture.

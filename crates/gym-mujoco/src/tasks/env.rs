@@ -16,23 +16,23 @@ use super::simulation::Simulation;
 use crate::Data;
 use crate::physics::MAXVAL;
 
-/// A task: what the environments of this crate have not in common.
+/// A task: the parts in which the environments of this crate differ.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Its arguments.
     type Config: TaskArguments;
-    /// What was measured in a step, which its reward is made of and `info` tells.
+    /// The measurements of a step, for its reward and `info`.
     type Step: Copy + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned;
 
     /// The task in a version.
     ///
     /// # Errors
-    /// If the model lacks what the task needs.
+    /// If the model lacks a part that the task needs.
     fn new(config: &Self::Config, version: u32, simulation: &Simulation) -> Result<Self>;
 
     /// Draws positions and velocities for the start of an episode.
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
 
-    /// Takes a step, and says what was measured, what it is worth, and whether the episode ends.
+    /// Takes a step, and returns the measurements, the reward, and whether the episode ends.
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Self::Step, f64, bool);
 
     /// What is seen, number by number.
@@ -80,8 +80,8 @@ impl<T: Task> MujocoEnv<T> {
     /// The environment with these arguments, in version 5.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks what the
-    /// task needs.
+    /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks a part
+    /// that the task needs.
     pub fn new(config: T::Config) -> Result<Self> {
         Self::with_version(config, NEWEST)
     }
@@ -93,7 +93,7 @@ impl<T: Task> MujocoEnv<T> {
     pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
         if version < 2 {
             let reason =
-                format!("there is no version {version}: set 2 to {NEWEST} with `Registration::version`");
+                format!("version {version} does not exist: set 2 to {NEWEST} with `Registration::version`");
             return Err(Error::argument("version", reason));
         }
         let version = version.min(NEWEST);

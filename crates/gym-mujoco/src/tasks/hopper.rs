@@ -11,8 +11,9 @@
 //!
 //! Versions: before 5, the step of a fall is paid too. 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all, and no entries in `info`.
 //!
-//! Differences from Gymnasium: none in the numbers, where it runs on MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions 2 and 3,
-//! and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/hopper_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -46,14 +47,14 @@ gym_core::arguments! {
         /// Whether a fall ends the episode.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// Where every position but x and height, and every velocity, lies while it stands.
+        /// The range of every position except x and height, and of every velocity, while it stands.
         #[versions = 3..]
         pub healthy_state_range: Range = Range::new(-100.0, 100.0),
-        /// Where the height lies while it stands.
+        /// The range of the height while it stands.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(0.7, f64::INFINITY),
-        /// Where the angle of the torso lies while it stands.
+        /// The range of the torso's angle while it stands.
         #[unit = "rad"]
         #[versions = 3..]
         pub healthy_angle_range: Range = Range::new(-0.2, 0.2),

@@ -11,8 +11,9 @@
 //!
 //! Versions: 4 has no cost of contacts, and neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
 //!
-//! Differences from Gymnasium: none in the numbers, where it runs on MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions 2 and 3,
-//! and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -53,7 +54,7 @@ gym_core::arguments! {
         /// Whether a fall ends the episode.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// Where the height lies while it stands.
+        /// The range of the height while it stands.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(1.0, 2.0),
@@ -70,7 +71,7 @@ gym_core::arguments! {
     /// What is observed of a humanoid.
     #[derive(Copy, Eq)]
     pub struct Observed {
-        /// Whether the positions along x and y are left out.
+        /// Whether the observation leaves out the positions along x and y.
         #[versions = 5..]
         pub exclude_current_positions_from_observation: bool = true,
         /// Whether inertias are observed.
@@ -137,7 +138,7 @@ pub struct Step {
 }
 
 impl Task {
-    /// Where the centre of mass is in x and y, as of the last forward call.
+    /// The centre of mass in x and y, as of the last forward call.
     fn mass_center(&self, simulation: &Simulation, data: &Data) -> [f64; 2] {
         let masses = &simulation.model.body_mass;
         let moment = |k: usize| masses.iter().zip(&data.xipos).map(|(mass, pos)| mass * pos[k]).sum::<f64>();

@@ -1,10 +1,10 @@
-//! Ranges among the arguments, which may be open on a side.
+//! Ranges as arguments, which may be open on a side.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The numbers between two bounds, which may be infinite.
 ///
-/// As an argument it is a list of two: `[0.7, null]` has no upper bound, as JSON knows no infinity.
+/// As an argument it is a list of two: `[0.7, null]` has no upper bound, because JSON has no infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// The lower bound; `-inf` if there is none.
@@ -24,7 +24,7 @@ impl Range {
         self.low < x && x < self.high
     }
 
-    /// The nearest number within: numpy's `clip`.
+    /// The nearest number in the range: numpy's `clip`.
     pub(super) fn clip(self, x: f64) -> f64 {
         x.max(self.low).min(self.high)
     }

@@ -1,4 +1,4 @@
-//! What Hopper and Walker2d have in common: to run in a plane without falling.
+//! The common parts of Hopper and Walker2d, which run in a plane without falling.
 
 use std::marker::PhantomData;
 
@@ -20,7 +20,7 @@ pub trait RunnerArguments: TaskArguments {
     fn settings(&self) -> Settings;
 }
 
-/// How a runner is rewarded, and when it counts as fallen.
+/// The rewards of a runner, and the conditions of a fall.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub(super) forward_reward_weight: f64,

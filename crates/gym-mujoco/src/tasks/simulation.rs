@@ -9,14 +9,14 @@ use super::arguments::Common;
 use crate::view::View;
 use crate::{Data, Model, forward, physics, step};
 
-/// What an environment has beside its state.
+/// The parts of an environment beside its state.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     /// The model, which all environments of a task share.
     pub model: Arc<Model>,
-    /// Where the model came from: the name of a built-in one, or the path of a file; see [`load`].
+    /// The source of the model: the name of a built-in one, or the path of a file; see [`load`].
     pub xml_file: String,
-    /// How many timesteps of the model a step takes.
+    /// The number of the model's timesteps per step.
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
@@ -73,7 +73,7 @@ impl Simulation {
             .ok_or_else(|| Error::argument("xml_file", format!("the model has no body {name:?}")))
     }
 
-    /// Refuses a model that has too few of what the task looks at.
+    /// Refuses a model with too few elements for the task.
     pub(super) fn needs(&self, what: &str, there_are: usize, at_least: usize) -> Result<()> {
         if there_are >= at_least {
             return Ok(());
@@ -106,7 +106,7 @@ pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Gene
     }
 }
 
-/// A built-in model: its name, its text, and once somebody has asked for it, what it compiles to.
+/// A built-in model: its name, its text, and its compiled form, compiled on first use.
 struct BuiltIn {
     name: &'static str,
     text: &'static str,
@@ -132,7 +132,7 @@ pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for another name, for a file that cannot be read, and for one that is no model.
+/// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not a model.
 pub fn load(xml_file: &str) -> Result<Arc<Model>> {
     let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
     if xml_file.starts_with(['.', '/', '~']) {

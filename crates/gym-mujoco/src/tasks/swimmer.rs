@@ -11,8 +11,9 @@
 //!
 //! Versions: 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
 //!
-//! Differences from Gymnasium: none in the numbers, where it runs on MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions 2 and 3,
-//! and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 

@@ -11,8 +11,9 @@
 //!
 //! Versions: before 5, the step of a fall is paid too, and the right foot has less grip than the left one. 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all, and no entries in `info`.
 //!
-//! Differences from Gymnasium: none in the numbers, where it runs on MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions 2 and 3,
-//! and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the runners.
+//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/walker2d_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -46,11 +47,11 @@ gym_core::arguments! {
         /// Whether a fall ends the episode.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// Where the height lies while it stands.
+        /// The range of the height while it stands.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(0.8, 2.0),
-        /// Where the angle of the torso lies while it stands.
+        /// The range of the torso's angle while it stands.
         #[unit = "rad"]
         #[versions = 3..]
         pub healthy_angle_range: Range = Range::new(-1.0, 1.0),

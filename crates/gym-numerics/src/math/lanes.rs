@@ -1,4 +1,4 @@
-//! As many numbers as a vector register holds.
+//! The numbers of a SIMD register.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};

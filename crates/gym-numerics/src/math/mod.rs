@@ -1,5 +1,5 @@
-//! The C library's functions, with the bits of glibc on x86-64 with fused multiply-add, on every
-//! platform: what Python and numpy give there.
+//! The C library's functions, with the bits of glibc on x86-64 with fused multiply-add, as in
+//! Python and numpy there, on every platform.
 //!
 //! ```
 //! use gym_numerics::math;
@@ -40,7 +40,7 @@ pub trait Kernel {
     /// What comes of it.
     type Output;
 
-    /// Does it. To be marked `#[inline(always)]`, with all that it calls.
+    /// Does it. Mark it `#[inline(always)]`, with all that it calls.
     fn run<R: Real>(self, token: R::Token) -> Self::Output;
 }
 
@@ -76,11 +76,10 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     kernel.run::<One<Emulated>>(())
 }
 
-/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the
-/// second. Both are to be `#[inline(always)]` closures that differ in [`Hardware`] and [`Emulated`] alone.
+/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the second.
+/// Both must be `#[inline(always)]` closures that differ only in [`Hardware`] and [`Emulated`].
 ///
-/// To be put around all of a step: what crosses this border goes through memory, and a call of it within
-/// is one more border.
+/// Put it around a whole step, not inside: arguments and results pass through memory.
 #[inline(always)]
 pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl FnOnce(A) -> T) -> T {
     if cfg!(feature = "emulate-fma") {
@@ -106,7 +105,7 @@ pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl Fn
     }
 }
 
-/// Calls a function that is to stay out of the code around: it is long, and most CPUs never need it.
+/// Calls a function without inlining it: it is long, and most CPUs never need it.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[cold]
 #[inline(never)]
@@ -147,7 +146,7 @@ functions! {
     };
 
     /// The angle of a point from the positive x axis, in rad within ±π: computed with more digits than the
-    /// result holds, and rounded once. glibc's is the number next to it for 1 argument in 1100.
+    /// result has, and rounded once. glibc's is the number next to it for 1 argument in 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
     /// e^x.

@@ -7,7 +7,7 @@ use super::trig_f32;
 /// with fused multiply-add. Source: numpy 2, `loops_trigonometric.dispatch.cpp`.
 #[must_use]
 pub fn sin_cos(x: f32) -> (f32, f32) {
-    /// Beyond this, numpy leaves the work to the C library.
+    /// Beyond this, numpy calls the C library.
     const MAX: f32 = 71_476.06;
     #[expect(clippy::approx_constant, reason = "the first part has fewer digits than the constant")]
     /// -pi/2 in three parts, for the reduction after Cody and Waite.

@@ -1,4 +1,4 @@
-//! The numbers that equations are written for: one, or as many as a vector register holds.
+//! The number type of equations: one number, or a SIMD register of them.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,9 +8,8 @@ use super::{Fma, pow, trig};
 
 /// An `f64`, or several that are computed with at once.
 ///
-/// Each operation rounds as that of `f64` does, so the same equations give the same bits for one
-/// number and for several. Comparisons give masks, and [`select`](Self::select) takes the place of
-/// `if`.
+/// Each operation rounds as that of `f64`, so the same equations give the same bits for one number
+/// and for several. Comparisons return masks; use [`select`](Self::select) instead of `if`.
 pub trait Real:
     Copy
     + fmt::Debug
@@ -27,7 +26,7 @@ pub trait Real:
     /// A yes or no for each number.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
-    /// Proof that the CPU has what these need.
+    /// Proof that the CPU has the needed instructions.
     type Token: Copy;
 
     /// How many numbers these are.
@@ -45,7 +44,7 @@ pub trait Real:
     /// These magnitudes with the signs of others.
     fn copysign(self, sign: Self) -> Self;
 
-    /// Rounded to `f32`, as far as `f64` holds that.
+    /// Rounded to the precision of `f32`.
     fn single(self) -> Self;
 
     /// Whether the numbers are less than others.
@@ -54,7 +53,7 @@ pub trait Real:
     /// Whether the numbers are less than others or equal.
     fn le(self, other: Self) -> Self::Mask;
 
-    /// Those of `yes` where the mask is set, else those of `no`.
+    /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// Where the mask is set and another is not.
@@ -69,8 +68,7 @@ pub trait Real:
     /// The mask as bits, the lowest for the first number.
     fn bits(mask: Self::Mask) -> u64;
 
-    /// Where the mask is not set, `f` of the number of `of` instead. For what is rare: it is done one by
-    /// one.
+    /// Where the mask is not set, `f` of the number of `of` instead, one by one: for rare cases.
     fn repair_unless(self, mask: Self::Mask, of: Self, f: impl Fn(f64) -> f64) -> Self;
 
     /// The greatest powers of two that are not above the magnitudes, for normal numbers.

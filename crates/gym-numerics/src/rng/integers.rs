@@ -31,7 +31,7 @@ lemire!(below_u64, u64, u128);
 impl Generator {
     /// Uniform in `[low, high)`: numpy's `integers(low, high)`.
     ///
-    /// A range of one value draws nothing; nor does an empty one, which gives `low`.
+    /// A range of one value draws nothing. An empty range draws nothing and returns `low`.
     #[inline]
     pub fn integers(&mut self, low: i64, high: i64) -> i64 {
         let n = if low < high { high.wrapping_sub(low) as u64 } else { 1 };
@@ -47,8 +47,8 @@ impl Generator {
     /// Fills `out` uniformly from `[low, high_inclusive]`: numpy's
     /// `integers(low, high_inclusive, size=out.len(), dtype=np.uint8, endpoint=True)`.
     ///
-    /// Each 32 bits give four bytes, lowest first; those left over at the end are dropped. A range
-    /// of one value draws nothing; nor does an empty one, which gives `low`.
+    /// Each 32 bits give four bytes, lowest first; unused ones at the end are dropped. A range of
+    /// one value draws nothing. An empty range draws nothing and returns `low`.
     pub fn integers_u8(&mut self, low: u8, high_inclusive: u8, out: &mut [u8]) {
         if high_inclusive <= low {
             return out.fill(low);
@@ -78,9 +78,9 @@ impl Generator {
         }
     }
 
-    /// An index below `n`, all alike: numpy's `choice` from a sequence of length `n`.
+    /// A uniform index below `n`: numpy's `choice` from a sequence of length `n`.
     ///
-    /// Of nothing (`n` is 0) it gives 0 and draws nothing.
+    /// If `n` is 0, it returns 0 and draws nothing.
     #[inline]
     pub fn choice(&mut self, n: usize) -> usize {
         self.integers(0, i64::try_from(n).unwrap_or(i64::MAX)) as usize
@@ -88,8 +88,9 @@ impl Generator {
 
     /// An index into `p` with these probabilities: numpy's `choice(len(p), p=p)`.
     ///
-    /// Draws one [`random`](Self::random). The sum need not be one exactly. Where no sum of leading
-    /// probabilities exceeds the draw, as when all are 0, it gives the last index (0 if there is none).
+    /// Draws one [`random`](Self::random). The sum need not be one exactly. If no sum of leading
+    /// probabilities exceeds the draw, for instance if all are 0, it returns the last index (0 if there
+    /// is none).
     #[inline]
     pub fn choice_p(&mut self, p: &[f64]) -> usize {
         let total: f64 = p.iter().sum();
@@ -105,8 +106,8 @@ impl Generator {
     /// An index into `p` with these probabilities: Gymnasium's `categorical_sample`
     /// (`envs/toy_text/utils.py`).
     ///
-    /// Draws one [`random`](Self::random), even for a single outcome, and gives the first index at
-    /// which the sum of `p` exceeds it, or 0 where none does.
+    /// Draws one [`random`](Self::random), even for a single outcome, and returns the first index
+    /// at which the sum of `p` exceeds it, or 0 if there is none.
     #[inline]
     pub fn categorical(&mut self, p: &[f64]) -> usize {
         let r = self.random();
@@ -118,9 +119,9 @@ impl Generator {
         p.iter().position(above).unwrap_or(0)
     }
 
-    /// How many trials of probability `p` it takes to the first success: 1 or more.
+    /// The number of trials of probability `p` up to the first success: 1 or more.
     ///
-    /// From `p` = 1 on it gives 1; at `p` = 0, below, and at NaN it gives `i64::MAX` and draws nothing.
+    /// For `p` of 1 or more it returns 1; for `p` of 0 or less, or NaN, it returns `i64::MAX` and draws nothing.
     pub fn geometric(&mut self, p: f64) -> i64 {
         if p >= 1.0 / 3.0 {
             self.geometric_search(p)

@@ -4,8 +4,8 @@
 //! call. Each draws the same words in the same order as numpy 2 does (read at v2.4.6), so the same
 //! seed gives the same episode in both languages.
 //!
-//! Nothing here panics. Where numpy raises, as for an empty range or a probability above one, the
-//! methods say which value comes instead; whoever lets a user choose the argument checks it first.
+//! Nothing here panics. If numpy raises, as for an empty range or a probability above one, the
+//! methods return a documented value instead; check arguments from users first.
 
 mod integers;
 mod seed;
@@ -33,9 +33,9 @@ pub use stream::{Stream, WordStream};
 /// assert_eq!(rng.integers(0, 10), 4);
 /// ```
 ///
-/// It is a [`rand::Rng`] as well, so rand's distributions work with it; rand's own `random` needs
-/// its full name, `rand::RngExt::random`, because this type's method comes first. The stored form
-/// holds the position in the stream: a restored generator continues where the stored one was.
+/// It is also a [`rand::Rng`], so rand's distributions work with it. Call rand's own `random` by
+/// its full name, `rand::RngExt::random`, because this type has a method of that name. The stored
+/// form holds the position in the stream: a restored generator continues where the stored one was.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(into = "[u64; 5]", try_from = "[u64; 5]")]
 pub struct Generator {

@@ -52,7 +52,7 @@ fn fill(bytes: &mut [u8]) -> Result<(), SeedError> {
 /// There is no operating system in a browser's module.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 fn fill(_: &mut [u8]) -> Result<(), SeedError> {
-    Err(SeedError::NoRandomness("there is none on this platform, so give each reset a seed".into()))
+    Err(SeedError::NoRandomness("this platform has none: give each reset a seed".into()))
 }
 
 impl Seed {

@@ -1,4 +1,4 @@
-//! `pygame.draw`, what of it is not smoothed.
+//! The primitives of `pygame.draw` without smoothing.
 
 use gym_core::canvas::{Color, Point};
 

@@ -1,11 +1,11 @@
 //! pygame's drawing calls, to the last bit.
 //!
-//! Written from a description of what pygame-ce 2.5.8 draws and tested against pictures recorded from it
+//! Written from a description of pygame-ce 2.5.8's output and tested against recordings of it
 //! (`tests/pygame`). One file per module of pygame: [`gfxdraw`], [`draw`], [`aalines`].
 //!
-//! All draw on [`Pixels`]: rows of a surface, which need not all be kept. A call that reaches beyond them
-//! is cut as pygame cuts it at the edges of the *surface*; of what is left, rows that are not kept are
-//! passed over. So one surface can be drawn in bands (see [`sheet`](crate::sheet)).
+//! All draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the edges of the
+//! *surface*, and rows that are not stored are skipped, so one surface can be drawn in bands (see
+//! [`sheet`](crate::sheet)).
 
 mod aalines;
 mod draw;
@@ -22,7 +22,7 @@ use gym_core::canvas::{Color, Point, Primitive};
 pub(crate) use rgb::RgbPixels;
 pub(crate) use smoothscale::{Phase, part, phases};
 
-/// Where primitives draw: a surface of which some rows are kept.
+/// The target of primitives: a surface of which some rows are stored.
 pub(crate) trait Pixels {
     /// Width of the surface.
     fn width(&self) -> i32;
@@ -30,7 +30,7 @@ pub(crate) trait Pixels {
     /// Height of the surface.
     fn height(&self) -> i32;
 
-    /// The rows that are kept, within the surface.
+    /// The stored rows of the surface.
     fn rows(&self) -> Range<i32>;
 
     /// Colours the pixels `x1..=x2` of a row. All lie on the surface, in a row that is kept.
@@ -47,8 +47,8 @@ pub(crate) trait Pixels {
         });
     }
 
-    /// Whoever gets pixels `x1..=x2` of a row ready may call [`blend_ready`](Self::blend_ready) on them, as long
-    /// as nothing else is drawn. All lie on the surface, in a row that is kept.
+    /// Prepares pixels `x1..=x2` of a row for [`blend_ready`](Self::blend_ready), until anything else is drawn.
+    /// All are on the surface, in a stored row.
     #[inline]
     fn get_ready(&mut self, x1: i32, x2: i32, y: i32) {
         let _ = (x1, x2, y);
@@ -65,7 +65,7 @@ pub(crate) trait Pixels {
         (0..self.width()).contains(&x) && self.rows().contains(&y)
     }
 
-    /// `run`, cut to what is kept; the ends may come in either order.
+    /// `run`, clipped to the stored rows; the ends may be in either order.
     fn hline(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
         let (x1, x2) = (x1.min(x2).max(0), x1.max(x2).min(self.width() - 1));
         if x1 <= x2 && self.rows().contains(&y) {
@@ -73,7 +73,7 @@ pub(crate) trait Pixels {
         }
     }
 
-    /// A column of pixels, cut to what is kept; the ends may come in either order.
+    /// A column of pixels, clipped to the stored rows; the ends may be in either order.
     fn vline(&mut self, x: i32, y1: i32, y2: i32, color: Color) {
         let rows = self.rows();
         if (0..self.width()).contains(&x) {
@@ -84,11 +84,11 @@ pub(crate) trait Pixels {
     }
 }
 
-/// Farther than that from the surface's corner, pygame's 16-bit coordinates run over, and slow loops
-/// would not end: nobody draws there.
+/// Beyond this distance from the surface's corner pygame's 16-bit coordinates overflow, and loops
+/// would be slow.
 const REACH: f64 = 30_000.0;
 
-/// Whether all coordinates are such that pygame draws what was meant.
+/// Whether pygame's coordinates do not overflow.
 pub(crate) fn is_in_reach(primitive: &Primitive<'_>) -> bool {
     let near = |x: &f64| x.abs() <= REACH; // not if it is no number
     match *primitive {
@@ -172,7 +172,7 @@ struct Edges<const MOST: usize> {
 
 /// Most polygons have no more edges.
 const FEW: usize = 8;
-/// More than any polygon of an environment has; what is beyond them is left out.
+/// More than any polygon of an environment has; further ones are left out.
 const MANY: usize = 80;
 
 impl<const MOST: usize> Edges<MOST> {

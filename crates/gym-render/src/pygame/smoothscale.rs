@@ -1,9 +1,9 @@
-//! `pygame.transform.smoothscale`, for pictures made smaller.
+//! `pygame.transform.smoothscale`, for shrinking.
 //!
-//! Each sample of the smaller picture is the mean of the samples it covers, those at its ends in part, all
-//! in 16-bit integers that round down: a plain picture comes out up to two levels darker.
+//! Each sample of the smaller image is the mean of the samples it covers, partly at its ends, in 16-bit
+//! integers that round down: a plain image becomes up to two levels darker.
 
-/// One sample of the smaller picture: where it begins, and its shares.
+/// One sample of the smaller image: its start and its shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Phase {
     /// The sample that it takes over from the one before, with the share that is left of it.
@@ -14,7 +14,7 @@ pub(crate) struct Phase {
     /// The sample after those that do, and its share.
     pub(crate) last: usize,
     pub(crate) last_share: u16,
-    /// What a sum is multiplied by to make it a mean.
+    /// The factor that turns a sum into a mean.
     pub(crate) reciprocal: u16,
 }
 

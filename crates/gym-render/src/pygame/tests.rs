@@ -1,4 +1,4 @@
-//! What pygame-ce 2.5.8 drew, with the same arguments: `tests/pygame`.
+//! Comparison with recordings of pygame-ce 2.5.8: `tests/pygame`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::pygame::flipped;

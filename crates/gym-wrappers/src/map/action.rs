@@ -13,10 +13,10 @@ pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
     /// The arguments.
     type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
 
-    /// The type of the actions it takes, around an environment whose actions have the type `A`.
+    /// The wrapper's action type, around an environment whose actions have the type `A`.
     type Action<A: Element>: Element;
 
-    /// Whether [`map`](Self::map) takes batches as well. Otherwise a vector maps row by row.
+    /// Whether [`map`](Self::map) also maps batches. Otherwise a vector maps row by row.
     const TAKES_BATCHES: bool = false;
 
     /// The map to actions of a space, and the space of the actions that it maps.
@@ -25,8 +25,8 @@ pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for arguments or a space that it cannot map to.
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
-    /// What the environment within gets for an action: made of `action` in place, or in `buffer`, which is
-    /// whatever an earlier call left there.
+    /// The inner action: made from `action` in place, or in `buffer`, which holds the result of an earlier
+    /// call.
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value;
 }
 
@@ -40,7 +40,7 @@ pub struct MapAction<T, M: ActionMap> {
     inner_space: Space,
     action: Value,
     buffer: Value,
-    /// The actions within of a vector, where they are made row by row.
+    /// The inner actions of a vector, if they are made row by row.
     rows: Value,
 }
 
@@ -71,7 +71,7 @@ impl<T, M: ActionMap> MapAction<T, M> {
         &self.map
     }
 
-    /// Fails for an action of another form than those of the space. Bounds of a box are not checked.
+    /// Fails for an action that does not have the form of the space. Bounds of a box are not checked.
     fn check(space: &Space, action: &Value) -> Result<()> {
         let fits = match (space, action) {
             (Space::Box(space), Value::Array(array)) => {

@@ -1,7 +1,7 @@
 //! Wrappers without state: maps of observations, actions or rewards, with one adapter each that serves
 //! environments and vectors.
 //!
-//! A map is its arguments, what it makes of a space, and what it makes of a value:
+//! A map consists of its arguments, its effect on a space, and its effect on a value:
 //!
 //! ```
 //! use gym_core::{Env, Result};

@@ -12,8 +12,7 @@ pub trait ObservationMap: Clone + fmt::Debug + Send + 'static {
     /// The arguments.
     type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
 
-    /// Whether [`map`](Self::map) takes batches as well: a batch of observations within to a batch of those
-    /// outside. Otherwise a vector maps row by row.
+    /// Whether [`map`](Self::map) also maps batches of observations. Otherwise a vector maps row by row.
     const TAKES_BATCHES: bool = false;
 
     /// The map of observations of a space, and the space that it maps to.
@@ -23,11 +22,11 @@ pub trait ObservationMap: Clone + fmt::Debug + Send + 'static {
     /// map.
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
-    /// Overwrites `out` by what becomes of an observation. Where the space is of arrays, `out` is an array of
-    /// its type and shape; otherwise it is whatever was there before.
+    /// Writes the mapped observation to `out`. If elements of the space are arrays, `out` is an array of
+    /// their type and shape; otherwise its content is arbitrary.
     ///
     /// # Errors
-    /// [`Error::Contract`](gym_core::Error::Contract) for an observation that is not of the space within.
+    /// [`Error::Contract`](gym_core::Error::Contract) for an observation that is not in the inner space.
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()>;
 }
 
@@ -39,7 +38,7 @@ pub struct MapObservation<T, M: ObservationMap> {
     map: M,
     space: Space,
     inner_space: Space,
-    /// The observations within: `observations` alone, for an environment.
+    /// The inner observations: only `observations`, for an environment.
     seen: Seen,
     /// A row of a batch, before and after.
     row: [Value; 2],
@@ -123,7 +122,7 @@ impl<V: VectorEnv, M: ObservationMap> gym_core::VectorWrapper for MapObservation
     named_by!(config: M::Config);
 }
 
-/// The observations of a vector within, for a wrapper that gives others.
+/// The inner observations of a vector, for a wrapper that changes them.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     pub(crate) observations: Value,
@@ -131,8 +130,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Lets the vector within fill the columns, with its observations going here; then, if any
-    /// sub-environment went on, the wrapper fills them.
+    /// The inner vector fills the columns, with its observations stored here; then, if any
+    /// sub-environment changed, the wrapper fills them.
     pub(crate) fn fill(
         &mut self,
         columns: &mut Columns,

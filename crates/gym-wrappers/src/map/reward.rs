@@ -70,7 +70,7 @@ impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
     named_by!(config: M::Config);
 }
 
-/// Steps the vector within and maps the rewards of all sub-environments that went on.
+/// Steps the inner vector and maps the rewards of all sub-environments that stepped.
 pub(crate) fn step_rewards(
     envs: &mut impl VectorEnv,
     actions: &Value,

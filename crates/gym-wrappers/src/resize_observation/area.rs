@@ -1,7 +1,7 @@
-//! Resizing of 8-bit pictures as OpenCV's `resize` with `INTER_AREA`
+//! Resizing of 8-bit images as OpenCV's `resize` with `INTER_AREA`
 //! (`modules/imgproc/src/resize.cpp`), in its order of operations.
 
-/// A resizer from one picture size to another.
+/// A resizer from one image size to another.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaResize {
     source: (usize, usize),
@@ -13,8 +13,8 @@ pub(crate) struct AreaResize {
 enum Method {
     /// Both sizes shrink by a whole factor: the mean of a block of that height and width.
     Blocks { height: usize, width: usize, out_width: usize },
-    /// Both sizes shrink or stay: for each row and column of the result, those of the source that it
-    /// covers, with their shares.
+    /// Neither size grows: for each row and column of the result, the rows and columns of the source
+    /// that it covers, with their shares.
     Shares { rows: Vec<Vec<(usize, f32)>>, columns: Vec<Vec<(usize, f32)>> },
     /// A size grows: for each row and column of the result, the two of the source that it lies between,
     /// with their shares in units of 1/2048.
@@ -24,7 +24,7 @@ enum Method {
 type Pair = [(usize, i32); 2];
 
 impl AreaResize {
-    /// From pictures of `(height, width)` to others.
+    /// From images of `(height, width)` to another size.
     pub(crate) fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
         let inverse = |source: usize, target: usize| target as f64 / source as f64;
         let (inverse_y, inverse_x) = (inverse(source.0, target.0), inverse(source.1, target.1));
@@ -47,7 +47,7 @@ impl AreaResize {
         Self { source, channels, method }
     }
 
-    /// Whether a picture has the size to resize from.
+    /// Whether an image has the source size.
     pub(crate) fn fits(&self, source: &[u8]) -> bool {
         source.len() == self.source.0 * self.source.1 * self.channels
     }
@@ -152,7 +152,7 @@ fn between(source: usize, target: usize, scale: f64, inverse: f64) -> Vec<Pair> 
 mod tests {
     use super::*;
 
-    /// The pictures that the vectors below were made of with OpenCV 5.0.0.
+    /// The images from which OpenCV 5.0.0 computed the vectors below.
     fn picture(height: usize, width: usize, channels: usize) -> Vec<u8> {
         (0..height * width * channels).map(|i| (i * i * 7 + i * 13) as u8).collect()
     }

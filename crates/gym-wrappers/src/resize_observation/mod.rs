@@ -10,8 +10,8 @@ use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_picture, not_an_array};
 use area::AreaResize;
 
-/// Resizes pictures as OpenCV does with its area filter: the mean over what each new pixel covers where the
-/// picture shrinks, linear between pixels where it grows.
+/// Resizes images with OpenCV's area filter: the mean of the pixels that each new pixel covers when
+/// shrinking, linear interpolation when growing.
 pub type ResizeObservation<T = BoxEnv> = MapObservation<T, Resize>;
 
 gym_core::arguments! {
@@ -38,7 +38,7 @@ impl ObservationMap for Resize {
             [height, width] => ((height, width), 1),
             [height, width, channels] => ((height, width), channels),
             _ => {
-                let reason = format!("it needs pictures of two or three axes, and these are {inner}");
+                let reason = format!("it needs images with two or three axes, and the space is {inner}");
                 return Err(Config::refuse(reason));
             }
         };
@@ -60,6 +60,6 @@ impl ObservationMap for Resize {
 }
 
 gym_core::register_wrapper!(
-    "ResizeObservation", "resizes pictures by OpenCV's area filter", Config,
+    "ResizeObservation", "resizes images with OpenCV's area filter", Config,
     env: ResizeObservation::new, vector: ResizeObservation::new
 );

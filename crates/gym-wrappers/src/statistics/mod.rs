@@ -13,13 +13,12 @@ pub(crate) use normalizer::{Normalizer, normalizes};
 /// The weight of the initial mean 0 and variance 1.
 const INITIAL_COUNT: f64 = 1e-4;
 
-/// Mean and variance of each element of a row of numbers, estimated as rows come in: Gymnasium's
+/// A running estimate of mean and variance of each element of rows of numbers: Gymnasium's
 /// `RunningMeanStd`.
 ///
 /// [`NormalizeObservation`](crate::NormalizeObservation) and
-/// [`NormalizeReward`](crate::NormalizeReward) keep one each, around an environment and around
-/// a vector alike. It is data: take it out of a training, store it as JSON, put it into an environment
-/// for evaluation.
+/// [`NormalizeReward`](crate::NormalizeReward) have one each, around environments and vectors. It is
+/// data: take it out of a training, store it as JSON, set it in an environment for evaluation.
 ///
 /// ```
 /// use crate::statistics::RunningMeanStd;
@@ -36,7 +35,7 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// ```
 ///
 /// numpy computes in the type of its operands, so Gymnasium's statistics begin as `float32`. They
-/// stay so for `float32` rows and become `float64` with the first update by any other.
+/// become `float64` with the first update by rows of another type.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts")]
 pub struct RunningMeanStd {
@@ -67,7 +66,7 @@ macro_rules! each {
     };
 }
 
-/// What is read of [`RunningMeanStd`] before it is checked.
+/// The unchecked form of [`RunningMeanStd`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Parts {
@@ -137,7 +136,7 @@ impl RunningMeanStd {
         each!(&self.moments, of => of.var.clone().into())
     }
 
-    /// How many rows were taken in, and 0.0001 for the initial mean and variance.
+    /// The number of rows, plus 0.0001 for the initial mean and variance.
     pub fn count(&self) -> f64 {
         self.count
     }
@@ -162,7 +161,7 @@ impl RunningMeanStd {
         Ok(())
     }
 
-    /// Fails unless the statistics are of so many numbers.
+    /// Fails unless the statistics have this many numbers.
     pub(crate) fn expect_len(&self, len: usize) -> Result<()> {
         if self.len() == len {
             return Ok(());
@@ -171,7 +170,7 @@ impl RunningMeanStd {
         Err(Error::argument("RunningMeanStd", reason))
     }
 
-    /// The variance of the only number, where there is just one.
+    /// The variance, if there is only one number.
     pub(crate) fn scalar_variance(&self) -> f64 {
         match &self.moments {
             Moments::F32(of) => of.var.first().map_or(1.0, |var| f64::from(*var)),

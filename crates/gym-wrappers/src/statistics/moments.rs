@@ -15,7 +15,7 @@ pub(crate) struct Batch<T> {
 }
 
 impl<T: Real> Batch<T> {
-    /// A single sample: variance 0, or NaN where the sample is not finite.
+    /// A single sample: variance 0, or NaN if the sample is not finite.
     pub(crate) fn of_one(x: T) -> Self {
         let mean = x;
         Self { mean, m2: (x - mean) * (x - mean), n: 1 }
@@ -55,7 +55,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Begins anew with the selected ones of an array's `n` rows.
+    /// Restarts with the selected rows of an array of `n` rows.
     pub(crate) fn collect(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         let len = array.len() / n.max(1);
         let rows = (0..n).filter(|index| selects(*index)).map(|index| index * len..(index + 1) * len);
@@ -109,7 +109,7 @@ impl<T: Real> Samples<T> {
         n
     }
 
-    /// What [`moments`](Self::moments) computed, for each column.
+    /// The result of [`moments`](Self::moments), for each column.
     pub(crate) fn batches(&self) -> impl Iterator<Item = Batch<T>> {
         let n = self.values.len() / self.row_len.max(1);
         let moments = self.mean.iter().zip(&self.var);
@@ -117,7 +117,7 @@ impl<T: Real> Samples<T> {
     }
 }
 
-/// The sum of each column, as `numpy.add.reduce` over axis 0: row after row, but pairwise where the rows
+/// The sum of each column, as `numpy.add.reduce` over axis 0: row after row, but pairwise if the rows
 /// are single numbers.
 fn sum_columns<T: Real>(values: &[T], sums: &mut [T]) {
     if let [sum] = sums {

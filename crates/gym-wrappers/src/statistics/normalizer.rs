@@ -4,7 +4,7 @@ use gym_core::{Array, DType, Error, Result};
 use super::RunningMeanStd;
 use super::moments::{Batch, Rows, Samples};
 
-/// What both wrappers that normalize keep, around an environment as around a vector.
+/// The state of both normalizing wrappers, around environments and vectors.
 #[derive(Clone, Debug)]
 pub(crate) struct Normalizer {
     pub(crate) statistics: RunningMeanStd,
@@ -32,7 +32,7 @@ impl Normalizer {
         Ok(())
     }
 
-    /// Fails unless the statistics of a snapshot are of as many numbers.
+    /// Fails unless the statistics of a snapshot have as many numbers.
     pub(crate) fn check(&self, statistics: &RunningMeanStd) -> Result<()> {
         statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))
     }
@@ -87,17 +87,17 @@ impl Normalizer {
 macro_rules! normalizes {
     ($name:ident) => {
         impl<T> $name<T> {
-            /// Goes on estimating, or keeps the estimate as it is, as for evaluation.
+            /// Whether to update the estimate; `false` freezes it, as for evaluation.
             pub fn update_running_mean(&mut self, update: bool) {
                 self.normalizer.updates = update;
             }
 
-            /// Mean, variance and count of what is normalized.
+            /// Mean, variance and count of the normalized numbers.
             pub fn statistics(&self) -> &crate::RunningMeanStd {
                 &self.normalizer.statistics
             }
 
-            /// Goes on from other statistics, such as those of a training.
+            /// Replaces the statistics, for instance by those of a training.
             ///
             /// # Errors
             /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if they are of another number of

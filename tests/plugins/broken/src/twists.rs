@@ -193,13 +193,6 @@ twists! {
         }
     }
 
-    "other-seed-other-episode.first" FirstIsAlwaysTheSame {
-        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
-            let seed = reset.seed.clone().or((!env.mind.is_begun).then(|| 0.into()));
-            env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
-        }
-    }
-
     "other-seed-other-episode.cut-at-48-bits" CutsSeeds {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let cut = |seed: &Seed| Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 48)));
@@ -212,7 +205,7 @@ twists! {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
             env.mind.own = env.mind.own.saturating_add(outcome.done().into());
-            let carried = if env.mind.own > 110 { 0.5 } else { 0.0 };
+            let carried = if env.mind.own > 40 { 0.5 } else { 0.0 };
             Ok(Outcome { reward: outcome.reward + carried, ..outcome })
         }
 

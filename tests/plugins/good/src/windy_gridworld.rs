@@ -48,7 +48,7 @@ const GOAL: [i64; 2] = [3, 7]; // row, column
 /// Rows and columns of each move.
 const MOVES: [[i64; 2]; 8] = [[-1, 0], [1, 0], [0, 1], [0, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]];
 
-/// Where the agent is, and how it came there.
+/// The agent's cell, and how it got there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Counted from the top.

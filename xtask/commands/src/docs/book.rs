@@ -1,12 +1,11 @@
-//! Checks that the book holds together: every page is in its table of contents, every link leads
-//! somewhere.
+//! Checks the book: every page is in its table of contents, every link has a target.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use gym::{Error, Result};
 
-/// The GIFs of the book are fetched by whoever opens its list of environments.
+/// A limit, because the list of environments loads all GIFs.
 const MAX_IMAGE_BYTES: u64 = 4_000_000;
 
 /// Checks the book in `folder`, and reports all that is wrong.
@@ -61,7 +60,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 fn links(text: &str) -> Vec<&str> {
     let mut links = Vec::new();
     for line in prose(text) {
-        // what is between backticks is code: every second part
+        // text between backticks is code: every second part
         for part in line.split('`').step_by(2) {
             let targets = part.split("](").skip(1);
             links.extend(targets.filter_map(|rest| rest.split_once(')')).map(|(target, _)| target));
@@ -80,7 +79,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The file that a link of `page` leads to, if it stays in the book; or what is wrong with it.
+/// The file that a link of `page` leads to, if it is in the book; or the fault.
 fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, String> {
     // the chapters to come have no target
     if link.is_empty() || link.starts_with("https://") || link.starts_with("http://") {
@@ -94,13 +93,13 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
     let file = file.canonicalize().map_err(|_| "leads nowhere".to_owned())?;
     let root = folder.canonicalize().map_err(|error| error.to_string())?;
     let Ok(inside) = file.strip_prefix(&root) else {
-        return Err("leads out of the book, where the built book has nothing".into());
+        return Err("leads out of the book".into());
     };
     if !anchor.is_empty() {
         let text = std::fs::read_to_string(&file).map_err(|error| error.to_string())?;
         let headings = prose(&text).filter(|line| line.starts_with('#'));
         if !headings.map(slug).any(|heading| heading == anchor) {
-            return Err("names a heading that is not there".into());
+            return Err("leads to a missing heading".into());
         }
     }
     Ok(Some(folder.join(inside)))

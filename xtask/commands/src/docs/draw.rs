@@ -1,4 +1,4 @@
-//! The pictures of the book: for each page a GIF of the good policy, small and short; and a sheet of
+//! The images of the book: for each page a GIF of the good policy, small and short; and a sheet of
 //! many environments.
 
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use super::Document;
 use super::page::Page;
 use crate::policy::Policy;
 
-/// What is on the sheet: environments, the sizes of their frames there, and how many random steps in.
+/// The sheet: environments, the sizes of their frames, and the number of random steps before.
 const SHEET: [(&str, (u32, u32), usize); 9] = [
     ("LunarLander-v3", (360, 240), 40),
     ("BipedalWalker-v3", (360, 240), 30),
@@ -25,7 +25,7 @@ const SHEET: [(&str, (u32, u32), usize); 9] = [
     ("FrozenLake-v1", (240, 240), 3),
 ];
 
-/// The GIF of a page, if its registrations say what it shows.
+/// The GIF of a page, if a registration has a clip.
 pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
     let Some(Clip { seeds, every, frames, size }) = &page.shown().clip else { return Ok(None) };
     let mut env = make(page.shown().id(), *size)?;
@@ -69,7 +69,7 @@ fn frame(env: &mut BoxEnv) -> Result<Frame> {
     env.render()?.into_frame().ok_or_else(|| Error::Contract(format!("{env} renders no frame")))
 }
 
-/// What `write` writes to a file, for the document at `path`.
+/// The content that `write` writes to a file, for the document at `path`.
 fn drawn(path: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<Document> {
     let path = PathBuf::from(path);
     let folder = crate::root().join("target/docs");

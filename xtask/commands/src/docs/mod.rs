@@ -16,13 +16,13 @@ use crate::selection::Selection;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Plays the episodes behind the table of returns anew; takes minutes.
+    /// Replays the episodes of the table of returns; takes minutes.
     #[arg(long)]
     measure: bool,
-    /// Draws the pictures anew.
+    /// Redraws the images.
     #[arg(long)]
     draw: bool,
-    /// Writes nothing; fails if what is there differs from what would be written.
+    /// Writes nothing; fails if a file is out of date.
     #[arg(long)]
     check: bool,
 }

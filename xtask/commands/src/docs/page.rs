@@ -23,7 +23,7 @@ pub(super) struct Page {
 /// Every page of a selection, crate by crate.
 ///
 /// # Errors
-/// If the documentation of a module lacks what its page is written from.
+/// If the documentation of a module lacks a part of its page.
 pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
     let mut registrations = selection.of(&[])?;
     registrations.sort_by_key(|entry| entry.source.module);
@@ -31,7 +31,7 @@ pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
     modules.map(|registrations| Page::read(registrations, selection)).collect()
 }
 
-/// What the pages say, and the page that lists them.
+/// The texts of the pages, and the page that lists them.
 pub(super) fn documents(pages: &[Page], returns: &Returns) -> Result<Vec<Document>> {
     let mut list = LIST_HEAD.to_owned();
     list.extend(pages.iter().map(Page::row));
@@ -50,28 +50,25 @@ const LIST_HEAD: &str = "<!-- Written by `cargo xtask docs`. -->
 
 # Environments
 
-Each page says what the agent sees and does, what it is rewarded for, how an episode starts and ends, which arguments there
-are, and what a random and a good policy return.
+Each page has the spaces, rewards, starts and ends of an environment, its arguments, and the returns of a random and a good policy.
 
 | | environment | ids |
 |---|---|---|
 ";
 
 const LIST_TAIL: &str = "
-An id is `[namespace/]Name[-vVersion]`. Without a version, `make` takes the newest. An older version stays as it was, and
-`make` points to the newer one through the `log` crate. Ids in the namespace `rapier/` are the same tasks on another physics
-engine, [rapier2d](https://rapier.rs): alike, but not equal to Gymnasium's numbers.
+An id is `[namespace/]Name[-vVersion]`. Without a version, `make` takes the newest. Older versions keep their behaviour; `make` then
+logs a warning that names the newer one. Ids in the namespace `rapier/` are the same tasks on another physics engine,
+[rapier2d](https://rapier.rs): similar to Gymnasium's, but not equal.
 
-What holds for all of them: NaN or infinite actions are an error; numbers beyond the bounds of a `Box` are not, and the
-environment clips them where Gymnasium's does; options of `reset` that an environment does not know are ignored, as in
-Gymnasium. The pictures of classic control and Box2D equal Gymnasium's byte for byte at its own size; those of toy text are our
-own.
+For every environment, NaN or infinite actions are an error. Numbers beyond the bounds of a `Box` are not; the environment clips them
+if Gymnasium's does. Unknown options of `reset` are an error in classic control and CarRacing, the environments with options, and
+ignored elsewhere, as in Gymnasium.
 
 `cargo xtask list --long` prints ids, spaces, limits and thresholds; `cargo xtask play ID` lets you play.
 ";
 
-const NO_DIFFERENCE: &str = "None that is known: the same seed gives the same episode, to the last bit, \
-                             [on the platforms named here](../reproducibility.md).";
+const NO_DIFFERENCE: &str = "None known: the same seed gives the same episode, to the last bit ([reproducibility](../reproducibility.md)).";
 
 /// The documentation of an environment's module, in its parts.
 struct Docs {
@@ -254,7 +251,7 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
             meaning.replace('|', "\\|")
         );
     }
-    // another value than the default, where there is one to be had
+    // a value that differs from the default, if a boolean has one
     let example = table.iter().find_map(|argument| match &argument.default {
         Json::Bool(value) => Some((argument.name, Json::Bool(!value))),
         Json::Number(_) => Some((argument.name, argument.default.clone())),
@@ -263,8 +260,8 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
     if let Some((name, value)) = example {
         let (id, module) = (shown.id(), shown.source.module.replacen("gym_", "gym::", 1));
         text += &format!(
-            "\nThey are set by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or typed, as \
-             fields of `{module}::Config`."
+            "\nSet one by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or as a field of \
+             `{module}::Config`."
         );
         gym::builder(id).arg(name, value).build()?;
     }
@@ -272,7 +269,7 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
 }
 
 fn ids(registrations: &[Registration]) -> Result<String> {
-    let mut text = "| id | arguments that it sets | limit of steps | solved at a mean return of |\n\
+    let mut text = "| id | arguments it sets | step limit | solved at a mean return of |\n\
                     |---|---|---|---|\n"
         .to_owned();
     for entry in registrations {
@@ -280,7 +277,7 @@ fn ids(registrations: &[Registration]) -> Result<String> {
         let kwargs: Vec<_> = spec.kwargs.iter().map(|(name, value)| format!("`{name}`: `{value}`")).collect();
         let kwargs = if kwargs.is_empty() { "none".into() } else { kwargs.join(", ") };
         let limit = spec.max_episode_steps.map_or("none".into(), |limit| limit.to_string());
-        let threshold = spec.reward_threshold.map_or("not said".into(), |threshold| threshold.to_string());
+        let threshold = spec.reward_threshold.map_or("not defined".into(), |threshold| threshold.to_string());
         text += &format!("| `{}` | {kwargs} | {limit} | {threshold} |\n", spec.id);
     }
     Ok(text)

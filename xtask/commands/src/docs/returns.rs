@@ -11,7 +11,7 @@ use crate::output::tell;
 use crate::policy::Policy;
 use crate::selection::Selection;
 
-/// What the pages are written from, so that they need not be played for each time.
+/// The stored returns of the pages, so that they need not be measured each time.
 const FILE: &str = "docs/environments/returns.json";
 
 /// Seeds 0 to this, excluded.

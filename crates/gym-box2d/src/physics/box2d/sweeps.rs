@@ -1,4 +1,4 @@
-//! Velocity sweeps, and how many of them are saved.
+//! Velocity sweeps, and skipping those that repeat.
 //!
 //! What a sweep does follows from the velocities and the contacts' impulses that it starts from, and
 //! from the joints' impulses only where these meet a bound. After some sweeps velocities and contact

@@ -11,7 +11,7 @@ pub trait ObservationColumn: Element + Copy {
     /// The column, as slices.
     type Rows<'a>;
 
-    /// The rows of a batch of observations, or `None` where it has another form.
+    /// The rows of a batch of observations; `None` if it has another form.
     fn rows(column: &mut Value) -> Option<Self::Rows<'_>>;
 
     /// Overwrites rows from `first` on.
@@ -65,18 +65,18 @@ impl ObservationColumn for (usize, usize, usize) {
     }
 }
 
-/// A type of action that a batch can be read as. [`discrete!`](crate::discrete) implements it.
+/// A type of action that can be read from a batch. [`discrete!`](crate::discrete) implements it.
 pub trait ActionColumn: Element + Copy {
     /// What an action is in a batch.
     type Item: Copy + Default + fmt::Debug + Send + Sync + 'static;
 
-    /// The actions of a batch of `n`, or `None` where it has another form.
+    /// The actions of a batch of `n`; `None` if it has another form.
     fn items(batch: &Value, n: usize) -> Option<&[Self::Item]>;
 
     /// Whether that action can be executed.
     fn is_valid(item: Self::Item) -> bool;
 
-    /// The action; any one where the item is not valid.
+    /// The action; an arbitrary one if the item is not valid.
     fn from_item(item: Self::Item) -> Self;
 
     /// Refuses an action that cannot be executed: most types have none.

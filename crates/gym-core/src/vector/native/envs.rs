@@ -17,8 +17,7 @@ use crate::vector::slot::{describe, episode_over};
 use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
 use crate::{Error, Generator, Result, Snapshot, Space, Value};
 
-/// Environments stepped by one loop with vector instructions: the vector behind
-/// [`entry_point`](super::entry_point).
+/// Environments stepped by one SIMD loop: the vector of [`entry_point`](super::entry_point).
 ///
 /// Each keeps its state, its [stream](Native::Stream) and the number of its steps: 66 bytes for a
 /// CartPole.
@@ -26,7 +25,7 @@ use crate::{Error, Generator, Result, Snapshot, Space, Value};
 pub struct NativeVectorEnv<D: Native> {
     pub(super) dynamics: D,
     constants: <D::Constants as Packed>::Block,
-    /// What takes their place where environments have constants of their own.
+    /// Their replacement if environments have different constants.
     pub(super) varied: Option<Varied<D>>,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
@@ -39,13 +38,13 @@ pub struct NativeVectorEnv<D: Native> {
     closed: bool,
     /// None before the first reset.
     pub(super) blocks: Vec<Block<D>>,
-    /// One for each environment, and for each place in the last block that has none.
+    /// One for each environment, and for each unused place in the last block.
     pub(super) streams: Vec<D::Stream>,
-    /// The last states of episodes, where infos tell of them.
+    /// The last states of episodes, if infos need them.
     pub(super) finals: Vec<D::Packed>,
     /// Which environments the last reset has left out, if any.
     pub(super) left_out: Vec<bool>,
-    /// Actions that came as another type of numbers.
+    /// Actions cast from another type of numbers.
     cast: Value,
 }
 
@@ -53,8 +52,8 @@ impl<D: Native> NativeVectorEnv<D> {
     /// `num_envs` environments whose episodes are truncated after `max_episode_steps`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for no environments or more than memory holds, or a limit that is 0 or
-    /// above 65534.
+    /// [`Error::InvalidArgument`] for no environments or more than fit in memory, or a limit that is 0
+    /// or above 65534.
     pub fn new(
         dynamics: D,
         num_envs: usize,
@@ -96,12 +95,12 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// The same with a value of its own for each environment of some arguments that are numbers, or with new values at each
-    /// reset, drawn from a range by the environment's generator before the start.
+    /// The same with arguments that differ: each environment has its own value of some arguments that are numbers, or
+    /// draws a new one from a range at each reset, from its generator before the start.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a name or a value that cannot be, a list of another length, and for what changes a
-    /// space.
+    /// [`Error::InvalidArgument`] for an unknown name, an invalid value, a list of another length, and values that
+    /// change a space.
     pub fn with_each(self, each: &BTreeMap<String, Each>) -> Result<Self> {
         each.iter().try_for_each(|(name, each)| each.check(name, self.num_envs))?;
         Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
@@ -120,14 +119,14 @@ impl<D: Native> NativeVectorEnv<D> {
         Self { spec: Some(spec), reset_options, ..self }
     }
 
-    /// The same with only the instructions that each CPU of this kind has: slower, and the same bits,
-    /// which tests hold it to.
+    /// The same with only the baseline instructions of this kind of CPU: slower, with the same bits,
+    /// as tests check.
     #[must_use]
     pub fn baseline(self) -> Self {
         Self { level: Level::baseline(), ..self }
     }
 
-    /// The state of an environment; `None` if there is no such one, or it was never reset.
+    /// The state of an environment; `None` if the index is too large, or it was never reset.
     pub fn state(&self, index: usize) -> Option<D::State> {
         let block = self.blocks.get(index / LANES).filter(|_| index < self.num_envs)?;
         (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(&self.dynamics, index % LANES))
@@ -137,10 +136,10 @@ impl<D: Native> NativeVectorEnv<D> {
         if self.closed { Err(Error::Closed(call)) } else { Ok(()) }
     }
 
-    /// Makes blocks and streams for all environments, none of which counts as reset.
+    /// Makes blocks and streams for all environments, marked as never reset.
     pub(super) fn make_room(&mut self, state: D::Packed, stream: &D::Stream) -> Result<()> {
         let full = |_| {
-            let reason = format!("num_envs is {}: so many do not fit in memory", self.num_envs);
+            let reason = format!("num_envs = {} does not fit in memory", self.num_envs);
             Error::argument(format!("a native vector of {}", D::NAME), reason)
         };
         let n = self.num_envs.div_ceil(LANES);
@@ -161,7 +160,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// A batch of actions in the numbers of the action space, if it has the form of one.
+    /// A batch of actions cast to the action space's type, if it has its form.
     #[cold]
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
         self.action_space.check_batch(actions, self.num_envs)?;
@@ -180,7 +179,7 @@ impl<D: Native> NativeVectorEnv<D> {
         }
     }
 
-    /// Whether each environment has an episode to go on with, or one to begin by itself.
+    /// Checks that each environment can continue its episode or begin one.
     fn check_ready(&self) -> Result<()> {
         if self.blocks.is_empty() {
             return Err(Error::ResetNeeded("step").at_env(0));
@@ -198,7 +197,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// The error of the first action that is not valid, of an environment that takes one.
+    /// The error of the first invalid action of an environment that takes one.
     #[cold]
     fn refuse(&self, actions: &[<D::Action as ActionColumn>::Item]) -> Result<()> {
         let due = |i: usize| self.blocks[i / LANES].due >> (i % LANES) & 1 == 1;
@@ -270,7 +269,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                 None if unset => D::Stream::new(Generator::from_os()?),
                 None => self.streams[i].clone(),
             };
-            // options are those of all environments: if one cannot start, the first cannot
+            // all environments have the same options: if one cannot start, the first cannot
             let state = stream.lend(|rng| {
                 let own = match &mut self.varied {
                     Some(varied) => varied.draw(i, &self.dynamics, rng)?,
@@ -307,7 +306,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.check_open("step")?;
-        // the numbers are taken as they are where they can be
+        // numbers of the right type are not cast
         let mut cast = Value::Null;
         let items = match D::Action::items(actions, self.num_envs) {
             Some(items) => items,
@@ -347,7 +346,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        // two functions rather than one, which would need the stack of both where it is not optimised
+        // two functions, because one would need the stack of both without optimisation
         let result = if is_usual {
             widest(level, Run::<D, true> { step, blocks, streams })
         } else {
@@ -418,7 +417,7 @@ impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
     }
 }
 
-/// Without early exit, which would keep the compiler from vector instructions.
+/// Without an early exit, which would prevent vectorisation.
 #[inline(always)]
 fn all_valid<A: ActionColumn>(items: &[A::Item]) -> bool {
     items.iter().fold(true, |valid, item| valid & A::is_valid(*item))

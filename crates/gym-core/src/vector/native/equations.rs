@@ -1,4 +1,4 @@
-//! Equations that are solved for one environment or for as many as a vector register holds.
+//! Equations for one environment, or for as many as a SIMD register holds.
 
 use std::fmt;
 
@@ -7,12 +7,11 @@ use crate::math::{Emulated, Fma, Hardware, One, Real, with};
 use crate::rng::{Stream, WordStream};
 use crate::{Arguments, Dynamics, Error, Generator, Outcome, Result, Task, Transition};
 
-/// A task whose step is a formula of a few numbers: written once for [`Real`] numbers, it is the step of one
-/// environment and of a native vector, with the same bits.
+/// A task whose step is a formula of a few numbers. The formula is written once for [`Real`] numbers; scalar
+/// environments and native vectors compute it with the same bits.
 ///
-/// Implementing it gives [`Dynamics`] and [`Native`]. The book's page on native vectors writes one from nothing. Functions that
-/// take `R: Real`, and all that they call, are to be marked `#[inline(always)]`: otherwise they are compiled
-/// without the CPU's vector instructions.
+/// Implementing it implements [`Dynamics`] and [`Native`]; see the book's page on native vectors. Mark functions with
+/// `R: Real`, and all that they call, `#[inline(always)]`: otherwise they are compiled without SIMD.
 pub trait Equations:
     Task<Config: Arguments + Clone, State: Copy, Observation: Row + ObservationColumn, Action: ActionColumn>
     + Sync
@@ -27,11 +26,11 @@ pub trait Equations:
     /// environments of a vector.
     type Constants: Row;
 
-    /// The constants for the default arguments, where they are known at compile time: a native vector with these then runs code
-    /// that they are folded into.
+    /// The constants of the default arguments, if known at compile time: a native vector with these runs code with the
+    /// constants folded in.
     const USUAL: Option<Self::Constants> = None;
 
-    /// Whether [`numbers`](Self::numbers) gives all numbers, and [`complete`](Self::complete) has nothing to do.
+    /// Whether [`numbers`](Self::numbers) returns all numbers, so that [`complete`](Self::complete) does nothing.
     const IS_COMPLETE: bool = true;
 
     /// Whether [`disturb`](Self::disturb) does anything.
@@ -40,22 +39,22 @@ pub trait Equations:
     /// Whether [`info`](Task::info) has entries.
     const INFO: bool = false;
 
-    /// The constants for these arguments. Called in each step of a single environment, so they are kept rather than computed.
+    /// The constants for these arguments. Each step of a scalar environment calls it, so return stored numbers.
     fn constants(&self) -> Self::Constants;
 
     /// The numbers of a state.
     fn numbers(&self, state: &Self::State) -> Self::Numbers;
 
-    /// The state with these numbers; `fresh` tells whether it is the first of an episode.
+    /// The state with these numbers; `fresh` if it is the first of an episode.
     fn state(&self, numbers: Self::Numbers, fresh: bool) -> Self::State;
 
-    /// Whether a state is the first of its episode. Only for equations that ask.
+    /// Whether a state is the first of its episode, for equations that need it.
     fn is_fresh(&self, state: &Self::State) -> bool {
         let _ = state;
         false
     }
 
-    /// Fills in the numbers that follow from others, such as a sine that the next step needs again.
+    /// Computes the numbers that follow from others, such as a sine that the next step needs again.
     #[inline(always)]
     fn complete<R: Real>(numbers: Of<Self::Numbers, R>) -> Of<Self::Numbers, R> {
         numbers
@@ -83,13 +82,13 @@ pub trait Equations:
     /// What is seen of a state.
     fn see<R: Real>(&self, state: Of<Self::Numbers, R>) -> Of<Self::Observation, R>;
 
-    /// What is seen of a state, where it is not [`see`](Self::see) of its numbers.
+    /// The observation of a state, if it is not [`see`](Self::see) of its numbers.
     fn see_otherwise(&self, state: &Self::State) -> Option<Self::Observation> {
         let _ = state;
         None
     }
 
-    /// Adds to a transition from a state what only single environments keep.
+    /// Adds the parts of a state that only scalar environments keep.
     #[inline(always)]
     fn finish(&self, before: &Self::State, action: Self::Action, transition: &mut Transition<Self::State>) {
         let _ = (before, action, transition);
@@ -166,7 +165,7 @@ where
         observation: &mut [f32; O],
     ) -> Result<Outcome> {
         action.check(|| self.action_space())?;
-        // these two come back in registers; what is put together of them in memory would be waited for
+        // return these two in registers: a copy through memory would be slower
         let (reward, terminated) = with(
             (state, *action, rng, observation),
             #[inline(always)]
@@ -199,7 +198,7 @@ where
     (transition.reward, transition.terminated)
 }
 
-/// A step of one environment, and what is seen then.
+/// A step of one environment, and its observation.
 #[inline(always)]
 fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: usize>(
     equations: &E,
@@ -226,7 +225,7 @@ where
     (transition, singles(next.seen))
 }
 
-// loops, because `array::map` is not always inlined, and then it is compiled without the CPU's features
+// loops, because `array::map` is not always inlined, and is then compiled without the CPU's features
 #[inline(always)]
 fn ones<F: Fma, const N: usize>(numbers: [f64; N]) -> [One<F>; N] {
     let mut ones = [One::new(0.0); N];
@@ -272,7 +271,10 @@ where
         let mut config = self.config().clone();
         for (name, value) in arguments {
             if !config.set_number(name, *value) {
-                return Err(Error::argument(name, format!("{} has no number of this name", Self::NAME)));
+                return Err(Error::argument(
+                    name,
+                    format!("{} has no argument of this name that is a number", Self::NAME),
+                ));
             }
         }
         Self::new(config)

@@ -1,13 +1,13 @@
-//! Native vectors: many environments of one kind stepped by one loop, with the vector instructions
-//! of the CPU that the program runs on.
+//! Native vectors: many environments of one kind stepped by one loop, with the SIMD instructions of
+//! the CPU at run time.
 //!
 //! | an author implements | for |
 //! |---|---|
 //! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment and as many as a vector register holds |
 //! | [`Task`], [`Dynamics`] and [`Native`] | any other step, such as a look-up in a table: a native vector steps [one by one](Many::each), without the cost of erased environments |
 //!
-//! Each operation rounds alike in both, sines and squares included, so a native
-//! vector gives the very numbers of a sync one.
+//! Each operation rounds equally in both, sines and squares included, so a native vector has the
+//! numbers of a sync one.
 //!
 //! ```
 //! use gym_core::vector::native::{self, Native};
@@ -23,8 +23,8 @@
 //! }
 //! ```
 //!
-//! The results of an environment depend on its seed and its actions alone: they are the same bits
-//! for each CPU, whatever the number of environments and its place among them.
+//! The results of an environment depend only on its seed and actions: they have the same bits on
+//! every CPU, for any number of environments.
 
 mod columns;
 mod envs;
@@ -49,31 +49,31 @@ pub use equations::{Equations, Next, Of, Row};
 pub use packed::{Packed, Whole};
 pub use step::Many;
 
-/// How many environments a block holds: those whose states lie together, number by number.
+/// The number of environments in a block, whose states are stored together, number by number.
 pub const LANES: usize = 32;
 
-/// [`Dynamics`] that can be stepped many at once. [`Equations`] are; others implement it.
+/// [`Dynamics`] of which many can be stepped at once. [`Equations`] implement it.
 pub trait Native:
     Dynamics + Task<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync
 {
-    /// What is kept of a state between steps: `[f64; K]` for a few numbers, `u32` for one of a table,
-    /// [`Whole`] for all of it.
+    /// The stored form of a state between steps: `[f64; K]` for a few numbers, `u32` for a row of a
+    /// table, [`Whole`] for the state itself.
     type Packed: Packed;
 
-    /// What is kept of the generator: [`WordStream`](crate::rng::WordStream), unless 32-bit numbers
-    /// are drawn.
+    /// The stored form of the generator: [`WordStream`](crate::rng::WordStream), unless 32-bit
+    /// numbers are drawn.
     type Stream: Stream;
 
-    /// What follows from the arguments and may differ between environments; `[f64; 0]` for nothing.
+    /// The constants that may differ between environments; `[f64; 0]` for none.
     type Constants: Packed;
 
     /// Whether [`info`](Task::info) has entries.
     const INFO: bool = false;
 
-    /// Refuses arguments that only a scalar environment understands.
+    /// Refuses arguments that only scalar environments support.
     ///
     /// # Errors
-    /// What is not there, to go on with "in a native vector".
+    /// The missing feature, as text before "in a native vector".
     fn supports(config: &Self::Config) -> Result<(), &'static str> {
         let _ = config;
         Ok(())
@@ -87,30 +87,30 @@ pub trait Native:
         false
     }
 
-    /// The same with other values of some arguments that are numbers.
+    /// The same task with other values of some arguments that are numbers.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a name or a value that cannot be, and where arguments cannot differ between the
-    /// environments of a vector, as by default.
+    /// [`Error::InvalidArgument`] for an unknown name or invalid value, or if arguments cannot differ between
+    /// environments (the default).
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
         let _ = arguments;
-        Err(Error::argument(Self::NAME, "its arguments are the same for all environments of a native vector"))
+        Err(Error::argument(Self::NAME, "a native vector of it has the same arguments for all environments"))
     }
 
     /// Packs a state.
     fn pack(&self, state: &Self::State) -> Self::Packed;
 
-    /// The state that was packed; `fresh` tells whether it is the first of an episode. What
-    /// steps, [`observe`](Dynamics::observe) and [`info`](Task::info) do not look at may differ.
+    /// The state that was packed; `fresh` if it is the first of an episode. Parts that steps,
+    /// [`observe`](Dynamics::observe) and [`info`](Task::info) do not use may differ.
     fn unpack(&self, packed: Self::Packed, fresh: bool) -> Self::State;
 
-    /// Steps the environments of a block, [one by one](Many::each). To be marked `#[inline(always)]`, with all
-    /// that it calls.
+    /// Steps the environments of a block, [one by one](Many::each). Mark it `#[inline(always)]`, with all that
+    /// it calls.
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized;
 
-    /// The same where all environments have the constants that it was compiled for.
+    /// The same, if all environments have the constants that it was compiled for.
     #[inline(always)]
     fn step_usual_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
@@ -124,7 +124,7 @@ pub trait Native:
 /// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point).
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for arguments that the task does not take or [does not
+/// [`Error::InvalidArgument`] for arguments that the task refuses or [does not
 /// support](Native::supports) here, and as [`NativeVectorEnv::new`].
 pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     let VectorSpec { env, num_envs, autoreset_mode, each, .. } = spec;

@@ -1,4 +1,4 @@
-//! How the states of a block lie in memory, and in snapshots.
+//! The layout of a block's states in memory, and in snapshots.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::LANES;
 
-/// What is kept of an environment's state from step to step.
+/// The stored form of an environment's state between steps.
 pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// Those of [`LANES`] environments.
     type Block: Clone + fmt::Debug + Send + Sync + 'static;

@@ -11,7 +11,7 @@ use crate::stored::{row, words};
 use crate::vector::Autoreset;
 use crate::{Error, Result, Snapshot};
 
-/// What the vector was built with, which is compared, and what it has come to.
+/// The arguments of the vector, which are compared, and its state.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Stored<S: Stream> {
@@ -24,7 +24,7 @@ struct Stored<S: Stream> {
     numbers: Option<Numbers<S>>,
 }
 
-/// All that changes from step to step.
+/// The state.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Numbers<S: Stream> {
@@ -86,14 +86,16 @@ impl<D: Native> NativeVectorEnv<D> {
             snapshot.get::<Stored<D::Stream>>()?;
         let own = self.stored(None)?;
         if (&name, &config) != (&own.name, &own.config) {
-            let reason =
-                format!("it is of a {name} with {config}, and this is a {} with {}", own.name, own.config);
+            let reason = format!(
+                "it was taken from {name} with {config}, and this is {} with {}",
+                own.name, own.config
+            );
             return Err(Error::Snapshot(reason));
         }
         if (num_envs, autoreset, limit) != (own.num_envs, own.autoreset, own.limit) {
             return Err(Error::Snapshot(format!(
-                "it is of {num_envs} environments with autoreset {autoreset:?} and a limit of {limit} steps, \
-                 and these are {} with {:?} and {}",
+                "it has {num_envs} environments, autoreset {autoreset:?} and a limit of {limit} steps, \
+                 and this vector has {}, {:?} and {}",
                 own.num_envs, own.autoreset, own.limit
             )));
         }
@@ -108,7 +110,7 @@ impl<D: Native> NativeVectorEnv<D> {
             None if numbers.drawn.is_empty() => {}
             None => {
                 return Err(Error::Snapshot(
-                    "its arguments are ranges, and those of this vector are not".into(),
+                    "its arguments were drawn from ranges, but this vector has none".into(),
                 ));
             }
         }
@@ -129,10 +131,10 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// The states, if all numbers are such that a vector can go on from them.
+    /// The states, if all numbers are valid.
     fn check(&self, numbers: &Numbers<D::Stream>, varied: Option<&Varied<D>>) -> Result<Vec<D::Packed>> {
         let n = self.num_envs;
-        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} are not those of a {}", D::NAME)));
+        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} do not fit {}", D::NAME)));
         let Numbers { states, streams, steps, due, unset, left_out, drawn: _ } = numbers;
         let mut bytes = states.as_slice();
         if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {
@@ -164,7 +166,7 @@ impl<D: Native> NativeVectorEnv<D> {
             if !dynamics.is_valid(&state) {
                 return refuse("states");
             }
-            // numbers that follow from others are not believed
+            // numbers that follow from others are recomputed
             states.push(self.dynamics.pack(&state));
         }
         if bytes.is_empty() { Ok(states) } else { refuse("states") }

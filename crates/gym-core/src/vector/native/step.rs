@@ -7,17 +7,17 @@ use crate::rng::Stream;
 use crate::vector::{Autoreset, Progress};
 use crate::{Element, Reset, Result, Transition};
 
-/// The environments that lie together. Their flags are sets of bits, the lowest for the first.
+/// Environments stored together. Their flags are sets of bits, the lowest for the first.
 #[derive(Clone, Debug)]
 pub(super) struct Block<D: Native> {
     pub(super) states: <D::Packed as Packed>::Block,
-    /// The steps of each episode so far, as far as they can be counted.
+    /// The steps of each episode so far, up to the largest count.
     pub(super) steps: [u16; LANES],
-    /// Whose episode is over, and which have not been reset since.
+    /// Environments whose episode is over and which have not been reset since.
     pub(super) due: u32,
     /// Which were never reset.
     pub(super) unset: u32,
-    /// Whose episode has ended in the last step and was reset in it.
+    /// Environments whose episode ended in the last step and which were reset in it.
     pub(super) ended: u32,
 }
 
@@ -37,11 +37,11 @@ impl<D: Native> Block<D> {
 /// A limit that no episode reaches.
 pub(super) const NO_LIMIT: u16 = u16::MAX;
 
-/// One step of all environments: what it reads, and the columns that it fills.
+/// One step of all environments: its inputs, and the columns that it fills.
 pub(super) struct Step<'a, D: Native> {
     pub(super) dynamics: &'a D,
     pub(super) constants: &'a <D::Constants as Packed>::Block,
-    /// What takes their place where environments have constants of their own.
+    /// Their replacement if environments have different constants.
     pub(super) varied: Option<&'a mut Varied<D>>,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
@@ -53,7 +53,7 @@ pub(super) struct Step<'a, D: Native> {
     pub(super) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(super) has_final: &'a mut [bool],
     pub(super) progress: &'a mut [Progress],
-    /// The last states of the episodes that have ended, where [`Native::INFO`] asks for them.
+    /// The last states of the episodes that have ended, if [`Native::INFO`] is set.
     pub(super) finals: &'a mut [D::Packed],
 }
 
@@ -123,8 +123,7 @@ impl<D: Native> Step<'_, D> {
         Ok(())
     }
 
-    /// Starts the episodes that are to start in this step, of those due from the last step and those
-    /// `done` in this one.
+    /// Starts the episodes of this step: those due from the last step, or those `done` in this one.
     #[inline(always)]
     fn reset(
         &mut self,
@@ -179,13 +178,13 @@ impl<D: Native> Step<'_, D> {
     }
 }
 
-/// The environments of a block in a step, and where its results go.
+/// The environments of a block in a step, and the destination of its results.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
     pub(super) constants: &'a <D::Constants as Packed>::Block,
     pub(super) states: &'a mut <D::Packed as Packed>::Block,
     pub(super) steps: &'a [u16; LANES],
-    /// Which are due: what comes of them is overwritten.
+    /// The environments that are due; their results are overwritten.
     pub(super) due: u32,
     pub(super) streams: &'a mut [D::Stream; LANES],
     pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
@@ -196,7 +195,7 @@ pub struct Many<'a, D: Native> {
 }
 
 impl<D: Native> Many<'_, D> {
-    /// Steps one environment after the other, those apart that are due: their generators stay.
+    /// Steps one environment after the other, except those that are due, whose generators stay.
     #[inline(always)]
     pub fn each(
         &mut self,
@@ -219,7 +218,7 @@ impl<D: Native> Many<'_, D> {
     }
 }
 
-/// Counts the step and truncates; gives which episodes are over.
+/// Counts the step and truncates; returns which episodes are over.
 #[inline(always)]
 fn count<D: Native, O>(block: &mut Block<D>, results: &mut Results<O>, limit: u16) -> u32 {
     let mut truncated = 0;

@@ -11,7 +11,7 @@ use crate::{Error, Generator, Result};
 pub(super) struct Varied<D: Native> {
     /// Sorted by name.
     each: Vec<(String, Each)>,
-    /// The values of an environment, by name: room to work in.
+    /// The values of an environment by name, as working memory.
     values: Vec<(String, f64)>,
     /// For each environment a value of each argument that is a range.
     drawn: Vec<f64>,
@@ -19,10 +19,10 @@ pub(super) struct Varied<D: Native> {
 }
 
 impl<D: Native> Varied<D> {
-    /// For `num_envs` environments. None where no argument differs.
+    /// For `num_envs` environments; `None` if no argument differs.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for what a native vector cannot do, such as spaces that differ.
+    /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces that differ.
     pub(super) fn new(dynamics: &D, each: &BTreeMap<String, Each>, num_envs: usize) -> Result<Option<Self>> {
         if each.is_empty() {
             return Ok(None);
@@ -73,7 +73,7 @@ impl<D: Native> Varied<D> {
         self.each.iter().filter(|(_, each)| each.range().is_some()).count()
     }
 
-    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; none where nothing is drawn.
+    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; `None` if nothing is drawn.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are out of range together.
@@ -84,7 +84,7 @@ impl<D: Native> Varied<D> {
         self.choose(index, dynamics, |(low, high)| rng.uniform(low, high)).map(Some)
     }
 
-    /// Gives an environment the values that were chosen last, which made these dynamics.
+    /// Stores the last chosen values, which made these dynamics, for an environment.
     pub(super) fn keep(&mut self, index: usize, own: &D) {
         own.constants().set(&mut self.blocks[index / LANES], index % LANES);
         let chosen = self.each.iter().zip(&self.values).filter(|((_, each), _)| each.range().is_some());
@@ -102,9 +102,9 @@ impl<D: Native> Varied<D> {
     /// Goes on with values that were stored.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] where they are not values of these ranges.
+    /// [`Error::Snapshot`] if they are outside these ranges.
     pub(super) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
-        let refuse = || Error::Snapshot(format!("its arguments do not fit the ranges of this {}", D::NAME));
+        let refuse = || Error::Snapshot(format!("its arguments are outside the ranges of this {}", D::NAME));
         if drawn.len() != self.drawn.len() {
             return Err(refuse());
         }
@@ -125,13 +125,18 @@ impl<D: Native> Varied<D> {
         Ok(())
     }
 
-    /// The dynamics of an environment, with what `choose` picks from each range.
+    /// The dynamics of an environment, with a value of each range from `choose`.
     fn choose(&mut self, index: usize, dynamics: &D, mut choose: impl FnMut((f64, f64)) -> f64) -> Result<D> {
         for ((name, each), (_, value)) in self.each.iter().zip(&mut self.values) {
             *value = match (each.range(), each.number(index)) {
                 (Some(range), _) => choose(range),
                 (None, Some(value)) => value,
-                (None, None) => return Err(Error::argument(name, "a native vector varies numbers alone")),
+                (None, None) => {
+                    return Err(Error::argument(
+                        name,
+                        "only arguments that are numbers can differ in a native vector",
+                    ));
+                }
             };
         }
         dynamics.with_numbers(&self.values)

@@ -45,7 +45,7 @@ gym_core::discrete! {
     }
 }
 
-/// All that changes from step to step.
+/// The state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Height above the ground, in m.
@@ -60,7 +60,7 @@ pub struct RocketTask {
     config: Config,
 }
 
-/// What the task is, whoever steps it.
+/// The task.
 impl Task for RocketTask {
     type Config = Config;
     type State = State;

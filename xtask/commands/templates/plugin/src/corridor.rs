@@ -40,7 +40,7 @@ gym_core::discrete! {
     }
 }
 
-/// Where the agent is, and how it came there.
+/// The agent's cell, and how it got there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The cell.

@@ -1,4 +1,4 @@
-//! The environments keep the rules that agents and wrappers rely on.
+//! The environments keep the rules of gym-conform.
 
 use gym_render as _; // draws, so that the render modes are checked as well
 

@@ -107,8 +107,13 @@ fn actions_outside_the_space() {
     for id in ["Pendulum-v1", "MountainCarContinuous-v0"] {
         let mut env = gym::make(id).unwrap();
         env.reset(0).unwrap();
-        let arrays: [Array; 5] =
-            [[f32::NAN].into(), [f32::INFINITY].into(), [0.0f32, 0.0].into(), [0.0f64].into(), [0i64].into()];
+        let arrays: [Array; 5] = [
+            [f32::NAN].into(),
+            [f32::INFINITY].into(),
+            [f64::NAN].into(),
+            [0.0f32, 0.0].into(),
+            [0i64; 2].into(),
+        ];
         for array in arrays {
             says(env.step(&Value::Array(array)), &["invalid action", "Box("]);
         }

@@ -333,7 +333,7 @@ where
         let items = D::Action::items(&batch, N).unwrap();
         let observations = columns.observations.as_slice::<f32>().unwrap().as_chunks::<O>().0;
         for i in (0..N).filter(|i| !due[*i]) {
-            let action = D::Action::from_item(items[i]);
+            let action = D::Action::from_item(D::Action::item(items, i));
             let one = dynamics.transition(&before[i], &action, &mut rng).unwrap();
             let place = || format!("{}: step {step} of {i}, from {:?}", D::NAME, before[i]);
             let bits = |state: &D::State| dynamics.pack(state).map(f64::to_bits);

@@ -86,6 +86,18 @@ pub(crate) struct Moment {
     picture: usize,
 }
 
+impl State {
+    /// The frames since the game was made.
+    pub fn frame_number(&self) -> u32 {
+        self.progress.frame_number
+    }
+
+    /// The frames of the episode.
+    pub fn episode_frame_number(&self) -> u32 {
+        self.progress.episode_frame_number
+    }
+}
+
 impl Ale {
     /// A game from its ROM, with the generator of sticky actions seeded, at the start of an episode.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
@@ -309,6 +321,11 @@ impl Ale {
         Ram(self.console.ram())
     }
 
+    /// The RAM, to be changed. Score and lives are read from it with the next frame.
+    pub fn ram_mut(&mut self) -> &mut [u8; 128] {
+        self.console.ram_mut()
+    }
+
     /// The picture: a colour index for each pixel.
     pub fn picture(&self) -> &[Row] {
         self.console.picture()
@@ -354,6 +371,11 @@ impl Ale {
         self.settings = settings;
     }
 
+    /// How the episodes that follow are played.
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
     /// Continues from a state, and shows the pictures of it; `false` and no change if they are not of this game.
     pub fn restore(&mut self, state: &State, pictures: &Pictures) -> bool {
         let mut restored = self.clone();
@@ -374,6 +396,18 @@ impl Ale {
         let fits = self.console.set_state(&state.console);
         if fits {
             self.progress = state.progress.clone();
+        }
+        fits
+    }
+
+    /// As [`set_state`](Self::set_state), in the way of ale-py's `restoreState`: the action that may stick is the last that was
+    /// done, and the numbers that decide it go on, unless they are to be those of the state.
+    pub fn set_state_like_ale(&mut self, state: &State, include_rng: bool) -> bool {
+        let Progress { previous, generator, .. } = self.progress.clone();
+        let fits = self.set_state(state);
+        self.progress.previous = previous;
+        if !(fits && include_rng) {
+            self.progress.generator = generator;
         }
         fits
     }

@@ -25,7 +25,7 @@ mod tia;
 mod wires;
 mod words;
 
-pub use action::Action;
+pub use action::{Action, Command};
 pub use ale::Ale;
 pub use env::{AtariAction, AtariEnv, Config, Frameskip, ObsType};
 pub use preprocessing::{AtariPreprocessing, Preprocessing};

@@ -40,8 +40,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot, Space,
-    pygame,
+    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration, Reset,
+    Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -133,7 +133,7 @@ struct Episode {
     pictures: usize,
     /// That of the step that has begun.
     #[serde(skip)]
-    action: [f32; 4],
+    action: Continuous<4>,
 }
 
 impl BipedalWalker {
@@ -146,7 +146,7 @@ impl BipedalWalker {
     fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(self.config, rng));
-        episode.begin(&[0.0; 4]);
+        episode.begin(&Continuous::default());
         Ok(episode)
     }
 
@@ -229,17 +229,19 @@ impl Episode {
             prev_shaping: None,
             lidar: [1.0; LIDAR_RAYS],
             pictures: 0,
-            action: [0.0; 4],
+            action: Continuous::default(),
         }
     }
 
     /// The motors, and the first part of the world's step.
-    fn begin(&mut self, action: &[f32; 4]) {
-        for (i, (joint, a)) in self.joints.into_iter().zip(action).enumerate() {
+    fn begin(&mut self, action: &Continuous<4>) {
+        for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
-            let direction = if *a == 0.0 { 0.0 } else { a.signum() };
+            let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
             self.world.set_motor_speed(joint, speed * direction);
-            self.world.set_max_motor_torque(joint, MOTORS_TORQUE * a.abs().clamp(0.0, 1.0));
+            // exact but for this rounding, which is numpy's for an action of `float32` and Box2D's for others
+            let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
+            self.world.set_max_motor_torque(joint, torque as f32);
         }
         self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.action = *action;
@@ -268,11 +270,14 @@ impl Episode {
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
         shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // numpy's scalars: the reward is of 32 bits from the first motor on
-        let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before) as f32;
+        // numpy's scalars: for an action of `float32` the reward is of 32 bits from the first motor on
+        let single = self.action.precision == Precision::Single;
+        let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
+        let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));
         self.prev_shaping = Some(shaping);
-        for a in self.action {
-            reward -= (0.00035 * f64::from(MOTORS_TORQUE)) as f32 * a.abs().clamp(0.0, 1.0);
+        let cost = rounded(0.00035 * f64::from(MOTORS_TORQUE));
+        for a in self.action.numbers {
+            reward = rounded(reward - rounded(cost * a.abs().clamp(0.0, 1.0)));
         }
 
         let mut terminated = false;
@@ -283,7 +288,7 @@ impl Episode {
         if x > (TERRAIN_LENGTH - TERRAIN_GRASS) as f64 * TERRAIN_STEP {
             terminated = true;
         }
-        (state, Outcome { reward: f64::from(reward), terminated, truncated: false })
+        (state, Outcome { reward, terminated, truncated: false })
     }
 
     /// The end of a lidar ray without an obstacle.
@@ -404,7 +409,7 @@ impl Episode {
 
 impl Env for BipedalWalker {
     type Observation = [f32; 24];
-    type Action = [f32; 4];
+    type Action = Continuous<4>;
 
     fn observation_space(&self) -> Space {
         // five times the rated speeds, for impacts
@@ -428,11 +433,11 @@ impl Env for BipedalWalker {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &[f32; 4], observation: &mut [f32; 24]) -> Result<Outcome> {
+    fn step_into(&mut self, action: &Continuous<4>, observation: &mut [f32; 24]) -> Result<Outcome> {
         let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if !begun {
-            if !action.iter().all(|a| a.is_finite()) {
+            if !action.is_finite() {
                 return Err(Error::action(action, &self.action_space()));
             }
             episode.begin(action);
@@ -518,8 +523,8 @@ impl Lockstep for BipedalWalker {
         }
     }
 
-    fn begin_step(&mut self, action: &[f32; 4], worlds: &mut Worlds) {
-        let possible = action.iter().all(|a| a.is_finite());
+    fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
+        let possible = action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
             episode.begin(action);
             self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));

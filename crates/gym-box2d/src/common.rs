@@ -231,8 +231,8 @@ mod tests {
         let run = |worlds| {
             let (mut state, mut pilots) = (3, [(); 9].map(|()| Heuristic::default()));
             let policy = |i: usize, observation: &[f32; 24]| match i % 3 {
-                0 => [(); 4].map(|()| noise(&mut state)),
-                _ => pilots[i].act(observation),
+                0 => [(); 4].map(|()| noise(&mut state)).into(),
+                _ => pilots[i].act(observation).into(),
             };
             run(make, 9, 150, worlds, policy)
         };

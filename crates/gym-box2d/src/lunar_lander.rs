@@ -35,8 +35,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result, Snapshot,
-    Space, Value, pygame,
+    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset,
+    Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -97,7 +97,7 @@ impl Config {
     fn takes(&self, action: &Action) -> bool {
         match action {
             Action::Fire(_) => !self.continuous,
-            Action::Throttle(throttles) => self.continuous && throttles.iter().all(|x| x.is_finite()),
+            Action::Throttle(throttles) => self.continuous && throttles.is_finite(),
         }
     }
 }
@@ -123,7 +123,7 @@ pub enum Action {
     Fire(Engine),
     /// With [`Config::continuous`]: main throttle, off up to 0, then from half to full power at 1;
     /// side throttle, left engine below -0.5, right engine above 0.5.
-    Throttle([f32; 2]),
+    Throttle(Continuous<2>),
 }
 
 impl From<Engine> for Action {
@@ -134,7 +134,7 @@ impl From<Engine> for Action {
 
 impl From<[f32; 2]> for Action {
     fn from(throttles: [f32; 2]) -> Self {
-        Self::Throttle(throttles)
+        Self::Throttle(throttles.into())
     }
 }
 
@@ -230,8 +230,11 @@ impl LunarLander {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(&self.config, self.version, rng));
         episode.render(&self.config, self.renders);
-        let idle =
-            if self.config.continuous { Action::Throttle([0.0; 2]) } else { Action::Fire(Engine::Off) };
+        let idle = if self.config.continuous {
+            Action::Throttle(Continuous::default())
+        } else {
+            Action::Fire(Engine::Off)
+        };
         episode.begin(&self.config, &idle);
         Ok(episode)
     }
@@ -360,7 +363,7 @@ impl Episode {
             Action::Fire(Engine::Left) => (0.0, 1.0, -1.0),
             Action::Fire(Engine::Right) => (0.0, 1.0, 1.0),
             Action::Throttle(throttles) => {
-                let [main, side] = throttles.map(|throttle| f64::from(throttle).clamp(-1.0, 1.0));
+                let [main, side] = throttles.numbers.map(|throttle| throttle.clamp(-1.0, 1.0));
                 let m_power = if main > 0.0 { (main + 1.0) * 0.5 } else { 0.0 };
                 (m_power, if side.abs() > 0.5 { side.abs() } else { 0.0 }, side.signum())
             }
@@ -633,7 +636,7 @@ pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
         hover_todo = -s[3] * 0.5;
     }
     if continuous {
-        return Action::Throttle([hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)));
+        return [hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)).into();
     }
     Action::Fire(if hover_todo > angle_todo.abs() && hover_todo > 0.05 {
         Engine::Main

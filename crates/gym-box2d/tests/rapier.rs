@@ -40,7 +40,7 @@ where
 fn walk(physics: Physics, seed: u64) -> Episode {
     let env = BipedalWalker::new(bipedal_walker::Config { hardcore: false, physics });
     let mut gait = bipedal_walker::Heuristic::default();
-    play(env, seed, 1600, |seen| gait.act(seen))
+    play(env, seed, 1600, |seen| gait.act(seen).into())
 }
 
 fn land(physics: Physics, enable_wind: bool, seed: u64) -> Episode {
@@ -95,8 +95,8 @@ fn the_same_actions_walk_the_same_way() {
         let mut gait = bipedal_walker::Heuristic::default();
         for step in 0..50 {
             let action = gait.act(&a);
-            exact.step_into(&action, &mut a).unwrap();
-            rapier.step_into(&action, &mut b).unwrap();
+            exact.step_into(&action.into(), &mut a).unwrap();
+            rapier.step_into(&action.into(), &mut b).unwrap();
             let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(apart < 0.05, "seed {seed}, step {step}: {apart}");
         }

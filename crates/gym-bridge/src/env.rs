@@ -121,7 +121,13 @@ impl PythonEnv {
         let fits = match (space, action) {
             // numbers beyond the bounds are Python's to clip or to refuse
             (Space::Box(space), Value::Array(array)) => {
-                array.dtype() == space.dtype() && array.shape() == space.shape() && array.is_finite()
+                // real numbers go in the precision in which they came
+                let fits = array.dtype() == space.dtype() || space.dtype().is_float();
+                fits && array.shape() == space.shape() && array.is_finite()
+            }
+            (Space::Box(space), Value::Tuple(items)) if space.dtype().is_float() => {
+                space.shape() == [items.len()]
+                    && items.iter().all(|item| item.as_float().is_some_and(f64::is_finite))
             }
             (space, action) => space.contains(action),
         };

@@ -3,8 +3,10 @@
 A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a reply
 is 0 and values, or 1 and a dict that tells an exception. Values are written as `wire.rs` says.
 """
+import copy
 import importlib
 import json
+import math
 import os
 import struct
 import sys
@@ -115,6 +117,8 @@ def array(out, value):
     value = np.asarray(value)
     if value.dtype == bool:
         value = value.astype(np.int8)
+    if value.dtype == np.float16:
+        value = value.astype(np.float32)  # which holds each of them
     if value.dtype.name not in DTYPES:
         raise NoForm(f"an array of {value.dtype}")
     out += bytes((ARRAY, DTYPES.index(value.dtype.name), value.ndim))
@@ -176,14 +180,26 @@ def plain(out, value, depth=0):
 # ---- spaces -----------------------------------------------------------------------------------------------------------
 
 
+KINDS = ("Box", "Discrete", "MultiDiscrete", "MultiBinary", "Text", "Tuple", "Dict", "Sequence", "Graph", "OneOf")
+FOUND = {}  # the kinds of classes
+
+
 def kind_of(space):
     """The kind of a space, by name: gym's, Gymnasium's and those derived from them are alike."""
-    kinds = ("Box", "Discrete", "MultiDiscrete", "MultiBinary", "Text", "Tuple", "Dict", "Sequence", "Graph", "OneOf")
-    for base in type(space).__mro__:
-        if base.__name__ in kinds:
-            return base.__name__
-    if isinstance(space.sample(), str):
-        return "AnyText"
+    kind = FOUND.get(type(space))
+    if kind is None:
+        named = (base.__name__ for base in type(space).__mro__ if base.__name__ in KINDS)
+        kind = FOUND[type(space)] = next(named, None) or kind_of_sample(space)
+    return kind
+
+
+def kind_of_sample(space):
+    """The kind of a space of another class, from a sample of a copy: the space's own generator stays where it is."""
+    try:
+        if isinstance(copy.deepcopy(space).sample(), str):
+            return "AnyText"
+    except Exception:
+        pass
     raise Refused(f"the space {space!r} has no counterpart: its class is {type(space).__module__}.{type(space).__name__}")
 
 
@@ -263,6 +279,8 @@ def action_of(space, value):
     kind = kind_of(space)
     if kind == "Discrete":
         return np.int64(value)
+    if kind == "Box" and np.issubdtype(space.dtype, np.floating) and space.dtype != np.float16:
+        return list(value) if isinstance(value, tuple) else value  # in the precision in which it came
     if kind in ("Box", "MultiDiscrete", "MultiBinary"):
         return np.asarray(value, space.dtype)
     if kind == "Tuple":
@@ -302,6 +320,41 @@ def library(name):
         except ImportError:
             pass
     raise Refused(f"neither gym nor gymnasium is installed: `{sys.executable} -m pip install gymnasium` installs one")
+
+
+def shortened(form, value, limit=2000):
+    """A text of a value, which may be long and may fail."""
+    try:
+        text = form(value)
+    except BaseException as error:
+        return f"(a {type(value).__name__} whose {form.__name__} fails with {type(error).__name__})"
+    return text if len(text) <= limit else f"{text[:limit]}... ({len(text)} characters)"
+
+
+def single(value):
+    """The one number in a number or an array of one; else None."""
+    if isinstance(value, (bool, int, float, np.bool_, np.number)):
+        return value
+    if isinstance(value, np.ndarray) and value.size == 1 and value.dtype.kind in "biuf":
+        return value.item()
+    return None
+
+
+def number_of(name, value):
+    number = single(value)
+    if number is None or isinstance(number, (complex, np.complexfloating)):
+        raise Refused(f"the {name} is {shortened(repr, value)} of type {type(value).__name__}: it must be a number")
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf if number > 0 else -math.inf
+
+
+def flag_of(name, value):
+    flag = single(value)
+    if flag is None or flag not in (0, 1):
+        raise Refused(f"{name} is {shortened(repr, value)} of type {type(value).__name__}: it must be True or False")
+    return bool(flag)
 
 
 class Server:
@@ -354,15 +407,33 @@ class Server:
             out += changed
         else:
             out.append(NULL)
-        element(out, self.observation_space, self.kind, observation)
-        plain(out, info if isinstance(info, dict) else {})
+        self.observed(out, observation)
+        self.told(out, info)
+
+    def observed(self, out, observation):
+        try:
+            element(out, self.observation_space, self.kind, observation)
+        except Refused:
+            raise
+        except Exception as error:
+            shown = shortened(repr, observation)
+            raise Refused(f"the observation {shown} is no element of {self.observation_space}: {shortened(str, error)}") from None
+
+    def told(self, out, info):
+        if not isinstance(info, dict):
+            raise Refused(f"the info is {shortened(repr, info)} of type {type(info).__name__}: it must be a dict")
+        plain(out, info)
 
     def step(self, out, action):
-        observation, reward, terminated, truncated, info = self.env.step(action_of(self.action_space, action))
-        out += F64.pack(float(reward))
-        out += bytes((bool(terminated), bool(truncated)))
-        element(out, self.observation_space, self.kind, observation)
-        plain(out, info if isinstance(info, dict) else {})
+        result = self.env.step(action_of(self.action_space, action))
+        if not isinstance(result, (tuple, list)) or len(result) != 5:
+            shown = shortened(repr, result)
+            raise Refused(f"`step` returned {shown}: it must return observation, reward, terminated, truncated and info")
+        observation, reward, terminated, truncated, info = result
+        out += F64.pack(number_of("reward", reward))
+        out += bytes(flag_of(name, flag) for name, flag in (("terminated", terminated), ("truncated", truncated)))
+        self.observed(out, observation)
+        self.told(out, info)
 
     def render(self, out):
         picture = self.env.render()
@@ -427,7 +498,7 @@ def failure(error):
             place = f"{frames.tb_frame.f_code.co_filename}:{frames.tb_lineno}"
             frames = frames.tb_next
     name = None if isinstance(error, Refused) else type(error).__name__
-    plain(out, {"type": name, "message": str(error), "place": place})
+    plain(out, {"type": name, "message": shortened(str, error), "place": place})
     return out
 
 
@@ -445,10 +516,10 @@ def main():
                 sys.stderr.write(f"numpy is missing: `{sys.executable} -m pip install numpy` installs it\n")
                 os._exit(3)
             out = server.answer(request)
-        except Exception as error:
-            out = failure(error)
         except SystemExit as error:
             out = failure(RuntimeError(f"the environment called sys.exit({error.code!r})"))
+        except BaseException as error:  # KeyboardInterrupt and GeneratorExit, too
+            out = failure(error)
         write_all(replies, U32.pack(len(out)) + out)
         if request[0] == CLOSE:
             os._exit(0)

@@ -171,9 +171,15 @@ impl Drop for Worker {
         }
         // Give the worker time to finish videos, but do not wait for one that hangs.
         let goodbye = Duration::from_secs(2);
-        let asked =
-            self.pipe.set_read_timeout(Some(goodbye)).is_ok() && self.ask(Request::Close, &[]).is_ok();
-        if self.ended.is_none() && (!asked || self.wait(goodbye).is_none()) {
+        let asked = match self.pipe.set_read_timeout(Some(goodbye)) {
+            Ok(()) => self.ask(Request::Close, &[]).map(|_| ()),
+            Err(error) => Err(Error::custom(error.to_string())),
+        };
+        if let Err(error) = &asked {
+            // a drop returns nothing
+            eprintln!("{error}");
+        }
+        if self.ended.is_none() && (asked.is_err() || self.wait(goodbye).is_none()) {
             self.kill();
         }
     }

@@ -189,6 +189,57 @@ fn what_goes_wrong_in_python_is_an_error() {
 }
 
 #[test]
+fn odd_results_are_named_and_the_worker_lives() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = bridge("bridge/Odd-v0").arg("module", MODULE).build().unwrap();
+    let first = env.reset(0).unwrap();
+    let said = [
+        "the reward is '1.0' of type str: it must be a number",
+        "the reward is None of type NoneType",
+        "terminated is 'no' of type str: it must be True or False",
+        "the info is [1] of type list: it must be a dict",
+        "it must return observation, reward, terminated, truncated and info",
+        "raised KeyboardInterrupt in `step`",
+        "raised GeneratorExit in `step`",
+        "raised Mute in `step`: (a Mute whose str fails with RuntimeError)",
+        "... (5000000 characters)",
+    ];
+    for (action, expected) in (0..).zip(said) {
+        let error = env.step(&Value::Int(action)).unwrap_err().to_string();
+        assert!(error.contains(expected) && error.len() < 3000, "{error}");
+    }
+    // the space drew for the environment alone: this is the second number of its seed
+    let step = env.step(&Value::Int(9)).unwrap();
+    assert_eq!((step.reward, step.terminated, step.truncated), (0.5, true, false));
+    assert_eq!(env.reset(0).unwrap(), first);
+    assert_eq!(env.step(&Value::Int(9)).unwrap().observation, step.observation);
+}
+
+#[test]
+fn numbers_keep_their_precision() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = bridge("bridge/Half-v0").arg("module", MODULE).build().unwrap();
+    assert_eq!(env.reset(0).unwrap(), Value::Array([0.5_f32, -1.0].into()));
+    for (action, dtype) in [
+        (Value::Array([0.25_f32, 1.0].into()), "float32"),
+        (Value::Array([0.25, 1.0].into()), "float64"),
+        (Value::Tuple(vec![Value::Float(0.25), Value::Int(1)]), "float64"),
+    ] {
+        assert_eq!(env.step(&action).unwrap().observation, Value::Array([0.25_f32, 1.0].into()));
+        assert_eq!(env.info_map()["type"], Value::Text(dtype.into()));
+    }
+    for bad in [Value::Array([0.0, f64::NAN].into()), Value::Tuple(vec![Value::Null; 2]), Value::Int(1)] {
+        assert!(env.step(&bad).unwrap_err().to_string().contains("invalid action"));
+    }
+    let error = env.step(&Value::Array([9.0, 0.0].into())).unwrap_err().to_string();
+    assert!(error.contains("the observation array(['a', 'b']") && !error.contains("raised"), "{error}");
+}
+
+#[test]
 fn a_worker_that_hangs_is_ended() {
     if !has(&["gymnasium"]) {
         return;

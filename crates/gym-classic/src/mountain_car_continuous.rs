@@ -11,7 +11,7 @@
 //!
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
 //! is that of Gymnasium 1.4.0, `envs/classic_control/continuous_mountain_car.py`, with numpy 2:
-//! the state is `float64` after a reset and `float32` from the first step on.
+//! the state is `float64` after a reset and `float32` from the first step on, and the force has the precision in which it comes.
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
@@ -20,7 +20,9 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
-use gym_core::{Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task};
+use gym_core::{
+    Continuous, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, clip, equal};
@@ -80,7 +82,7 @@ const fn constants_of(config: &Config) -> [f64; 8] {
 
 impl Equations for MountainCarContinuousDynamics {
     type Numbers = [f64; 2];
-    type Input = [f64; 1];
+    type Input = [f64; 2];
     type Constants = [f64; 8];
 
     const USUAL: Option<[f64; 8]> = Some(constants_of(&Config::DEFAULT));
@@ -101,8 +103,8 @@ impl Equations for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn input(&self, [force]: [f32; 1]) -> [f64; 1] {
-        [f64::from(force)]
+    fn input(&self, Continuous { numbers: [force], precision }: Continuous<1>) -> [f64; 2] {
+        [force, f64::from(precision as u8)]
     }
 
     /// The equations of motion, for a force of any size.
@@ -112,7 +114,7 @@ impl Equations for MountainCarContinuousDynamics {
         constants: [R; 8],
         [position, velocity]: [R; 2],
         fresh: R::Mask,
-        [action]: [R; 1],
+        [action, precision]: [R; 2],
     ) -> Next<R, Self> {
         let [
             goal_velocity,
@@ -124,24 +126,35 @@ impl Equations for MountainCarContinuousDynamics {
             goal_position,
             power,
         ] = constants;
+        let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
+        let double = R::but_not(precision.lt(precision.same(2.0)), single);
         // Each operation on `float32` numbers is exact in `float64` up to this rounding.
-        let state_type = |x: R| R::select(fresh, x, x.single());
-        let zero = position.same(0.0);
+        let rounded = |wide: R::Mask, x: R| R::select(wide, x, x.single());
 
-        let pull = state_type(position * 3.0).cos() * 0.0025;
+        let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
         let within = ((action * power.single()).single() - pull.single()).single();
-        // a clipped force is one of the bounds, a Python float: the sum is then `float64`
-        let (below, above) = (action.lt(min_action.single()), action.gt(max_action.single()));
-        let force = R::select(below, min_action, max_action);
-        let change = R::select(below | above, force * power - pull, within);
-        let max_speed = state_type(max_speed);
-        let [min_position, max_position] = [state_type(min_position), state_type(max_position)];
-        let velocity = clip(state_type(velocity + state_type(change)), -max_speed, max_speed);
-        let position = clip(state_type(position + velocity), min_position, max_position);
+        // a clipped force is one of the bounds, a number of Python's: the sum is then `float64`
+        let below = action.lt(R::select(single, min_action.single(), min_action));
+        let above = action.gt(R::select(single, max_action.single(), max_action));
+        let clipped = below | above;
+        let force = R::select(below, min_action, R::select(above, max_action, action));
+        let change = R::select(R::but_not(single, clipped), within, force * power - pull);
+
+        // numbers of Python's take the precision of the state; those of `float64` widen what they are added to
+        let wide = fresh | R::but_not(double, clipped);
+        let most = rounded(wide, max_speed);
+        let moved = rounded(wide, velocity + rounded(wide, change));
+        let wide_position = fresh | R::but_not(wide, moved.lt(-most) | moved.gt(most));
+        let velocity = clip(moved, -most, most);
+        let min_position = rounded(wide_position, min_position);
+        let max_position = rounded(wide_position, max_position);
+        let moved = rounded(wide_position, position + rounded(wide_position, velocity));
+        let position = clip(moved, min_position, max_position);
         let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
-        let terminated = state_type(goal_position).le(position) & state_type(goal_velocity).le(velocity);
+        let terminated =
+            rounded(wide_position, goal_position).le(position) & rounded(wide, goal_velocity).le(velocity);
         let bonus = R::select(terminated, zero.same(100.0), zero);
-        let reward = bonus - action * action * 0.1;
+        let reward = bonus - action.square() * 0.1;
         let state = [position.single(), velocity.single()];
         Next { state, reward, terminated, seen: state }
     }
@@ -161,7 +174,7 @@ impl Task for MountainCarContinuousDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 2];
-    type Action = [f32; 1];
+    type Action = Continuous<1>;
 
     const NAME: &'static str = "MountainCarContinuous";
 
@@ -253,7 +266,7 @@ mod tests {
         let step = |force: f32| {
             let mut env = MountainCarContinuous::new(Config::default()).unwrap();
             env.reset(0).unwrap();
-            env.step(&[force]).unwrap()
+            env.step(&[force].into()).unwrap()
         };
         assert!((step(3.0).reward + 0.9).abs() < 1e-9, "{}", step(3.0).reward);
         assert!((step(1.0).reward + 0.1).abs() < 1e-9);

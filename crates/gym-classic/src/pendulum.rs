@@ -10,7 +10,8 @@
 //! | limit | 200 steps |
 //!
 //! The angle is 0 upright and grows counterclockwise. The order of operations is that of Gymnasium
-//! 1.4.0, `envs/classic_control/pendulum.py`, with numpy 2: products of the torque are `float32`.
+//! 1.4.0, `envs/classic_control/pendulum.py`, with numpy 2: products of a torque that comes
+//! as `float32` are `float32`.
 
 use std::f64::consts::PI;
 
@@ -22,7 +23,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
-    Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, pygame,
+    Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, pygame,
 };
 use serde::{Deserialize, Serialize};
 
@@ -89,14 +91,12 @@ struct Start {
 /// The constants of the equations, with the square of the length.
 const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     let Config { g, m, l, max_speed, max_torque, dt } = *config;
-    // numpy takes both to `float32`, as the torque is
-    let (per_torque, max_torque) = ((3.0 / (m * l_2)) as f32 as f64, max_torque as f32 as f64);
-    [3.0 * g / (2.0 * l), per_torque, max_speed, max_torque, dt]
+    [3.0 * g / (2.0 * l), 3.0 / (m * l_2), max_speed, max_torque, dt]
 }
 
 impl Equations for PendulumDynamics {
     type Numbers = [f64; 3];
-    type Input = [f64; 1];
+    type Input = [f64; 2];
     type Constants = [f64; 5];
 
     const USUAL: Option<[f64; 5]> = Some(constants_of(&Config::DEFAULT, 1.0));
@@ -123,10 +123,10 @@ impl Equations for PendulumDynamics {
         State { theta, theta_dot, last_torque: None }
     }
 
-    /// The torque.
+    /// The torque, and whether its products are `float64`: those of numpy's arrays of `float32` are not.
     #[inline(always)]
-    fn input(&self, [torque]: [f32; 1]) -> [f64; 1] {
-        [f64::from(torque)]
+    fn input(&self, Continuous { numbers: [torque], precision }: Continuous<1>) -> [f64; 2] {
+        [torque, f64::from(u8::from(precision != Precision::Single))]
     }
 
     /// The equation of motion, for a torque of any size.
@@ -136,16 +136,19 @@ impl Equations for PendulumDynamics {
         [per_sin, per_torque, max_speed, max_torque, dt]: [R; 5],
         [theta, theta_dot, sin]: [R; 3],
         _fresh: R::Mask,
-        [torque]: [R; 1],
+        [torque, is_double]: [R; 2],
     ) -> Next<R, Self> {
+        let single = is_double.lt(is_double.same(1.0));
+        let rounded = |x: R| R::select(single, x.single(), x);
+        let max_torque = rounded(max_torque);
         let u = clip(torque, -max_torque, max_torque);
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
-        // the last product and its sum with nothing are those of `float32`
-        let effort = (u.square_f32() * f64::from(0.001f32)).single();
+        let effort_of_single = (u.square_f32() * f64::from(0.001f32)).single();
+        let effort = R::select(single, effort_of_single, u.square() * 0.001);
         let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
         let pull = sin * per_sin;
-        let push = (u * per_torque).single();
+        let push = rounded(u * rounded(per_torque));
         let theta_dot = clip(theta_dot + (pull + push) * dt, -max_speed, max_speed);
         let theta = theta + theta_dot * dt;
         let terminated = theta.lt(theta) & theta.lt(theta);
@@ -161,7 +164,8 @@ impl Equations for PendulumDynamics {
     }
 
     #[inline(always)]
-    fn finish(&self, _before: &State, [torque]: [f32; 1], transition: &mut Transition<State>) {
+    fn finish(&self, _before: &State, action: Continuous<1>, transition: &mut Transition<State>) {
+        let [torque] = action.numbers.map(|torque| torque as f32);
         transition.state.last_torque =
             Some(torque.max(-self.config.max_torque as f32).min(self.config.max_torque as f32));
     }
@@ -171,7 +175,7 @@ impl Task for PendulumDynamics {
     type Config = Config;
     type State = State;
     type Observation = [f32; 3];
-    type Action = [f32; 1];
+    type Action = Continuous<1>;
 
     const NAME: &'static str = "Pendulum";
 

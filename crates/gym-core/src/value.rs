@@ -265,6 +265,7 @@ impl fmt::Display for Value {
 /// | `i64`, `usize`, `u8`, `u32` | a `Discrete` |
 /// | an enum of [`discrete!`](crate::discrete) | a `Discrete`, from 0 on |
 /// | `[T; N]` of numbers | a `Box`, `MultiDiscrete` or `MultiBinary` of one axis |
+/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in the precision in which it comes |
 /// | [`Array`] | these of any shape |
 /// | [`String`] | a `Text` |
 /// | tuples of two to four of these | a `Tuple` |
@@ -338,8 +339,16 @@ impl Element for Array {
         Self::default()
     }
 
+    /// A tuple of numbers is an array of `float64`, as numpy's `asarray` makes one of a list.
     fn from_value(value: &Value) -> Option<Self> {
-        value.as_array().cloned()
+        match value {
+            Value::Array(array) => Some(array.clone()),
+            Value::Tuple(items) => {
+                let numbers: Option<Vec<f64>> = items.iter().map(Value::as_float).collect();
+                numbers.map(Self::from)
+            }
+            _ => None,
+        }
     }
 
     fn write(&self, out: &mut Value) {
@@ -351,7 +360,10 @@ impl Element for Array {
     }
 
     fn with<R>(value: &Value, f: impl FnOnce(&Self) -> R) -> Option<R> {
-        value.as_array().map(f)
+        match value {
+            Value::Array(array) => Some(f(array)),
+            _ => Self::from_value(value).map(|array| f(&array)),
+        }
     }
 
     fn fill<R>(out: &mut Value, f: impl FnOnce(&mut Self) -> R) -> R {
@@ -510,9 +522,31 @@ macro_rules! discrete {
 
         impl $crate::vector::native::ActionColumn for $name {
             type Item = i64;
+            type Items<'a> = &'a [i64];
 
             fn items(batch: &$crate::Value, n: usize) -> Option<&[i64]> {
                 $crate::vector::native::indices(batch, n)
+            }
+
+            #[inline(always)]
+            fn item(items: &[i64], index: usize) -> i64 {
+                items[index]
+            }
+
+            #[inline(always)]
+            fn block<'r, 'a: 'r>(
+                items: &'a [i64],
+                first: usize,
+                len: usize,
+                room: &'r mut [i64; $crate::vector::native::LANES],
+            ) -> &'r [i64; $crate::vector::native::LANES] {
+                $crate::vector::native::block_of(items, first, len, room)
+            }
+
+            // without early exit, which would keep the compiler from vector instructions
+            #[inline(always)]
+            fn all_valid(items: &[i64], n: usize) -> bool {
+                items[..n].iter().fold(true, |valid, item| valid & Self::is_valid(*item))
             }
 
             #[inline(always)]

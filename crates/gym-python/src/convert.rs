@@ -7,7 +7,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{IntoPyDict, PyDict, PyString, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
 /// Evaluates `$body` with `$T` standing for the Rust type of a [`DType`].
 macro_rules! with_dtype {
@@ -112,6 +112,48 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
         Rendered::Text(text) => text.into_bound_py_any(py),
         Rendered::Texts(texts) => texts.into_bound_py_any(py),
     }
+}
+
+/// A Python object as an action of a space, or as `n` of them in their batched space: as [`from_python`], but numbers of a `Box` of
+/// reals keep the precision in which they come, as Gymnasium computes with it.
+pub(crate) fn action_from_python(
+    space: &Space,
+    batch: Option<(usize, &Space)>,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<Value> {
+    let inner = match space {
+        Space::Box(inner) if inner.dtype().is_float() => inner,
+        _ => return from_python(batch.map_or(space, |(_, batch)| batch), object),
+    };
+    let n = batch.map(|(n, _)| n);
+    let shape: Vec<usize> = n.into_iter().chain(inner.shape().iter().copied()).collect();
+    if let Ok(array) = object.cast::<PyArrayDyn<f32>>()
+        && array.is_c_contiguous()
+    {
+        return read_array(object, DType::F32, Some(&shape)).map(Value::Array);
+    }
+    let array = numpy(object.py())?.call_method1("asarray", (object,))?;
+    let single = ["f", "e"].contains(&array.getattr("dtype")?.getattr("char")?.extract::<String>()?.as_str());
+    let dtype = if single { DType::F32 } else { DType::F64 };
+    let numbers = read_array(&array, dtype, Some(&shape))?;
+    if dtype == DType::F32 || !is_list_of_numbers(object)? {
+        return Ok(Value::Array(numbers));
+    }
+    // numbers of Python's own, which take the precision of what they meet
+    let row = inner.shape().iter().product::<usize>().max(1);
+    let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
+    Ok(Value::Tuple(match n {
+        None => numbers,
+        Some(_) => numbers.chunks(row).map(|row| Value::Tuple(row.to_vec())).collect(),
+    }))
+}
+
+/// Whether an object is a list or tuple, perhaps of such, whose first number is of Python's own type.
+fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
+    if object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>() {
+        return if object.len()? == 0 { Ok(false) } else { is_list_of_numbers(&object.get_item(0)?) };
+    }
+    Ok(object.is_exact_instance_of::<PyFloat>() || object.is_exact_instance_of::<PyInt>())
 }
 
 /// A Python object as an element of a space, by kind, type and shape; the bounds are not looked at.

@@ -2,17 +2,23 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
+use gym::atari::AtariEnv;
+use gym::box2d::{CarRacing, ScoreGlyphs};
 use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
-use gym::{BoxEnv, Env as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use gym::{
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space,
+    Value,
+};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyTuple};
-use serde_json::Value as Json;
+use serde::de::DeserializeOwned;
+use serde_json::{Value as Json, json};
 
-use crate::convert::{from_python, rendered, to_python};
+use crate::convert::{action_from_python, rendered, to_python};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::{mujoco, peek, registry};
@@ -28,6 +34,8 @@ pub(crate) struct Env {
     id: String,
     kwargs: String,
     render_mode: Option<String>,
+    /// The wrappers of the Rust side, as JSON.
+    wrappers: String,
     action_space: Space,
     /// Whether a step is worth releasing the lock of Python.
     is_slow: bool,
@@ -85,12 +93,10 @@ impl Core {
 }
 
 impl Env {
-    fn make(id: &str, kwargs: &str, render_mode: Option<&str>) -> PyResult<Self> {
-        let map: Kwargs = serde_json::from_str(kwargs)
-            .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
-            .or_raise()?;
-        let env = guard(|| registry::bare(id, map, render_mode).or_raise())?;
-        Ok(Self::holding(env, id, kwargs, render_mode, false, Value::Null))
+    fn make(id: &str, kwargs: &str, render_mode: Option<&str>, wrappers: &str) -> PyResult<Self> {
+        let map: Kwargs = from_json(id, kwargs)?;
+        let env = guard(|| registry::bare(id, map, render_mode, from_json(id, wrappers)?).or_raise())?;
+        Ok(Self::holding(env, id, kwargs, render_mode, wrappers, false, Value::Null))
     }
 
     fn holding(
@@ -98,6 +104,7 @@ impl Env {
         id: &str,
         kwargs: &str,
         render_mode: Option<&str>,
+        wrappers: &str,
         is_running: bool,
         observation: Value,
     ) -> Self {
@@ -106,6 +113,7 @@ impl Env {
             id: id.to_owned(),
             kwargs: kwargs.to_owned(),
             render_mode: render_mode.map(str::to_owned),
+            wrappers: wrappers.to_owned(),
             action_space: env.action_space(),
             is_slow: is_slow || render_mode == Some("human"),
             core: Mutex::new(Core { env, observation, frame: Rendered::Shown, is_running }),
@@ -117,7 +125,21 @@ impl Env {
     pub(crate) fn of_vector(env: BoxEnv, spec: &EnvSpec) -> Self {
         let kwargs = Json::Object(spec.kwargs.clone()).to_string();
         let render_mode = spec.render_mode.map(RenderMode::name);
-        Self::holding(env, &spec.id, &kwargs, render_mode, true, Value::Null)
+        let wrappers = json!(spec.additional_wrappers).to_string();
+        Self::holding(env, &spec.id, &kwargs, render_mode, &wrappers, true, Value::Null)
+    }
+
+    /// Runs something with the game of an Atari environment.
+    pub(crate) fn with_atari<T>(
+        &self,
+        py: Python<'_>,
+        f: impl FnOnce(&mut AtariEnv) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let mut core = self.lock(py)?;
+        match core.env.unwrapped_mut::<AtariEnv>() {
+            Some(env) => guard(|| f(env)),
+            None => Err(Error::custom(format!("{} is no game of the Atari 2600", self.id))).or_raise(),
+        }
     }
 
     /// A copy of the environment.
@@ -143,7 +165,7 @@ impl Env {
     }
 
     fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
-        from_python(&self.action_space, action).map_err(|error| {
+        action_from_python(&self.action_space, None, action).map_err(|error| {
             let py = action.py();
             let shown = action.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
             let text = format!(
@@ -160,9 +182,9 @@ impl Env {
 impl Env {
     /// The environment `id` with these arguments, a JSON object.
     #[new]
-    #[pyo3(signature = (id, kwargs, render_mode))]
-    fn new(id: &str, kwargs: &str, render_mode: Option<&str>) -> PyResult<Self> {
-        Self::make(id, kwargs, render_mode)
+    #[pyo3(signature = (id, kwargs, render_mode, wrappers = "[]"))]
+    fn new(id: &str, kwargs: &str, render_mode: Option<&str>, wrappers: &str) -> PyResult<Self> {
+        Self::make(id, kwargs, render_mode, wrappers)
     }
 
     /// Starts an episode; `seed` in decimal digits, `options` as a JSON object.
@@ -311,6 +333,16 @@ impl Env {
         }
     }
 
+    /// Writes the score of CarRacing with these digits: the text of a file of `ScoreGlyphs`.
+    fn set_score_glyphs(&self, py: Python<'_>, glyphs: &str) -> PyResult<()> {
+        let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
+        match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
+            Some(env) => env.set_score_glyphs(glyphs),
+            None => return Err(Error::custom(format!("{} writes no score", self.id))).or_raise(),
+        }
+        Ok(())
+    }
+
     /// Ends the use of the environment.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let mut core = self.lock(py)?;
@@ -324,8 +356,9 @@ impl Env {
     /// A copy that goes on by itself.
     fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
         let core = guard(|| Ok(self.lock(py)?.clone()))?;
-        let Self { id, kwargs, render_mode, .. } = self;
-        Ok(Self::holding(core.env, id, kwargs, render_mode.as_deref(), core.is_running, core.observation))
+        let Self { id, kwargs, render_mode, wrappers, .. } = self;
+        let render_mode = render_mode.as_deref();
+        Ok(Self::holding(core.env, id, kwargs, render_mode, wrappers, core.is_running, core.observation))
     }
 
     /// A copy that goes on by itself.
@@ -342,23 +375,27 @@ impl Env {
             let observation = space.to_json(&core.observation).map(|json| json.to_string()).ok();
             (core.snapshot()?, core.is_running, observation)
         };
-        let made_of = (&env.id, env.arguments(py)?, &env.render_mode, snapshot, is_running, observation);
+        let arguments = env.arguments(py)?;
+        let made_of =
+            (&env.id, arguments, &env.render_mode, &env.wrappers, snapshot, is_running, observation);
         Ok((slf.get_type().getattr("rebuild")?, made_of.into_pyobject(py)?))
     }
 
     /// The environment that `__reduce__` took apart.
     #[staticmethod]
-    #[pyo3(signature = (id, kwargs, render_mode, snapshot, is_running, observation))]
+    #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
+    #[expect(clippy::too_many_arguments, reason = "they are what `__reduce__` gives")]
     fn rebuild(
         py: Python<'_>,
         id: &str,
         kwargs: &str,
         render_mode: Option<&str>,
+        wrappers: &str,
         snapshot: &str,
         is_running: bool,
         observation: Option<&str>,
     ) -> PyResult<Self> {
-        let env = Self::make(id, kwargs, render_mode)?;
+        let env = Self::make(id, kwargs, render_mode, wrappers)?;
         env.restore(py, snapshot, is_running)?;
         if let Some(json) = observation.and_then(|text| serde_json::from_str::<Json>(text).ok()) {
             let mut core = env.lock(py)?;
@@ -371,6 +408,13 @@ impl Env {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(self.lock(py)?.env.describe())
     }
+}
+
+/// Reads what Python wrote as JSON about an id.
+pub(crate) fn from_json<T: DeserializeOwned>(id: &str, json: &str) -> PyResult<T> {
+    serde_json::from_str(json)
+        .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
+        .or_raise()
 }
 
 /// A reset from its Python form.

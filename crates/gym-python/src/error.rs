@@ -39,8 +39,30 @@ impl<T> OrRaise<T> for Result<T> {
     }
 }
 
+/// The text of an error, as Python's users know things.
+fn text(error: &Error) -> String {
+    match error {
+        Error::SubEnvironment { index, source } => format!("sub-environment {index}: {}", text(source)),
+        Error::ResetNeeded(call) => {
+            format!("cannot call `{call}` before `reset`: call `reset(seed=0)` first")
+        }
+        Error::InvalidArgument { .. } => TYPES.iter().fold(error.to_string(), |text, (types, words)| {
+            types.iter().fold(text, |text, name| text.replace(&format!("expected {name}"), words))
+        }),
+        // how to link crates is for Rust's
+        _ => error.to_string().split(" (linked crates").next().unwrap_or_default().to_owned(),
+    }
+}
+
+/// Types of Rust that JSON's errors speak of, in words.
+const TYPES: [(&[&str], &str); 3] = [
+    (&["usize", "u64", "u32", "u16", "u8"], "expected a whole number, zero or greater"),
+    (&["isize", "i64", "i32", "i16", "i8"], "expected a whole number"),
+    (&["f64", "f32"], "expected a number"),
+];
+
 fn exception(py: Python<'_>, error: &Error) -> PyErr {
-    let text = error.to_string();
+    let text = text(error);
     match class(error) {
         Class::Value => PyValueError::new_err(text),
         Class::Gymnasium(name) => gymnasium(py, name, text),

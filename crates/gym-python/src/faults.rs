@@ -68,4 +68,8 @@ impl Dynamics for Panics {
     }
 }
 
-gym::register!(Registration::new::<Stateful<Panics>>("faults/Panics-v0").description("Panics when told to."));
+gym::register!(
+    Registration::new::<Stateful<Panics>>("faults/Panics-v0")
+        .description("Panics when told to.")
+        .reset_options(&[("panic", "true")])
+);

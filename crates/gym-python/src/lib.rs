@@ -3,6 +3,7 @@
 //! Nothing here decides anything that Gymnasium decides: what a reset returns, which exceptions there are, how specs are
 //! registered is Python, in `python/rustgym`. What crosses the border are numpy arrays, numbers, and descriptions as JSON.
 
+mod atari;
 mod convert;
 mod env;
 mod error;
@@ -24,6 +25,8 @@ mod _native {
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 
+    #[pymodule_export]
+    use crate::atari::{Ale, AleState};
     #[pymodule_export]
     use crate::env::Env;
     #[pymodule_export]

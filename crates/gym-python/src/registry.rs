@@ -1,8 +1,8 @@
 //! What there is: ids, how they are made, what they look like.
 
-use gym::registry::{all, find};
+use gym::registry::{EnvBuilder, all, find};
 use gym::toytext::frozen_lake;
-use gym::{BoxEnv, Env, EnvSpec, Kwargs, Result, builder};
+use gym::{BoxEnv, Env, EnvSpec, Kwargs, Result, WrapperSpec, builder};
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
 
@@ -30,6 +30,7 @@ pub(crate) fn specs() -> PyResult<String> {
             "reward_threshold": reward_threshold,
             "max_episode_steps": max_episode_steps,
             "nondeterministic": nondeterministic,
+            "reset_options": registration.reset_options.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
             "native_vector": registration.vector_entry_point.is_some(),
         }))
     };
@@ -39,7 +40,7 @@ pub(crate) fn specs() -> PyResult<String> {
 /// Spaces and metadata of an id with its default arguments, as JSON.
 #[pyfunction]
 pub(crate) fn describe(id: &str) -> PyResult<String> {
-    guard(|| Ok(description(&bare(id, Kwargs::new(), None).or_raise()?).to_string()))
+    guard(|| Ok(description(&bare(id, Kwargs::new(), None, Vec::new()).or_raise()?).to_string()))
 }
 
 /// A random map for FrozenLake; see [`frozen_lake::generate_random_map`].
@@ -49,8 +50,13 @@ pub(crate) fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> PyR
     guard(|| frozen_lake::generate_random_map(size, p, seed).or_raise())
 }
 
-/// An environment without wrappers: Gymnasium puts its own around it.
-pub(crate) fn bare(id: &str, kwargs: Kwargs, render_mode: Option<&str>) -> Result<BoxEnv> {
+/// An environment without wrappers but these: Gymnasium puts its own around it.
+pub(crate) fn bare(
+    id: &str,
+    kwargs: Kwargs,
+    render_mode: Option<&str>,
+    wrappers: Vec<WrapperSpec>,
+) -> Result<BoxEnv> {
     let mut builder = builder(&find(id)?.spec()?.id)
         .args(kwargs)
         .disable_env_checker(true)
@@ -59,7 +65,7 @@ pub(crate) fn bare(id: &str, kwargs: Kwargs, render_mode: Option<&str>) -> Resul
     if let Some(mode) = render_mode {
         builder = builder.render_mode(mode.parse()?);
     }
-    builder.build()
+    wrappers.into_iter().fold(builder, EnvBuilder::wrap).build()
 }
 
 /// Spaces and metadata, as JSON.

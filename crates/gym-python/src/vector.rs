@@ -1,20 +1,22 @@
 //! Many environments stepped as one.
 
+use std::collections::BTreeMap;
 use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
+use gym::registry::{Each, EnvBuilder};
 use gym::vector::{
     AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
 };
-use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, builder};
+use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, WrapperSpec, builder};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::{Value as Json, json};
 
-use crate::convert::{from_python, new_array, numpy, refill, rendered, to_python};
-use crate::env::Env;
+use crate::convert::{action_from_python, new_array, numpy, refill, rendered, to_python};
+use crate::env::{Env, from_json};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::peek;
@@ -26,6 +28,8 @@ pub(crate) struct Vector {
     /// Not dropped in the child of a fork, where the threads are missing that dropping waits for.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
+    /// The space of one action, and that of all.
+    action: Space,
     actions: Space,
     origin: Origin,
 }
@@ -90,10 +94,11 @@ impl Vector {
         }
     }
 
-    fn actions(&self, space: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
-        from_python(space, actions).map_err(|error| {
+    /// Actions for `n` of the environments, whose space is `batch`.
+    fn actions(&self, n: usize, batch: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
+        action_from_python(&self.action, Some((n, batch)), actions).map_err(|error| {
             let py = actions.py();
-            let text = format!("invalid actions: the action space is {space} ({})", error.value(py));
+            let text = format!("invalid actions: the action space is {batch} ({})", error.value(py));
             gymnasium(py, "InvalidAction", text)
         })
     }
@@ -179,7 +184,7 @@ fn copy_into<'py, T: numpy::Element + Copy>(
 impl Vector {
     /// `num_envs` environments `id`, each with these arguments and the stack of `make`.
     #[new]
-    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy))]
+    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}"))]
     #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
     fn new(
         id: &str,
@@ -191,11 +196,13 @@ impl Vector {
         autoreset: &str,
         threads: Option<usize>,
         copy: bool,
+        wrappers: &str,
+        each: &str,
     ) -> PyResult<Self> {
         guard(|| {
-            let map: Kwargs = serde_json::from_str(kwargs)
-                .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
-                .or_raise()?;
+            let map: Kwargs = from_json(id, kwargs)?;
+            let wrappers: Vec<WrapperSpec> = from_json(id, wrappers)?;
+            let each: BTreeMap<String, Each> = from_json(id, each)?;
             let autoreset: Autoreset = serde_json::from_value(json!(autoreset))
                 .map_err(|error| Error::argument("autoreset_mode", error.to_string()))
                 .or_raise()?;
@@ -206,7 +213,11 @@ impl Vector {
             if let Some(mode) = render_mode {
                 env = env.render_mode(mode.parse().or_raise()?);
             }
+            let env = wrappers.into_iter().fold(env, EnvBuilder::wrap);
             let mut vector = env.vector(num_envs).autoreset(autoreset);
+            for (name, values) in each {
+                vector = vector.arg_each(&name, values);
+            }
             if let Some(kind) = kind {
                 vector = vector.kind(kind.parse().or_raise()?);
             }
@@ -254,7 +265,7 @@ impl Vector {
 
     /// Takes a step in each: observations, rewards, terminated, truncated, infos.
     fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyTuple>> {
-        let actions = self.actions(&self.actions, actions)?;
+        let actions = self.actions(self.spec.num_envs, &self.actions, actions)?;
         let mut core = self.lock(py)?;
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().step_into(&actions, columns).or_raise()))?;
@@ -265,8 +276,8 @@ impl Vector {
     /// Lets some take a step, without waiting for them.
     #[expect(clippy::needless_pass_by_value, reason = "Python lends no slice of them")]
     fn send(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, ids: Vec<usize>) -> PyResult<()> {
-        let space = self.spec_action_space(py)?.batch(ids.len().max(1)).or_raise()?;
-        let actions = self.actions(&space, actions)?;
+        let batch = self.action.batch(ids.len().max(1)).or_raise()?;
+        let actions = self.actions(ids.len(), &batch, actions)?;
         let mut core = self.lock(py)?;
         let envs = core.envs.of_threads()?;
         py.detach(|| guard(|| envs.send(&actions, &ids).or_raise()))
@@ -405,14 +416,11 @@ impl Vector {
 
 impl Vector {
     fn holding(mut envs: Envs, spec: VectorSpec, copy: bool) -> PyResult<Self> {
-        let actions = envs.as_dyn().action_space().or_raise()?;
+        let (action, actions) =
+            (envs.as_dyn().single_action_space(), envs.as_dyn().action_space().or_raise()?);
         let spares = (!copy).then(Default::default);
         let core = Mutex::new(Core { envs, columns: Columns::default(), spares });
-        Ok(Self { core: ManuallyDrop::new(core), spec, actions, origin: Origin::here() })
-    }
-
-    fn spec_action_space(&self, py: Python<'_>) -> PyResult<Space> {
-        Ok(self.lock(py)?.envs.as_dyn().single_action_space())
+        Ok(Self { core: ManuallyDrop::new(core), spec, action, actions, origin: Origin::here() })
     }
 }
 
@@ -420,8 +428,7 @@ fn make(spec: &VectorSpec) -> PyResult<Envs> {
     if spec.vectorization_mode != VectorKind::Async {
         return spec.make().or_raise().map(Envs::Here);
     }
-    let envs = (0..spec.num_envs).map(|_| spec.env.make()).collect::<gym::Result<Vec<_>>>().or_raise()?;
-    let mut vector = AsyncVectorEnv::new(envs).or_raise()?;
+    let mut vector = spec.envs().and_then(AsyncVectorEnv::new).or_raise()?;
     if let Some(threads) = spec.threads {
         vector = vector.with_threads(threads).or_raise()?;
     }

@@ -10,6 +10,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from conftest import assert_same
 from gymnasium.utils.env_checker import check_env
 
 import rustgym
@@ -133,12 +134,34 @@ def test_seeds() -> None:
     assert not np.array_equal(env.reset()[0], env.reset()[0])
 
 
-@pytest.mark.parametrize("options", [{"low": "x"}, {"low": [1.0, 2.0]}, {"low": 1.0, "high": 0.5}, {"low": float("nan")}, {"lo": 0.1}])
+@pytest.mark.parametrize("options", [{"low": "x"}, {"low": [1.0, 2.0]}, {"low": 1.0, "high": 0.5}, {"low": float("nan")}])
 def test_bad_options(options: dict[str, object]) -> None:
     env = rustgym.Env("CartPole-v1")
     env.reset(seed=0)
     with pytest.raises(ValueError, match="low|reset options of CartPole"):
         env.reset(options=options)
+
+
+@pytest.mark.parametrize("name", ["CartPole-v1", "Pendulum-v1", "Blackjack-v1", "CarRacing-v3", "LunarLander-v3"])
+def test_options_of_others_are_ignored(name: str) -> None:
+    for env in (rustgym.make(name), rustgym.VectorEnv(name, 1)):
+        plain = env.reset(seed=1)
+        assert_same(env.reset(seed=1, options={"somebody's": object()}), plain)
+        for options in ("x", 3, [("low", 0)]):
+            with pytest.raises(TypeError, match="options must be a dict"):
+                env.reset(options=options)
+
+
+def test_an_environment_is_of_its_class() -> None:
+    env = rustgym.Env("CartPole-v1", gravity=3.7)
+    assert isinstance(env, rustgym.envs.CartPoleEnv) and env.state is None and env.gravity == 3.7
+    assert repr(env) == "rustgym.Env('CartPole-v1', gravity=3.7)"
+    assert rustgym.Env(env_id="FrozenLake-v1").P[0][0]
+    assert repr(rustgym.VectorEnv("CartPole-v1", 3)) == "rustgym.VectorEnv('CartPole-v1', num_envs=3, kind='native')"
+    for wrong in ("CartPol-v1", "none/CartPole-v1"):
+        with pytest.raises(gymnasium.error.Error) as error:
+            rustgym.Env(wrong)
+        assert "crate" not in str(error.value)
 
 
 def test_options() -> None:

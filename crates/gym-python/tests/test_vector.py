@@ -175,3 +175,34 @@ def test_gymnasiums_wrappers_go_around() -> None:
         *_, infos = envs.step(envs.action_space.sample())
         episodes += sum("episode" in info for info in infos)
     assert episodes > 8
+
+
+def test_numbers_of_environments_and_threads() -> None:
+    for kwargs, error in (
+        ({"num_envs": -3}, ValueError),
+        ({"num_envs": 2.5}, TypeError),
+        ({"num_envs": "a"}, TypeError),
+        ({"num_envs": 2, "kind": "async", "threads": -1}, ValueError),
+        ({"num_envs": 2, "kind": "async", "threads": "a"}, TypeError),
+    ):
+        with pytest.raises(error, match="num_envs|threads"):
+            rustgym.VectorEnv("CartPole-v1", **kwargs)
+
+
+def test_an_argument_of_each() -> None:
+    envs = rustgym.make_vec("CartPole-v1", 2, arg_each={"gravity": [9.8, 1.6]})
+    alone = [rustgym.make("CartPole-v1", gravity=gravity) for gravity in (9.8, 1.6)]
+    envs.reset(seed=1)
+    for i, env in enumerate(alone):
+        env.reset(seed=1 + i)
+    for _ in range(5):
+        observations = envs.step(np.array([1, 1]))[0]
+        assert np.array_equal(observations, [env.step(1)[0] for env in alone])
+    drawn = rustgym.make_vec("CartPole-v1", 2, arg_each={"gravity": (3.7, 11.2)})
+    assert drawn.reset(seed=1)[0].shape == (2, 4)
+    with pytest.raises(TypeError, match="'gravty'"):
+        rustgym.make_vec("CartPole-v1", 2, arg_each={"gravty": [1, 2]})
+
+
+def test_the_direct_base_that_skrl_reads() -> None:
+    assert gymnasium.vector.VectorEnv in type(rustgym.make_vec("CartPole-v1", 2)).__bases__

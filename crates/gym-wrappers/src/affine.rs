@@ -85,13 +85,22 @@ impl Affine {
 
     fn apply(&self, array: &mut Array, f32s: fn(f32, f32, f32) -> f32, f64s: fn(f64, f64, f64) -> f64) {
         match self {
+            // numbers of `float64` stay so
+            Self::F32 { gradient, intercept } if array.dtype() == DType::F64 => {
+                map_rows(array, gradient, intercept, |x: f64, a, b| f64s(x, f64::from(a), f64::from(b)));
+            }
             Self::F32 { gradient, intercept } => map_rows(array, gradient, intercept, f32s),
             Self::F64 { gradient, intercept } => map_rows(array, gradient, intercept, f64s),
         }
     }
 }
 
-fn map_rows<T: Scalar>(array: &mut Array, gradient: &[T], intercept: &[T], f: fn(T, T, T) -> T) {
+fn map_rows<T: Scalar, C: Copy>(
+    array: &mut Array,
+    gradient: &[C],
+    intercept: &[C],
+    f: impl Fn(T, C, C) -> T,
+) {
     let numbers = array.as_mut_slice::<T>().unwrap_or_default();
     for row in numbers.chunks_exact_mut(gradient.len().max(1)) {
         for (x, (a, b)) in row.iter_mut().zip(gradient.iter().zip(intercept)) {

@@ -1,7 +1,7 @@
 //! Actions clipped.
 
 use gym_core::spaces::BoxSpace;
-use gym_core::{BoxEnv, Element, Result, Space, Value};
+use gym_core::{Array, BoxEnv, DType, Element, Result, Space, Value};
 
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
@@ -16,7 +16,11 @@ gym_core::arguments! {
 
 /// The bounds of [`ClipAction`].
 #[derive(Clone, Debug)]
-pub struct Clip(BoxSpace);
+pub struct Clip {
+    bounds: BoxSpace,
+    /// Of actions that come in `float64`.
+    wide: [Array; 2],
+}
 
 impl ActionMap for Clip {
     type Config = Config;
@@ -28,12 +32,21 @@ impl ActionMap for Clip {
         let bounds = expect_box::<Config>("action", inner)?;
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
         let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?;
-        Ok((Self(bounds.clone()), space.into()))
+        let wide = |bound: &Array| {
+            let mut wide = Array::zeros(DType::F64, bound.shape());
+            wide.assign_cast(bound).map(|()| wide)
+        };
+        let wide = [wide(bounds.low())?, wide(bounds.high())?];
+        Ok((Self { bounds: bounds.clone(), wide }, space.into()))
     }
 
     fn map<'a>(&self, action: &'a mut Value, _: &'a mut Value) -> &'a Value {
         if let Value::Array(array) = action {
-            array.clip(self.0.low(), self.0.high());
+            let [low, high] = match array.dtype() {
+                DType::F64 => self.wide.each_ref(),
+                _ => [self.bounds.low(), self.bounds.high()],
+            };
+            array.clip(low, high);
         }
         action
     }

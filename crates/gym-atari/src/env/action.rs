@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use gym_core::{Element, Value, math};
+use gym_core::{Continuous, Element, Value, math};
 
 use crate::action::Action;
 
@@ -36,7 +36,7 @@ impl Element for AtariAction {
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Int(_) => usize::from_value(value).map(Self::Index),
-            _ => Element::from_value(value).map(Self::Stick),
+            _ => Continuous::<3>::from_value(value).map(|stick| Self::Stick(stick.numbers.map(|x| x as f32))),
         }
     }
 

@@ -84,6 +84,11 @@ impl AtariEnv {
         &self.ale
     }
 
+    /// The game, to be played past the environment, which goes on from where it then is.
+    pub fn ale_mut(&mut self) -> &mut Ale {
+        &mut self.ale
+    }
+
     /// The arguments.
     pub fn config(&self) -> &Config {
         &self.config

@@ -30,8 +30,8 @@ use gym_core::canvas::Canvas;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset, Result,
-    Snapshot, Space, Value,
+    Array, Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset,
+    Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -89,14 +89,14 @@ gym_core::discrete! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Steering from -1 (left) to 1 (right), gas and brake from 0 to 1.
-    Pedals([f32; 3]),
+    Pedals(Continuous<3>),
     /// Without [`Config::continuous`]: one of five.
     Drive(Drive),
 }
 
 impl From<[f32; 3]> for Action {
     fn from(pedals: [f32; 3]) -> Self {
-        Self::Pedals(pedals)
+        Self::Pedals(pedals.into())
     }
 }
 
@@ -108,7 +108,7 @@ impl From<Drive> for Action {
 
 impl Element for Action {
     fn empty() -> Self {
-        Self::Pedals([0.0; 3])
+        Self::Pedals(Continuous::default())
     }
 
     fn from_value(value: &Value) -> Option<Self> {
@@ -274,7 +274,7 @@ impl CarRacing {
     pub fn step_state(&mut self, action: &Action) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         let possible = match action {
-            Action::Pedals(pedals) => self.config.continuous && pedals.iter().all(|x| x.is_finite()),
+            Action::Pedals(pedals) => self.config.continuous && pedals.is_finite(),
             Action::Drive(_) => !self.config.continuous,
         };
         if !possible {
@@ -325,7 +325,7 @@ impl Episode {
         if let Some(action) = action {
             let (steer, gas, brake) = match *action {
                 Action::Pedals(pedals) => {
-                    let [steer, gas, brake] = pedals.map(f64::from);
+                    let [steer, gas, brake] = pedals.numbers;
                     (-steer, gas, brake)
                 }
                 Action::Drive(Drive::Idle) => (0.0, 0.0, 0.0),

@@ -68,5 +68,75 @@ class Bad(gymnasium.Env):
         return 0, 0.0, False, False, {}
 
 
+class Mute(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+class Whim(spaces.Space):
+    """Texts, drawn by the space's own generator."""
+
+    def __init__(self):
+        super().__init__(None, str)
+
+    def sample(self, mask=None, probability=None):
+        return str(self.np_random.integers(1_000_000))
+
+    def contains(self, x):
+        return isinstance(x, str)
+
+
+class Odd(gymnasium.Env):
+    """Returns and raises what no environment should: the one that its action says."""
+
+    STEPS = {
+        "reward text": lambda self: ("1", "1.0", False, False, {}),
+        "reward none": lambda self: ("1", None, False, False, {}),
+        "flag": lambda self: ("1", 0.0, "no", False, {}),
+        "info": lambda self: ("1", 0.0, False, False, [1]),
+        "four": lambda self: ("1", 0.0, False, {}),
+        "interrupt": lambda self: self.throw(KeyboardInterrupt()),
+        "exit": lambda self: self.throw(GeneratorExit()),
+        "mute": lambda self: self.throw(Mute()),
+        "long": lambda self: self.throw(ValueError("x" * 5_000_000)),
+        "fine": lambda self: (self.observation_space.sample(), np.array([0.5]), np.int64(1), 0, {}),
+    }
+    action_space = spaces.Discrete(len(STEPS))
+
+    def __init__(self):
+        self.observation_space = Whim()
+
+    def throw(self, error):
+        raise error
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.observation_space.seed(3)
+        return self.observation_space.sample(), {}
+
+    def step(self, action):
+        return list(self.STEPS.values())[action](self)
+
+    def close(self):
+        raise OSError("it does not close")
+
+
+class Half(gymnasium.Env):
+    """Observes float16, and what it was asked to do in its info."""
+
+    observation_space = spaces.Box(-2, 2, (2,), np.float16)
+    action_space = spaces.Box(-1, 1, (2,), np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        return np.array([0.5, -1], np.float16), {}
+
+    def step(self, action):
+        if action[0] > 5:
+            return np.array(["a", "b"]), 0.0, False, False, {}
+        return np.asarray(action, np.float16), 0.0, False, False, {"type": str(np.asarray(action).dtype), "kind": type(action).__name__}
+
+
+gymnasium.register("bridge/Odd-v0", Odd)
+gymnasium.register("bridge/Half-v0", Half)
 gymnasium.register("bridge/Echo-v0", Echo)
 gymnasium.register("bridge/Bad-v0", Bad)

@@ -216,6 +216,20 @@ impl VectorSpec {
         env
     }
 
+    /// Makes the sub-environments, for a vector of one's own.
+    ///
+    /// # Errors
+    /// As [`EnvSpec::make`]; [`Error::InvalidArgument`] for more than memory holds, of which the first one tells.
+    pub fn envs(&self) -> Result<Vec<BoxEnv>> {
+        self.check_each()?;
+        let make = |index| self.env_at(index).make();
+        let first = make(0)?;
+        let observation = first.observation_space();
+        let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
+        size::check(self.num_envs, &observation, &first.action_space(), bytes)?;
+        std::iter::once(Ok(first)).chain((1..self.num_envs).map(make)).collect()
+    }
+
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
@@ -230,11 +244,11 @@ impl VectorSpec {
         let Self { env, autoreset_mode, threads, .. } = spec.clone();
         match self.vectorization_mode {
             VectorKind::Sync => {
-                let vector = SyncVectorEnv::new(envs(&spec)?)?;
+                let vector = SyncVectorEnv::new(self.envs()?)?;
                 Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
             }
             VectorKind::Async => {
-                let vector = AsyncVectorEnv::new(envs(&spec)?)?;
+                let vector = AsyncVectorEnv::new(self.envs()?)?;
                 let vector = match threads {
                     Some(threads) => vector.with_threads(threads)?,
                     None => vector,
@@ -264,17 +278,6 @@ impl VectorSpec {
 /// The least memory of an environment from `make`, beside its observations: its state, its spec, and the
 /// boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
-
-/// The sub-environments. The first one is made before the others, to check the memory of all.
-fn envs(spec: &VectorSpec) -> Result<Vec<BoxEnv>> {
-    spec.check_each()?;
-    let make = |index| spec.env_at(index).make();
-    let first = make(0)?;
-    let observation = first.observation_space();
-    let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
-    size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
-    std::iter::once(Ok(first)).chain((1..spec.num_envs).map(make)).collect()
-}
 
 /// The option of a spec that native vectors do not support.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {

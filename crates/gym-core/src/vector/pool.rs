@@ -136,7 +136,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// an id that is not an index or occurs twice; [`Error::SubEnvironment`] for one that is pending or
     /// must be reset. Then nothing was sent.
     pub fn send(&mut self, actions: &Value, ids: &[usize]) -> Result<()> {
-        self.spaces.action.check_batch(actions, ids.len())?;
+        self.spaces.action.check_actions(actions, ids.len())?;
         let n = self.home.len();
         let mut seen = vec![false; n];
         for (row, &id) in ids.iter().enumerate() {
@@ -315,7 +315,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.all_home()?;
-        self.spaces.action.check_batch(actions, self.home.len())?;
+        self.spaces.action.check_actions(actions, self.home.len())?;
         for traveller in self.home.iter_mut().flatten() {
             traveller.prepare(&self.spaces, self.autoreset, actions, traveller.index)?;
         }

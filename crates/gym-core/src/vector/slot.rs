@@ -105,7 +105,7 @@ impl<E: Env> Slot<E> {
 
     /// Takes the action of the next step from a row.
     pub(super) fn read_action(&mut self, spaces: &Spaces, actions: &Value, row: usize) -> Result<()> {
-        spaces.action.read_row(actions, row, &mut self.action)
+        spaces.action.read_action(actions, row, &mut self.action)
     }
 
     /// Whether its next step starts an episode.

@@ -130,7 +130,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.spaces.action.check_batch(actions, self.slots.len())?;
+        self.spaces.action.check_actions(actions, self.slots.len())?;
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.check(self.autoreset)
                 .and_then(|()| slot.read_action(&self.spaces, actions, index))

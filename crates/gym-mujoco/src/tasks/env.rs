@@ -32,8 +32,8 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Draws positions and velocities for the start of an episode.
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
 
-    /// Takes a step, and returns the measurements, the reward, and whether the episode ends.
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Self::Step, f64, bool);
+    /// Takes a step by an action of any precision, and returns the measurements, the reward, and whether the episode ends.
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Self::Step, f64, bool);
 
     /// What is seen, number by number.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
@@ -194,13 +194,10 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
-        let numbers = action.as_slice::<f32>().filter(|numbers| {
-            numbers.len() == self.simulation.model.nu() && numbers.iter().all(|a| a.is_finite())
-        });
-        let Some(numbers) = numbers else {
+        if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
             return Err(Error::action(action, &self.action_space));
-        };
-        let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, numbers);
+        }
+        let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, action);
         episode.step = Some(step);
         self.observe(observation)?;
         Ok(Outcome { reward, terminated, truncated: false })

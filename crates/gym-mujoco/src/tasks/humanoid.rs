@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Humanoid;
@@ -161,7 +161,7 @@ impl env::Task for Task {
         uniform_velocities(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let config = &self.config;
         let before = self.mass_center(simulation, data);
         simulation.step(data, action);

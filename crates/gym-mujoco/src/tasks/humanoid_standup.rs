@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::HumanoidStandup;
@@ -94,7 +94,7 @@ impl env::Task for Task {
         uniform_velocities(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         simulation.step(data, action);
         let up = data.qpos[2] / simulation.model.opt.timestep;
         let ctrl = self.config.ctrl_cost_weight * sum_of_squares(data.ctrl.len(), |i| data.ctrl[i]);

@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedDoublePendulum;
@@ -82,7 +82,7 @@ impl env::Task for Task {
         normal_noise(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         simulation.step(data, action);
         let [x, _, y] = data.site_xpos[0];
         let terminated = y <= 1.0;

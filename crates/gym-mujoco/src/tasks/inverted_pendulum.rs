@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedPendulum;
@@ -76,7 +76,7 @@ impl env::Task for Task {
         uniform_velocities(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         simulation.step(data, action);
         let finite = data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite());
         let terminated = !finite || data.qpos[1].abs() > MAX_ANGLE;

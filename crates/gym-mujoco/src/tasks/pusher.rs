@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Pusher;
@@ -121,7 +121,7 @@ impl env::Task for Task {
         data.qvel[free..].fill(0.0);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let before = self.distances(data);
         simulation.step(data, action);
         let (near, distance) = if self.version >= 5 { self.distances(data) } else { before };

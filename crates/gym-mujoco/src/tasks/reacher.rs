@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Policy, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Reacher;
@@ -107,7 +107,7 @@ impl env::Task for Task {
         data.qvel[free..].fill(0.0);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let before = norm(&self.offset(data));
         simulation.step(data, action);
         let measured = if self.version >= 5 { norm(&self.offset(data)) } else { before };

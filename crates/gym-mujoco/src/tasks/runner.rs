@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use gym_core::{Generator, Result};
+use gym_core::{Array, Generator, Result};
 use serde::{Deserialize, Serialize};
 
 use super::arguments::TaskArguments;
@@ -80,7 +80,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         uniform_velocities(&mut data.qvel, scale, rng);
     }
 
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &[f32]) -> (Step, f64, bool) {
+    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let settings = &self.settings;
         let before = data.qpos[0];
         simulation.step(data, action);

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use gym_core::spaces::BoxSpace;
-use gym_core::{Error, Generator, Result, Space};
+use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
 use crate::view::View;
@@ -42,9 +42,9 @@ impl Simulation {
     }
 
     /// Applies an action for the timesteps of a step.
-    pub(super) fn step(&self, data: &mut Data, action: &[f32]) {
-        for (ctrl, a) in data.ctrl.iter_mut().zip(action) {
-            *ctrl = f64::from(*a);
+    pub(super) fn step(&self, data: &mut Data, action: &Array) {
+        for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
+            *ctrl = a;
         }
         for _ in 0..self.frame_skip {
             step(&self.model, data);

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
@@ -101,9 +102,12 @@ def __getattr__(name: str) -> Any:
     if name == "sb3":
         import importlib
 
-        return importlib.import_module("rustgym.sb3")
+        try:
+            return importlib.import_module("rustgym.sb3")
+        except ModuleNotFoundError as error:
+            raise AttributeError(f"rustgym.sb3 needs stable-baselines3: {error}") from error
     return getattr(gymnasium, name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *dir(gymnasium), "sb3"})
+    return sorted({*globals(), *dir(gymnasium), *(["sb3"] if find_spec("stable_baselines3") else [])})

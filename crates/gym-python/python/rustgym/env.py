@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import operator
+import os
+from collections.abc import Mapping
+from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import gymnasium
@@ -29,7 +32,46 @@ def spec_of(env_id: str) -> dict[str, Any]:
         raise
 
 
-class Env(gymnasium.Env[Any, Any]):
+def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
+    """Arguments in the form of the Rust side, with what depends on this Python: where its games are."""
+    defaults = spec_of(env_id)["defaults"]
+    if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
+        package = find_spec("ale_py")
+        folders = [os.path.join(place, "roms") for place in (package and package.submodule_search_locations) or ()]
+        arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
+    return to_json(arguments)
+
+
+def native_options(env_id: str, options: Any) -> str | None:
+    """Reset options in the form of the Rust side: those that the environment has; others are ignored, as in Gymnasium.
+
+    Raises:
+        TypeError: for what is no dict.
+    """
+    if options is None:
+        return None
+    if not isinstance(options, Mapping):
+        raise TypeError(f"options must be a dict or None, not {options!r} of type {type(options).__name__}")
+    known = spec_of(env_id)["reset_options"]
+    return to_json({name: value for name, value in options.items() if name in known}) if options else None
+
+
+class _Kind(type):
+    """Makes of ``Env("CartPole-v1")`` an instance of the class that stands for the id."""
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        if cls is not Env or not (args or "env_id" in kwargs):
+            return super().__call__(*args, **kwargs)
+        import rustgym.envs as envs
+
+        env_id = kwargs.pop("env_id") if "env_id" in kwargs else args[0]
+        spec_of(env_id)
+        if len(args) > 1:
+            raise TypeError("rustgym.Env takes an id; its other arguments have names")
+        return getattr(envs, envs.class_name(env_id))(**kwargs)
+
+
+class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     """An environment whose dynamics run in Rust, with Gymnasium's interface and Gymnasium's numbers.
 
     Usually made by ``gymnasium.make("rustgym/CartPole-v1")``, which adds Gymnasium's own wrappers. The class itself has none,
@@ -40,6 +82,9 @@ class Env(gymnasium.Env[Any, Any]):
         >>> observation, info = env.reset(seed=42)
         >>> observation, info
         (0, {'prob': 1})
+
+    It is an instance of the class that stands for the id, such as ``rustgym.envs.FrozenLake_v1``, with what Gymnasium's users
+    know of that: ``state`` in classic control, ``P`` in toy text, ``data`` in the MuJoCo tasks, ``ale`` in Atari.
 
     Args:
         env_id: An id of the Rust registry, without the namespace ``rustgym/``; ``rustgym.ids()`` lists them.
@@ -65,6 +110,9 @@ class Env(gymnasium.Env[Any, Any]):
 
     #: The id of the Rust registry.
     env_id: str
+
+    # wrappers of the Rust side, as JSON
+    _wrappers = "[]"
 
     # names whose values are what the dynamics were made with: setting them changes nothing
     _constants: frozenset[str] = frozenset()
@@ -92,16 +140,19 @@ class Env(gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self._given = kwargs
         self._is_watched = False
-        self._native = self._make_native(to_json(kwargs))
+        self._native = self._make_native(native_arguments(env_id, kwargs))
+        self._take_spaces()
+        self.arguments = {**defaults, **spec["kwargs"], **kwargs}
+        for name, value in self.arguments.items():
+            if not hasattr(type(self), name):
+                self.__dict__[name] = value
+
+    def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
         if not self.metadata["render_modes"]:
             self.metadata = metadata_from(description)
         self.observation_space = space_from(description["observation_space"])
         self.action_space = space_from(description["action_space"])
-        self.arguments = {**defaults, **spec["kwargs"], **kwargs}
-        for name, value in self.arguments.items():
-            if not hasattr(type(self), name):
-                self.__dict__[name] = value
 
     @staticmethod
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
@@ -110,16 +161,17 @@ class Env(gymnasium.Env[Any, Any]):
 
         env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **json.loads(inner.arguments()))
         env._native = inner
+        env._take_spaces()
         env._np_random_seed = -1
         return env
 
     def _make_native(self, kwargs: str) -> native.Env:
         mode = self.render_mode if self.render_mode in ("human", "rgb_array", "ansi") else None
         try:
-            return native.Env(self.env_id, kwargs, mode)
+            return native.Env(self.env_id, kwargs, mode, self._wrappers)
         except gymnasium.error.UnsupportedMode:
             # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
-            return native.Env(self.env_id, kwargs, None)
+            return native.Env(self.env_id, kwargs, None, self._wrappers)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Starts an episode.
@@ -134,7 +186,8 @@ class Env(gymnasium.Env[Any, Any]):
 
         Raises:
             gymnasium.error.Error: for a seed that is negative or no whole number.
-            ValueError: for an option with a bad value, or one that the environment does not have.
+            TypeError: for options that are no dict.
+            ValueError: for an option with a bad value; those that the environment does not have are ignored, as in Gymnasium.
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)
@@ -149,7 +202,7 @@ class Env(gymnasium.Env[Any, Any]):
             self._push_generator()
         elif self._np_random_seed is None:
             seed = entropy()
-        arguments = None if seed is None else str(seed), to_json(options) if options else None
+        arguments = None if seed is None else str(seed), native_options(self.env_id, options)
         try:
             result = self._native.reset(*arguments)
         except gymnasium.error.UnsupportedMode as error:
@@ -165,7 +218,7 @@ class Env(gymnasium.Env[Any, Any]):
         """Goes on with a window of pygame, where no other can be opened."""
         self._window = Window(self.env_id, self.metadata["render_fps"], reason)
         snapshot = self._native.snapshot()
-        self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array")
+        self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array", self._wrappers)
         self._native.restore(snapshot, False)
         self._is_watched = True
 
@@ -303,6 +356,13 @@ class Env(gymnasium.Env[Any, Any]):
         parts = [state["state"]["state"], state["state"]["inc"]]
         words = [word for part in parts for word in (part >> 64, part & 0xFFFF_FFFF_FFFF_FFFF)] + [half]
         self._native.set_generator(json.dumps(words))
+
+    def __repr__(self) -> str:
+        if self._native is None:
+            return super().__repr__()
+        given = "".join(f", {name}={value!r}" for name, value in self._given.items())
+        mode = f", render_mode={self.render_mode!r}" if self.render_mode else ""
+        return f"rustgym.Env({self.env_id!r}{mode}{given})"
 
     # -- copies
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, TypeVar
 
 import gymnasium
+from gymnasium import VectorizeMode
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.envs.registration import registry as gymnasium_registry
 
@@ -16,6 +18,8 @@ from rustgym.envs import class_name
 __all__ = ["ids", "make", "make_vec", "namespaced", "register", "registry", "spec"]
 
 NAMESPACE = "rustgym/"
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 # Python's environments through Rust are of no use in Python: Gymnasium has its own, which `import shimmy` registers anew
 _NOT_OURS = ("GymV21Environment", "GymV26Environment")
@@ -58,6 +62,9 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
         return
     if args or kwargs:
         raise TypeError("register() takes an id and the arguments of gymnasium.register, or `replace` alone")
+    if replace and find_spec("ale_py"):
+        # it registers its games when it is first imported: a later import would put them over ours
+        import_module("ale_py")
     for env_id in ids():
         name = namespaced(env_id)
         if name not in gymnasium_registry:
@@ -77,10 +84,10 @@ def _ours(env_id: Any) -> Any:
     return namespaced(env_id) if known else env_id
 
 
-def _like(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def _like(function: Callable[..., Any]) -> Callable[[_Function], _Function]:
     """Appends Gymnasium's own description of a function."""
 
-    def add(ours: Callable[..., Any]) -> Callable[..., Any]:
+    def add(ours: _Function) -> _Function:
         ours.__doc__ = f"{ours.__doc__}\n\n    As ``gymnasium.{function.__name__}``:\n\n{function.__doc__}"
         return ours
 
@@ -88,15 +95,27 @@ def _like(function: Callable[..., Any]) -> Callable[[Callable[..., Any]], Callab
 
 
 @_like(gymnasium.make)
-def make(id: str | EnvSpec, *args: Any, **kwargs: Any) -> gymnasium.Env[Any, Any]:
+def make(
+    id: str | EnvSpec,
+    max_episode_steps: int | None = None,
+    disable_env_checker: bool | None = None,
+    **kwargs: Any,
+) -> gymnasium.Env[Any, Any]:
     """Makes an environment in Gymnasium's wrappers: one of ours where we have the id, else Gymnasium's."""
-    return gymnasium.make(_ours(id), *args, **kwargs)
+    return gymnasium.make(_ours(id), max_episode_steps, disable_env_checker, **kwargs)
 
 
 @_like(gymnasium.make_vec)
-def make_vec(id: str | EnvSpec, *args: Any, **kwargs: Any) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+def make_vec(
+    id: str | EnvSpec,
+    num_envs: int = 1,
+    vectorization_mode: VectorizeMode | str | None = None,
+    vector_kwargs: dict[str, Any] | None = None,
+    wrappers: Sequence[Callable[[gymnasium.Env[Any, Any]], gymnasium.Wrapper[Any, Any, Any, Any]]] | None = None,
+    **kwargs: Any,
+) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
     """Makes a vector of environments: one of ours where we have the id, else Gymnasium's."""
-    return gymnasium.make_vec(_ours(id), *args, **kwargs)
+    return gymnasium.make_vec(_ours(id), num_envs, vectorization_mode, vector_kwargs, wrappers, **kwargs)
 
 
 @_like(gymnasium.spec)

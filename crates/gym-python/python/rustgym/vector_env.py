@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -16,9 +16,20 @@ from gymnasium.vector.utils import batch_space
 from rustgym import _native
 from rustgym._json import to_json
 from rustgym._spaces import space_from
-from rustgym.env import Env, metadata_from, spec_of
+from rustgym.env import Env, metadata_from, native_arguments, native_options, spec_of
 
 __all__ = ["VectorEnv"]
+
+
+def _whole(name: str, number: Any, least: int) -> int:
+    """A whole number of at least ``least``."""
+    try:
+        whole = operator.index(number)
+    except TypeError:
+        raise TypeError(f"{name} is {number!r}: it must be a whole number") from None
+    if whole < least:
+        raise ValueError(f"{name} is {whole}: it must be at least {least}")
+    return whole
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
@@ -45,6 +56,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         threads: How many threads an async vector has; one for each core unless given. It makes no difference to results.
         copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned
             is valid until the call after next, which is enough for ``obs, next_obs`` and saves some allocations.
+        arg_each: An argument for each environment, by name: a list with one value for each, or a pair ``(low, high)``, from which
+            each draws a new value at each reset. ``arg_each={"gravity": (3.7, 11.2)}``
+        preprocessing: For the games of Atari: as of ``rustgym.envs.AtariEnv``.
         max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
         render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
@@ -65,32 +79,49 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         copy: bool = True,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
+        arg_each: Mapping[str, Sequence[Any] | tuple[float, float]] | None = None,
+        preprocessing: bool | Mapping[str, Any] | None = None,
         **kwargs: Any,
     ) -> None:
         defaults = spec_of(env_id)["defaults"]
+        num_envs = _whole("num_envs", num_envs, 1)
+        if threads is not None:
+            threads = _whole("threads", threads, 1)
         for name in kwargs:
             if name not in defaults:
                 takes = f"its arguments are {', '.join(defaults)}" if defaults else "it takes no arguments"
                 raise TypeError(
                     f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and those of rustgym.VectorEnv"
                 )
+        each = {}
+        for name, values in (arg_each or {}).items():
+            if name not in defaults:
+                raise TypeError(f"arg_each names {name!r}, which {env_id} does not have")
+            is_range = isinstance(values, tuple) and len(values) == 2
+            each[name] = {"low": values[0], "high": values[1]} if is_range else list(values)
+        self._wrappers = "[]"
+        if preprocessing:
+            from rustgym.envs.atari import preprocessed
+
+            kwargs, self._wrappers = preprocessed(env_id, preprocessing, kwargs)
+            max_episode_steps = -1 if max_episode_steps is None else max_episode_steps
         self.env_id = env_id
         self._given = kwargs
         self.num_envs = num_envs
         self.render_mode = render_mode
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        if num_envs < 1:
-            raise ValueError(f"num_envs is {num_envs}: it must be at least 1")
         self._native = _native.Vector(
             env_id,
             num_envs,
             kind,
-            to_json(kwargs),
+            native_arguments(env_id, kwargs),
             render_mode and render_mode.removesuffix("_list"),
             max_episode_steps,
             self.autoreset_mode.value,
             threads,
             copy,
+            self._wrappers,
+            to_json(each),
         )
         self.kind = self._native.kind
         self._take_spaces()
@@ -125,10 +156,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 each = [None if s is None else str(operator.index(s)) for s in seed]
             else:
                 one = str(operator.index(seed))
+        known = native_options(self.env_id, options)
         if options and "reset_mask" in options:
-            options = dict(options)
-            mask = self._checked_mask(options.pop("reset_mask"))
-        return self._native.reset(one, each, to_json(options) if options else None, mask)
+            mask = self._checked_mask(options["reset_mask"])
+        return self._native.reset(one, each, known, mask)
 
     def _checked_mask(self, mask: Any) -> list[bool]:
         array = np.asarray(mask)
@@ -163,7 +194,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             env_ids: Which; all unless given. None of them may be pending.
         """
         ids = range(self.num_envs) if env_ids is None else env_ids
-        self._native.send(actions, [operator.index(i) for i in ids])
+        self._native.send(actions, [_whole("an id of env_ids", i, 0) for i in ids])
 
     def recv(self, m: int | None = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Waits until ``m`` of the environments that were sent have taken their step, and returns the results of these.
@@ -175,7 +206,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             As ``step``, with ``m`` rows in the order in which they were ready; ``infos["env_id"]`` says whose they are. The other
             columns of ``infos`` have a row for each environment.
         """
-        *results, infos, ids = self._native.recv(self.num_envs if m is None else m)
+        *results, infos, ids = self._native.recv(self.num_envs if m is None else _whole("m", m, 1))
         columns: dict[str, Any] = {}
         for index, info in zip(ids, infos, strict=True):
             columns = self._add_info(columns, info, index)
@@ -195,6 +226,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def close_extras(self, **kwargs: Any) -> None:
         """Ends the use of all environments."""
         self._native.close()
+
+    def __repr__(self) -> str:
+        return f"rustgym.VectorEnv({self.env_id!r}, num_envs={self.num_envs}, kind={self.kind!r})"
 
     # -- the environments within
 

@@ -26,7 +26,7 @@ pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
     /// The inner action: made from `action` in place, or in `buffer`, which holds the result of an earlier
-    /// call.
+    /// call. Real numbers of `action` are of the space's type or `float64`.
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value;
 }
 
@@ -71,16 +71,21 @@ impl<T, M: ActionMap> MapAction<T, M> {
         &self.map
     }
 
-    /// Fails for an action that does not have the form of the space. Bounds of a box are not checked.
-    fn check(space: &Space, action: &Value) -> Result<()> {
-        let fits = match (space, action) {
-            (Space::Box(space), Value::Array(array)) => {
-                array.dtype() == space.dtype() && array.shape() == space.shape()
+    /// The action in the form that is mapped: real numbers of a `Box` as an array, in the precision in which they came, whose
+    /// bounds are not checked; any other action as it is.
+    fn take(space: &Space, action: &mut Value, buffer: &mut Value) -> Result<()> {
+        match (space, &*action) {
+            (Space::Box(inner), Value::Array(array))
+                if array.dtype() == inner.dtype() && array.shape() == inner.shape() => {}
+            (Space::Box(inner), _) if inner.dtype().is_float() => {
+                space.real_action(action, None, buffer)?;
+                std::mem::swap(action, buffer);
             }
-            (Space::Box(_), _) => false,
-            _ => space.contains(action),
-        };
-        if fits { Ok(()) } else { Err(space.refuse_action(action)) }
+            (Space::Box(_), _) => return Err(space.refuse_action(action)),
+            _ if space.contains(action) => {}
+            _ => return Err(space.refuse_action(action)),
+        }
+        Ok(())
     }
 }
 
@@ -98,7 +103,7 @@ impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
     fn step_into(&mut self, outer: &Self::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { inner, map, space, action, buffer, .. } = self;
         outer.write(action);
-        Self::check(space, action)?;
+        Self::take(space, action, buffer)?;
         act(inner, map.map(action, buffer), observation)
     }
 
@@ -115,12 +120,14 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         let n = self.inner.num_envs();
         let Self { inner, map, space, inner_space, action, buffer, rows, .. } = self;
-        space.check_batch(actions, n)?;
+        space.check_actions(actions, n)?;
         if M::TAKES_BATCHES {
-            let (Some(batch), Some(dtype)) = (actions.as_array(), space.dtype()) else {
-                return Err(Error::Contract(format!("{space} does not batch into an array")));
-            };
-            array_of(action, dtype, batch.shape()).assign_cast(batch)?;
+            let real = matches!(space, Space::Box(space) if space.dtype().is_float());
+            match (actions.as_array(), space.dtype()) {
+                _ if real => space.real_action(actions, Some(n), action)?,
+                (Some(batch), Some(dtype)) => array_of(action, dtype, batch.shape()).assign_cast(batch)?,
+                _ => return Err(Error::Contract(format!("{space} does not batch into an array"))),
+            }
             return inner.step_into(map.map(action, buffer), columns);
         }
         if !inner_space.is_batch(rows, n) {
@@ -128,7 +135,7 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
         }
         for index in 0..n {
             space.read_row(actions, index, action)?;
-            Self::check(space, action)?;
+            Self::take(space, action, buffer)?;
             inner_space.write_row(rows, index, map.map(action, buffer))?;
         }
         inner.step_into(rows, columns)

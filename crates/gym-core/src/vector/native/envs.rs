@@ -15,7 +15,7 @@ use crate::rng::Stream;
 use crate::spaces::array_of;
 use crate::vector::slot::{describe, episode_over};
 use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
-use crate::{Error, Generator, Result, Snapshot, Space, Value};
+use crate::{DType, Error, Generator, Result, Snapshot, Space, Value};
 
 /// Environments stepped by one SIMD loop: the vector of [`entry_point`](super::entry_point).
 ///
@@ -160,13 +160,14 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// A batch of actions cast to the action space's type, if it has its form.
+    /// A batch of actions cast to the action space's type, or to `float64` for real numbers, if it has its form.
     #[cold]
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
-        self.action_space.check_batch(actions, self.num_envs)?;
+        self.action_space.check_actions(actions, self.num_envs)?;
         let (Some(array), Some(dtype)) = (actions.as_array(), self.action_space.dtype()) else {
-            return Err(mismatch::<D>("actions"));
+            return Err(self.action_space.refuse_action(actions));
         };
+        let dtype = if dtype.is_float() { DType::F64 } else { dtype };
         let mut cast = std::mem::take(&mut self.cast);
         array_of(&mut cast, dtype, array.shape()).assign_cast(array)?;
         Ok(cast)
@@ -199,11 +200,12 @@ impl<D: Native> NativeVectorEnv<D> {
 
     /// The error of the first invalid action of an environment that takes one.
     #[cold]
-    fn refuse(&self, actions: &[<D::Action as ActionColumn>::Item]) -> Result<()> {
+    fn refuse(&self, actions: <D::Action as ActionColumn>::Items<'_>) -> Result<()> {
         let due = |i: usize| self.blocks[i / LANES].due >> (i % LANES) & 1 == 1;
-        match (0..self.num_envs).find(|i| !D::Action::is_valid(actions[*i]) && !due(*i)) {
+        let action = |i: usize| D::Action::item(actions, i);
+        match (0..self.num_envs).find(|i| !D::Action::is_valid(action(*i)) && !due(*i)) {
             Some(i) => Err(Error::InvalidAction {
-                action: format!("{:?}", actions[i]),
+                action: format!("{:?}", action(i)),
                 space: self.single_action_space().to_string(),
                 hint: "; nothing was stepped".into(),
             }
@@ -317,7 +319,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.check_ready()?;
         let level = self.level;
-        let valid = dispatch!(level, _simd => all_valid::<D::Action>(items));
+        let valid = dispatch!(level, _simd => D::Action::all_valid(items, self.num_envs));
         if !valid {
             self.refuse(items)?;
         }
@@ -334,6 +336,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             autoreset: self.autoreset,
             limit: self.limit,
             actions: items,
+            num_envs: self.num_envs,
             observations: D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?,
             rewards,
             terminated,
@@ -415,12 +418,6 @@ impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
     fn run<R: Real>(self, token: R::Token) -> Result<()> {
         self.step.run::<R, USUAL>(token, self.blocks, self.streams)
     }
-}
-
-/// Without an early exit, which would prevent vectorisation.
-#[inline(always)]
-fn all_valid<A: ActionColumn>(items: &[A::Item]) -> bool {
-    items.iter().fold(true, |valid, item| valid & A::is_valid(*item))
 }
 
 fn mismatch<D: Native>(which: &str) -> Error {

@@ -41,9 +41,9 @@ use crate::rng::Stream;
 use crate::vector::VectorEnv;
 use crate::{Dynamics, Error, Result, Task};
 
+pub use columns::{ActionColumn, Actions, ObservationColumn};
 #[doc(hidden)]
-pub use columns::indices;
-pub use columns::{ActionColumn, ObservationColumn};
+pub use columns::{block_of, indices};
 pub use envs::NativeVectorEnv;
 pub use equations::{Equations, Next, Of, Row};
 pub use packed::{Packed, Whole};

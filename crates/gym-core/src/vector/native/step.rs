@@ -45,7 +45,8 @@ pub(super) struct Step<'a, D: Native> {
     pub(super) varied: Option<&'a mut Varied<D>>,
     pub(super) autoreset: Autoreset,
     pub(super) limit: u16,
-    pub(super) actions: &'a [<D::Action as ActionColumn>::Item],
+    pub(super) actions: <D::Action as ActionColumn>::Items<'a>,
+    pub(super) num_envs: usize,
     pub(super) observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(super) rewards: &'a mut [f64],
     pub(super) terminated: &'a mut [bool],
@@ -81,15 +82,12 @@ impl<D: Native> Step<'_, D> {
             terminated: 0,
             truncated: 0,
         };
-        let mut last = [Default::default(); LANES];
-        let num_envs = self.actions.len();
+        let mut room = [Default::default(); LANES];
+        let num_envs = self.num_envs;
         for (i, (block, streams)) in blocks.iter_mut().zip(streams.as_chunks_mut().0).enumerate() {
             let first = i * LANES;
             let len = LANES.min(num_envs - first);
-            let actions = self.actions[first..].first_chunk().unwrap_or_else(|| {
-                last[..len].copy_from_slice(&self.actions[first..]);
-                &last
-            });
+            let actions = D::Action::block(self.actions, first, len, &mut room);
             let mut many = Many {
                 constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,

@@ -10,10 +10,12 @@ import json
 import re
 from typing import Any
 
+import gymnasium
 import gymnasium.envs
 
 from rustgym import _native
 from rustgym.env import _SPECS, ClassEnv, Env, metadata_from
+from rustgym.envs.atari import AtariEnv
 from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
 from rustgym.envs.classic_control import (
     AcrobotEnv,
@@ -28,6 +30,7 @@ from rustgym.vector_env import VectorEnv
 
 __all__ = [
     "AcrobotEnv",
+    "AtariEnv",
     "BipedalWalker",
     "BlackjackEnv",
     "CarRacing",
@@ -103,11 +106,11 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 
 
 def _env_class(name: str, env_id: str) -> type[Env]:
-    description = json.loads(_native.describe(env_id))
     spec = _SPECS[env_id]
-    metadata = metadata_from(description)
-    metadata["render_modes"] += _MORE_MODES.get(_task(env_id), [])
-    base = _BASES.get(_task(env_id), ClassEnv)
+    base = AtariEnv if spec["crate"] == "gym-atari" else _BASES.get(_task(env_id), ClassEnv)
+    # a game cannot be made, and so be described, without its ROM
+    metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
+    metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
     doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
@@ -119,7 +122,8 @@ def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
         VectorEnv.__init__(self, env_id, num_envs, **kwargs)
 
     doc = f"A vector of ``{env_id}``; see ``rustgym.VectorEnv`` for its arguments."
-    return type(name, (VectorEnv,), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
+    # (skrl tells a vector by the direct bases of its class)
+    return type(name, (VectorEnv, gymnasium.vector.VectorEnv), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
 
 
 def __getattr__(name: str) -> Any:
@@ -132,6 +136,8 @@ def __getattr__(name: str) -> Any:
         made = _env_class(name, _IDS[name])
     elif name.endswith("_Vector") and (env_id := _IDS.get(name.removesuffix("_Vector"))):
         made = _vector_class(name, env_id)
+    elif name.startswith("__"):
+        raise AttributeError(name)
     else:
         return getattr(gymnasium.envs, name)
     globals()[name] = made

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+from importlib import import_module
 from typing import Any, NamedTuple
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 
@@ -69,10 +72,45 @@ class BipedalWalker(Box2DEnv):
         return bool(self._episode()["game_over"])
 
 
+def _score_glyphs() -> str:
+    """Pictures of the digits of pygame's font, in the form of the Rust side's ``ScoreGlyphs``."""
+    try:
+        pygame: Any = import_module("pygame")
+    except ImportError as error:
+        raise gymnasium.error.DependencyNotInstalled("score_font needs pygame: `pip install pygame-ce`") from error
+    pygame.font.init()
+    font = pygame.font.Font(pygame.font.get_default_font(), 42)
+    glyphs = {}
+    for character in "-0123456789":
+        picture = font.render(character, True, (255, 255, 255), (0, 0, 0))
+        gray = pygame.surfarray.array3d(picture)[:, 3:35, 0]
+        glyphs[character] = [gray.shape[0], gray.T.tobytes().hex()]
+    return json.dumps(glyphs)
+
+
 class CarRacing(Box2DEnv):
-    """Drive a car around a track, seen from above."""
+    """Drive a car around a track, seen from above.
+
+    Args:
+        score_font: Whether the score is written in pygame's font, as Gymnasium writes it, instead of digits of our own. Needs
+            pygame; with the pygame that Gymnasium uses, observations are Gymnasium's to the last byte.
+        kwargs: The other arguments of the environment.
+    """
 
     _id = "CarRacing-v3"
+
+    def __init__(self, render_mode: str | None = None, *, score_font: bool = False, **kwargs: Any) -> None:
+        self._glyphs = _score_glyphs() if score_font else None
+        super().__init__(render_mode, **kwargs)
+        self._write_score()
+
+    def _write_score(self) -> None:
+        if self._glyphs is not None:
+            self._native.set_score_glyphs(self._glyphs)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._write_score()
 
     def render(self) -> Any:
         """As ``Env.render``; for ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""

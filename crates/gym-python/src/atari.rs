@@ -1,0 +1,259 @@
+//! The game within an Atari environment, for Python's `ale` objects.
+
+use gym::Error;
+use gym::atari::ale::{Settings, State};
+use gym::atari::{Action, Ale as Game, palette};
+use numpy::{IxDyn, PyArray, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::env::Env;
+use crate::error::OrRaise;
+
+/// A view of the game that an environment plays.
+#[pyclass(frozen, module = "rustgym._native")]
+#[derive(Debug)]
+pub(crate) struct Ale(Py<Env>);
+
+/// Where a game stands.
+#[pyclass(frozen, eq, module = "rustgym._native")]
+#[derive(Debug, PartialEq)]
+pub(crate) struct AleState {
+    /// As JSON.
+    state: String,
+    /// Whether it goes on with the same random numbers.
+    include_rng: bool,
+    frame_number: u32,
+    episode_frame_number: u32,
+}
+
+impl Ale {
+    fn with<T>(&self, py: Python<'_>, f: impl FnOnce(&mut Game) -> PyResult<T>) -> PyResult<T> {
+        self.0.get().with_atari(py, |env| f(env.ale_mut()))
+    }
+}
+
+/// Lets `fill` write bytes to a buffer of Python's or, without one, to a new array.
+fn bytes<'py>(
+    py: Python<'py>,
+    buffer: Option<PyReadwriteArrayDyn<'py, u8>>,
+    shape: &[usize],
+    fill: impl FnOnce(&mut [u8]),
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let Some(mut buffer) = buffer else {
+        let array = PyArray::<u8, IxDyn>::zeros(py, shape, false);
+        fill(array.try_readwrite()?.as_slice_mut()?);
+        return Ok(Some(array.into_any()));
+    };
+    if buffer.shape() != shape {
+        let found = buffer.shape();
+        return Err(PyRuntimeError::new_err(format!(
+            "the buffer has the shape {found:?}, expecting {shape:?}"
+        )));
+    }
+    fill(buffer.as_slice_mut()?);
+    Ok(None)
+}
+
+#[pymethods]
+impl Ale {
+    /// The game of this environment.
+    #[new]
+    fn new(env: Py<Env>) -> Self {
+        Self(env)
+    }
+
+    /// Plays a frame: its reward.
+    fn act(&self, py: Python<'_>, action: usize, paddle_strength: f32, sticky: f64) -> PyResult<i32> {
+        let Some(&action) = Action::ALL.get(action) else {
+            let reason =
+                format!("{action} is no action of the Atari 2600: there are 0 to {}", Action::ALL.len() - 1);
+            return Err(Error::argument("act", reason)).or_raise();
+        };
+        self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength }, sticky)))
+    }
+
+    /// Starts an episode.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, |game| {
+            game.reset();
+            Ok(())
+        })
+    }
+
+    /// Loads the ROM again and starts an episode.
+    fn reload(&self, py: Python<'_>, seed: u32) -> PyResult<()> {
+        self.with(py, |game| {
+            game.reload(seed);
+            Ok(())
+        })
+    }
+
+    /// Lives, whether the game is over, whether the episode has as many frames as it may, frame number, that of the episode.
+    fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
+        self.with(py, |game| {
+            let over = (game.game_over(), game.is_truncated());
+            Ok((game.lives(), over.0, over.1, game.frame_number(), game.episode_frame_number()))
+        })
+    }
+
+    /// What never changes: name, rows of the picture, legal and minimal actions, modes, difficulties.
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        self.with(py, |game| {
+            let game = game.game();
+            let indices =
+                |actions: &[Action]| actions.iter().map(|action| *action as usize).collect::<Vec<_>>();
+            let modes: Vec<u16> = game.modes.iter().map(|(mode, _)| *mode).collect();
+            let (legal, minimal) = (indices(game.legal), indices(game.minimal));
+            (game.name, game.display.rows, legal, minimal, modes, game.difficulties.to_vec())
+                .into_pyobject(py)
+        })
+    }
+
+    /// Mode, difficulty and most frames of the episodes that follow.
+    fn settings(&self, py: Python<'_>) -> PyResult<(Option<u16>, Option<u8>, Option<u32>)> {
+        self.with(py, |game| {
+            let Settings { mode, difficulty, max_frames } = game.settings();
+            Ok((mode, difficulty, max_frames))
+        })
+    }
+
+    /// Chooses mode, difficulty and most frames of the episodes that follow.
+    fn configure(
+        &self,
+        py: Python<'_>,
+        mode: Option<u16>,
+        difficulty: Option<u8>,
+        max_frames: Option<u32>,
+    ) -> PyResult<()> {
+        self.with(py, |game| {
+            let known = game.game();
+            if mode.is_some_and(|mode| known.modes.iter().all(|(other, _)| *other != mode)) {
+                return Err(PyRuntimeError::new_err("Invalid game mode requested"));
+            }
+            if difficulty.is_some_and(|difficulty| !known.difficulties.contains(&difficulty)) {
+                return Err(PyRuntimeError::new_err("Invalid difficulty requested"));
+            }
+            game.configure(Settings { mode, difficulty, max_frames });
+            Ok(())
+        })
+    }
+
+    /// The picture as indices of colours, in `gray` or in `rgb`.
+    #[pyo3(signature = (kind, buffer = None))]
+    fn screen<'py>(
+        &self,
+        py: Python<'py>,
+        kind: &str,
+        buffer: Option<PyReadwriteArrayDyn<'py, u8>>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.with(py, |game| {
+            let pixels = game.picture().as_flattened();
+            let (rows, width) = (game.picture().len(), pixels.len() / game.picture().len());
+            match kind {
+                "rgb" => bytes(py, buffer, &[rows, width, 3], |out| {
+                    for (rgb, index) in out.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
+                        *rgb = palette::RGB[usize::from(*index)];
+                    }
+                }),
+                "gray" => bytes(py, buffer, &[rows, width], |out| {
+                    out.iter_mut()
+                        .zip(pixels)
+                        .for_each(|(gray, index)| *gray = palette::GRAY[usize::from(*index)]);
+                }),
+                _ => bytes(py, buffer, &[rows, width], |out| out.copy_from_slice(pixels)),
+            }
+        })
+    }
+
+    /// The RAM.
+    #[pyo3(signature = (buffer = None))]
+    fn ram<'py>(
+        &self,
+        py: Python<'py>,
+        buffer: Option<PyReadwriteArrayDyn<'py, u8>>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.with(py, |game| bytes(py, buffer, &[128], |out| out.copy_from_slice(game.ram().0)))
+    }
+
+    /// Changes a byte of the RAM.
+    fn set_ram(&self, py: Python<'_>, index: usize, value: u8) -> PyResult<()> {
+        self.with(py, |game| match game.ram_mut().get_mut(index) {
+            Some(byte) => {
+                *byte = value;
+                Ok(())
+            }
+            None => Err(PyRuntimeError::new_err("setRAM index out of bounds.")),
+        })
+    }
+
+    /// Where the game stands.
+    fn state(&self, py: Python<'_>, include_rng: bool) -> PyResult<AleState> {
+        self.with(py, |game| AleState::of(&game.state(), include_rng))
+    }
+
+    /// Goes on from there.
+    fn set_state(&self, py: Python<'_>, state: &AleState) -> PyResult<()> {
+        let stored = state.read()?;
+        self.with(py, |game| {
+            let fits = game.set_state_like_ale(&stored, state.include_rng);
+            if fits { Ok(()) } else { Err(Error::Snapshot("it is of another game".into())).or_raise() }
+        })
+    }
+}
+
+impl AleState {
+    fn of(state: &State, include_rng: bool) -> PyResult<Self> {
+        Ok(Self {
+            state: serde_json::to_string(state)
+                .map_err(|error| Error::Snapshot(error.to_string()))
+                .or_raise()?,
+            include_rng,
+            frame_number: state.frame_number(),
+            episode_frame_number: state.episode_frame_number(),
+        })
+    }
+
+    fn read(&self) -> PyResult<State> {
+        serde_json::from_str(&self.state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()
+    }
+}
+
+#[pymethods]
+impl AleState {
+    /// The state that `__reduce__` took apart.
+    #[new]
+    fn new(state: &str, include_rng: bool) -> PyResult<Self> {
+        let state: State =
+            serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
+        Self::of(&state, include_rng)
+    }
+
+    /// The frames since the game was made.
+    #[pyo3(name = "getFrameNumber")]
+    fn frame_number(&self) -> u32 {
+        self.frame_number
+    }
+
+    /// The frames of the episode.
+    #[pyo3(name = "getEpisodeFrameNumber")]
+    fn episode_frame_number(&self) -> u32 {
+        self.episode_frame_number
+    }
+
+    /// Whether another state is equal.
+    fn equals(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    /// The state as bytes.
+    fn serialize(&self) -> &[u8] {
+        self.state.as_bytes()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, bool))> {
+        let state = slf.get();
+        Ok((slf.get_type().into_any(), (state.state.clone(), state.include_rng)))
+    }
+}

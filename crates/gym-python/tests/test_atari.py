@@ -1,0 +1,191 @@
+"""Atari: what ale-py's users read of a game, the pipelines of others, and the one in Rust."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from conftest import assert_same
+
+import rustgym
+
+ale_py = pytest.importorskip("ale_py")  # for its ROMs, and to compare with
+GAMES = ["Breakout", "Pong", "MsPacman", "Seaquest"]
+
+
+@pytest.fixture(params=GAMES)
+def game(request: pytest.FixtureRequest) -> str:
+    return f"ALE/{request.param}-v5"
+
+
+def both(env_id: str, **kwargs: Any) -> tuple[gymnasium.Env, gymnasium.Env]:
+    return rustgym.make(env_id, **kwargs), gymnasium.make(env_id, **kwargs)
+
+
+def names(actions: Any) -> list[str]:
+    return [action.name for action in actions]
+
+
+def test_what_is_known_of_a_game(game: str) -> None:
+    ours, theirs = both(game, full_action_space=True)
+    for full in (True, False):
+        ours, theirs = both(game, full_action_space=full)
+        assert ours.action_space == theirs.action_space and ours.observation_space == theirs.observation_space
+        a, b = ours.unwrapped, theirs.unwrapped
+        assert a.get_action_meanings() == b.get_action_meanings()
+        assert a.get_keys_to_action() == b.get_keys_to_action()
+        assert names(a._action_set) == names(b._action_set)
+        for name in ("_frameskip", "_game", "_game_mode", "_game_difficulty", "_obs_type", "metadata", "render_mode"):
+            assert getattr(a, name) == getattr(b, name), name
+    for ask in ("getScreenDims", "getRAMSize", "getAvailableModes", "getAvailableDifficulties"):
+        assert getattr(a.ale, ask)() == getattr(b.ale, ask)(), ask
+    for ask in ("getLegalActionSet", "getMinimalActionSet"):
+        assert names(getattr(a.ale, ask)()) == names(getattr(b.ale, ask)()), ask
+
+
+def test_answers_to_random_calls(game: str) -> None:
+    """1,000 calls at random of steps, frames, looks at the game, states and their return."""
+    ours, theirs = both(game)
+    a, b = ours.unwrapped, theirs.unwrapped
+    rng = np.random.default_rng(5)
+    assert_same(ours.reset(seed=5), theirs.reset(seed=5))
+    states: list[tuple[Any, Any]] = []
+    for call in range(1000):
+        what = rng.choice(["step", "act", "look", "buffer", "clone", "restore", "reset"], p=[0.3, 0.3, 0.2, 0.1, 0.05, 0.04, 0.01])
+        where = f"{what}, call {call}"
+        if what == "step":
+            action = int(rng.integers(len(a._action_set)))
+            assert_same(a.step(action), b.step(action), where)
+        elif what == "act":
+            action = int(rng.integers(18))
+            assert a.ale.act(action) == b.ale.act(action), where
+        elif what == "look":
+            for ask in ("lives", "game_over", "game_truncated", "getFrameNumber", "getEpisodeFrameNumber"):
+                assert getattr(a.ale, ask)() == getattr(b.ale, ask)(), f"{ask}, call {call}"
+            for ask in ("getRAM", "getScreen", "getScreenRGB", "getScreenGrayscale"):
+                assert_same(getattr(a.ale, ask)(), getattr(b.ale, ask)(), f"{ask}, call {call}")
+        elif what == "buffer":
+            for ask, shape in (("getRAM", (128,)), ("getScreenRGB", (210, 160, 3)), ("getScreenGrayscale", (210, 160))):
+                buffers = np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
+                assert getattr(a.ale, ask)(buffers[0]) is None and getattr(b.ale, ask)(buffers[1]) is None
+                assert_same(*buffers, f"{ask}, call {call}")
+        elif what == "clone":
+            include = bool(rng.integers(2))
+            states.append((a.clone_state(include_rng=include), b.clone_state(include_rng=include)))
+            assert states[-1][0].getFrameNumber() == states[-1][1].getFrameNumber()
+        elif what == "restore" and states:
+            x, y = states[rng.integers(len(states))]
+            a.restore_state(x)
+            b.restore_state(y)
+        elif what == "reset" or a.ale.game_over():
+            assert_same(ours.reset(), theirs.reset(), where)
+
+
+def test_states_are_stored(game: str) -> None:
+    # (as in ale-py, the action that may stick is no part of a state)
+    env = rustgym.make(game, repeat_action_probability=0.0).unwrapped
+    env.reset(seed=1)
+    state = env.clone_state(include_rng=True)
+    again = pickle.loads(pickle.dumps(state))
+    assert again == state and again.equals(state) and again.serialize() == state.serialize()
+    first = [env.step(a % 3)[0].tobytes() for a in range(20)]
+    assert env.clone_state(include_rng=True) != state
+    env.restore_state(again)
+    assert [env.step(a % 3)[0].tobytes() for a in range(20)] == first
+    twin = copy.deepcopy(env)
+    assert twin.ale is not env.ale and twin.ale.getFrameNumber() == env.ale.getFrameNumber()
+    twin.step(0)
+    assert twin.ale.getFrameNumber() == env.ale.getFrameNumber() + 4
+
+
+def test_bad_input() -> None:
+    env = rustgym.make("ALE/Breakout-v5").unwrapped
+    ale = env.ale
+    for call in (
+        lambda: ale.setRAM(128, 0),
+        lambda: ale.setMode(99),
+        lambda: ale.setDifficulty(9),
+        lambda: ale.getScreenRGB(np.zeros((3, 3), np.uint8)),
+    ):
+        with pytest.raises(RuntimeError):
+            call()
+    with pytest.raises(TypeError):
+        ale.getRAM(np.zeros(128, np.int8))
+    with pytest.raises(ValueError, match="no action"):
+        ale.act(18)
+    with pytest.raises(gymnasium.error.Error, match="sound"):
+        ale.getAudio()
+    with pytest.raises(ValueError, match="/nowhere"):
+        rustgym.make("ALE/Pong-v5", rom_dir="/nowhere")
+    with pytest.raises(TypeError, match="preprocessing has no 'stack'"):
+        rustgym.make("ALE/Pong-v5", preprocessing={"stack": 4})
+    with pytest.raises(TypeError, match="CartPole-v1 is none"):
+        rustgym.make_vec("CartPole-v1", 2, preprocessing=True)
+
+
+@pytest.mark.parametrize("lives", [False, True])
+def test_gymnasiums_preprocessing(game: str, lives: bool) -> None:
+    """Gymnasium's wrappers around ours and ale-py's, and ours in Rust: the same pictures and rewards."""
+    pytest.importorskip("cv2")
+    from gymnasium.wrappers import AtariPreprocessing, FrameStackObservation
+
+    def wrapped(env: gymnasium.Env) -> gymnasium.Env:
+        return FrameStackObservation(AtariPreprocessing(env, terminal_on_life_loss=lives), 4)
+
+    kwargs = {"frameskip": 1, "repeat_action_probability": 0.25}
+    ours, theirs = (wrapped(env) for env in both(game, **kwargs))
+    rust = rustgym.make(game, preprocessing={"terminal_on_life_loss": lives})
+    vector = rustgym.make_vec(game, 1, kind="async", preprocessing={"terminal_on_life_loss": lives})
+    assert rust.observation_space == theirs.observation_space
+    expected = theirs.reset(seed=4)
+    assert_same(ours.reset(seed=4), expected)
+    assert_same(rust.reset(seed=4), expected)
+    assert_same(vector.reset(seed=4)[0][0], expected[0])
+    rng = np.random.default_rng(1)
+    for _ in range(500):
+        action = int(rng.integers(theirs.action_space.n))
+        expected = theirs.step(action)
+        assert_same(ours.step(action), expected)
+        assert_same(rust.step(action), expected)
+        observation, reward, terminated, truncated, _ = vector.step(np.array([action]))
+        assert_same((observation[0], reward[0], terminated[0], truncated[0]), expected[:4])
+        if expected[2] or expected[3]:
+            expected = theirs.reset()
+            assert_same(ours.reset(), expected)
+            assert_same(rust.reset(), expected)
+            assert_same(vector.step(np.array([action]))[0][0], expected[0])
+
+
+def test_preprocessing_is_stored() -> None:
+    env = rustgym.make("ALE/Breakout-v5", preprocessing={"clip_reward": True, "screen_size": (60, 84)})
+    assert env.observation_space.shape == (4, 84, 60)
+    env.reset(seed=1)
+    twin = pickle.loads(pickle.dumps(env))
+    for _ in range(20):
+        assert_same(twin.step(1), env.step(1))
+    vector = rustgym.make_vec("ALE/Breakout-v5", 2, kind="sync", preprocessing={"frame_stack": 0})
+    vector.reset(seed=1)
+    assert vector.single_observation_space.shape == (84, 84)
+    assert vector.call("get_action_meanings") == (["NOOP", "FIRE", "RIGHT", "LEFT"],) * 2
+
+
+def test_stable_baselines3() -> None:
+    pytest.importorskip("stable_baselines3")
+    pytest.importorskip("cv2")
+    from stable_baselines3.common.atari_wrappers import AtariWrapper
+
+    ours, theirs = (AtariWrapper(env) for env in both("BreakoutNoFrameskip-v4" if "BreakoutNoFrameskip-v4" in gymnasium.registry else "ALE/Breakout-v5", frameskip=1))
+    for wrapped in (ours, theirs):
+        wrapped.action_space.seed(0)
+    # (the wrapper for no-ops draws from np_random, which both seed alike)
+    assert_same(ours.reset(seed=3), theirs.reset(seed=3))
+    for _ in range(300):
+        action = ours.action_space.sample()
+        result, expected = ours.step(action), theirs.step(action)
+        assert_same(result, expected)
+        if result[2] or result[3]:
+            assert_same(ours.reset(), theirs.reset())

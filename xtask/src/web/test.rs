@@ -41,7 +41,7 @@ pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
                 let name = result["name"].as_str().unwrap_or_default();
                 match result["error"].as_str() {
                     None => {
-                        say(format_args!("ok      {name} {}", result["note"].as_str().unwrap_or_default()))?
+                        say(format_args!("ok      {name} {}", result["note"].as_str().unwrap_or_default()))?;
                     }
                     Some(error) => {
                         say(format_args!("FAILED  {name}: {error}"))?;

@@ -7,7 +7,7 @@ use gym_core::{Result, inventory};
 
 use crate::pixels;
 use crate::pygame::{RgbPixels, is_in_reach, paint};
-use crate::sheet::Sheet;
+use crate::sheet::{MOST_SHRUNK, Sheet};
 use crate::skia::{self, Skia};
 use crate::transforms::Transforms;
 
@@ -204,6 +204,8 @@ impl Canvas for Surface<'_> {
         const LARGEST: u32 = 16_384;
         let shrinks = to.0 < from.0 && to.1 < from.1 && from.0.max(from.1) <= LARGEST;
         let shrinks = shrinks && to == (self.frame.width(), self.frame.height());
+        let most = |to: u32| to as usize * MOST_SHRUNK;
+        let shrinks = shrinks && from.0 as usize <= most(to.0) && from.1 as usize <= most(to.1);
         let is_exact = self.is_own_size
             && self.sheet.is_none()
             && shrinks

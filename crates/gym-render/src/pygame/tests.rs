@@ -223,8 +223,9 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                 .map(|_| {
                     let points = [(); 4].map(|()| [next(2.0) - 0.5, next(2.0) - 0.5]);
                     let scale = |[x, y]: Point| [x * f64::from(from.0), y * f64::from(from.1)];
-                    let color = [next(255.0), next(255.0), next(255.0)].map(|x| x as u8);
-                    (points.map(scale), color, next(13.0) as usize)
+                    // few colours, so that neighbours often have the same
+                    let color = [next(255.0), next(255.0), next(255.0)].map(|x| x as u8 & 0x80);
+                    (points.map(scale), color, next(17.0) as usize)
                 })
                 .collect();
             let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {

@@ -158,3 +158,50 @@ fn the_readme_tells_the_measured_speed() {
         .collect();
     assert_eq!(told[..2], [least, (most / 100.0).floor() * 100.0], "from {least} to {most} times");
 }
+
+/// Paths that exist, as the compiler sees.
+macro_rules! paths {
+    ($($path:path),* $(,)?) => {
+        mod imports {
+            #![expect(unused_imports, reason = "the paths only have to exist")]
+            $(use $path as _;)*
+        }
+        const PATHS: &[&str] = &[$(stringify!($path)),*];
+    };
+}
+
+paths! {
+    gym::Reset,
+    gym::VectorWrapper,
+    gym::Wrapper,
+    gym::builder,
+    gym::canvas::Canvas,
+    gym::conform::check,
+    gym::make,
+    gym::make_vec,
+    gym::policy::reflex,
+    gym::register,
+    gym::registry::pretty,
+    gym::rendering,
+    gym::rendering::RecordVectorVideo,
+    gym::wrappers::map,
+}
+
+#[test]
+fn paths_in_the_book_exist() {
+    for (page, text) in documents() {
+        for code in text.split('`').filter(|code| code.starts_with("gym::")) {
+            let path = words(code, |c| c.is_ascii_alphanumeric() || matches!(c, '_' | ':')).next();
+            let path = path.unwrap_or_default().trim_end_matches(':');
+            // without the method of a type
+            let mut is_method = false;
+            let parts = path
+                .split("::")
+                .take_while(|part| !std::mem::replace(&mut is_method, part.starts_with(char::is_uppercase)));
+            let path = parts.collect::<Vec<_>>().join("::");
+            // the environments' pages name their own modules, from the registrations
+            let is_listed = PATHS.contains(&&*path) || page.contains("environments");
+            assert!(is_listed || path == "gym", "{page}: add `{path}` to the paths of this test");
+        }
+    }
+}

@@ -300,7 +300,7 @@ fn arguments_of_tables_work() {
     }
 }
 
-/// How many steps of each environment are compared: 200,000, or what `NATIVE_STEPS` says.
+/// The number of compared steps of each environment: 200,000, or `NATIVE_STEPS`.
 fn steps_to_compare() -> usize {
     std::env::var("NATIVE_STEPS").ok().and_then(|text| text.parse().ok()).unwrap_or(200_000)
 }

@@ -18,7 +18,7 @@ fn prints(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// What a command that fails says.
+/// The error of a command that fails.
 fn fails(arguments: &[&str]) -> String {
     let output = xtask(arguments);
     assert!(!output.status.success(), "{arguments:?} succeeds");

@@ -234,7 +234,7 @@ impl Data {
     /// Computes again what is not serialised, by the call that computed it. Before a step or a forward call there is no need to.
     ///
     /// # Panics
-    /// If the data is of another model; [`check`](Self::check) tells.
+    /// If the data is of another model; see [`check`](Self::check).
     pub fn resume(&mut self, m: &Model) {
         self.fit(m);
         let Some(last) = self.last else { return };

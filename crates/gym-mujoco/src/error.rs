@@ -32,7 +32,7 @@ pub enum Error {
         element: String,
         /// The attribute, if one is at fault.
         attribute: Option<String>,
-        /// What is wrong, and what is supported.
+        /// The fault, and the supported values.
         reason: String,
     },
     /// A file that cannot be read.

@@ -11,7 +11,7 @@ fn tasks() -> Vec<String> {
     tasks
 }
 
-/// The task, in episodes that go on after a fall where it lets them.
+/// The task, in episodes that continue after a fall if the task allows it.
 fn unending(id: &str) -> BoxEnv {
     let plain = builder(id).max_episode_steps(500);
     plain.clone().arg("terminate_when_unhealthy", false).build().or_else(|_| plain.build()).unwrap()
@@ -75,7 +75,7 @@ fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, ac
     }
 }
 
-/// `GYM_SOAK_STEPS` says how many steps of each task; a million passes.
+/// `GYM_SOAK_STEPS` sets the steps of each task; a million passes.
 #[test]
 fn adversarial_actions_leave_every_number_finite() {
     let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());

@@ -14,7 +14,7 @@ fn section(line: &str) -> String {
     )
 }
 
-/// Text, line, element and attribute of what is refused.
+/// Text, line, element and attribute of the refused part.
 type Refused = (String, u32, &'static str, Option<&'static str>);
 
 fn refused() -> Vec<Refused> {

@@ -172,7 +172,7 @@ fn data_is_reused_for_another_model_like_new() {
     assert_eq!(everything(&d), everything(&fresh));
 }
 
-/// `GYM_SOAK_STEPS` says how many steps; a million passes.
+/// `GYM_SOAK_STEPS` sets the steps; a million passes.
 #[test]
 fn no_control_makes_numbers_that_are_not_finite() {
     let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());

@@ -64,7 +64,7 @@ impl Adam {
         })
     }
 
-    /// Continues from what was stored of an agent of the same form.
+    /// Continues from the stored form of a similar agent.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         let tensors = |all: &[Numbers]| -> anyhow::Result<Vec<Tensor>> {
             let fits = all.len() == self.variables.len();

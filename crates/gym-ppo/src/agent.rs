@@ -78,7 +78,7 @@ impl Agent {
         self.optimizer.store()
     }
 
-    /// Continues from what was stored of an agent for the same spaces.
+    /// Continues from the stored form of an agent for the same spaces.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         self.optimizer.restore(stored)
     }
@@ -93,7 +93,7 @@ impl Agent {
         self.network.set_policy(network)
     }
 
-    /// Draws an action for each observation, and says how likely each was and what the observation is worth.
+    /// Draws an action for each observation, with its log-probability and the value of the observation.
     pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<Sample> {
         let (outputs, values) = self.network.forward(observations)?;
         let actions = match &self.head {

@@ -60,7 +60,7 @@ struct Training {
     /// Seeds the environments and the agent.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Gives up after so many steps of all environments together.
+    /// Stops after this many steps of all environments together.
     #[arg(long, default_value_t = 2_000_000)]
     steps: u64,
     /// Where the plot of returns goes, as SVG.

@@ -26,7 +26,7 @@ pub(crate) struct Network {
 }
 
 impl Network {
-    /// A network for observations of a space, whose policy has so many outputs.
+    /// A network for observations of a space, with this many outputs of the policy.
     pub(crate) fn new(observation: &Space, outputs: usize, rng: &mut Generator) -> anyhow::Result<Self> {
         // a policy that begins without preferences explores
         let (policy_gain, value_gain) = (0.01, 1.0);
@@ -207,7 +207,7 @@ struct Eyes {
 }
 
 impl Eyes {
-    /// For pictures of so many channels, rows and columns.
+    /// For images with these numbers of channels, rows and columns.
     fn new([channels, height, width]: [usize; 3], rng: &mut Generator) -> anyhow::Result<Self> {
         let [(side, first), (second_side, second)] = CONVOLUTIONS;
         let size =

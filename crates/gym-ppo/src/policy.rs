@@ -12,7 +12,7 @@ use crate::agent::Agent;
 use crate::numbers::Numbers;
 use crate::store::Checkpoint;
 
-/// A trained policy, without what it takes to train on.
+/// A trained policy, without the state for further training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Policy {
     /// The environment that it was trained on.

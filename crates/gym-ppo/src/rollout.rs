@@ -1,4 +1,4 @@
-//! Experience: some steps of every environment under one policy, and what they were worth.
+//! Experience: some steps of every environment under one policy, and their advantages.
 
 use std::time::{Duration, Instant};
 
@@ -10,8 +10,8 @@ use crate::agent::{Agent, Sample, tensor};
 use crate::numbers::Numbers;
 use crate::settings::Settings;
 
-/// The columns of consecutive steps. The environments write straight into them: row 0 holds the
-/// observations that the first actions answer, row `t + 1` what came of the actions `t`.
+/// The columns of consecutive steps, which the environments write directly: row 0 has the
+/// observations before the first actions, row `t + 1` the results of the actions `t`.
 pub(crate) struct Rollout {
     columns: Vec<Columns>,
     actions: Vec<Value>,
@@ -128,8 +128,8 @@ impl Rollout {
     /// The transitions with their advantages: generalized advantage estimation, Schulman et al.
     /// (2016), equation 16.
     ///
-    /// An episode that was cut off goes on in the estimate with the value of its last observation; one
-    /// that the task ended does not.
+    /// A truncated episode continues in the estimate with the value of its last observation; a
+    /// terminated one does not.
     pub(crate) fn batch(&self, agent: &Agent, settings: &Settings) -> anyhow::Result<Batch> {
         let (steps, n) = (self.actions.len(), self.values[0].len());
         let mut advantages = vec![vec![0f32; n]; steps];

@@ -1,4 +1,4 @@
-//! Checkpoints: everything that a training needs to go on as if it had never stopped.
+//! Checkpoints: everything that a training needs to continue exactly.
 
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ impl Checkpoint {
         serde_json::from_str(&text).map(Some).with_context(|| path.display().to_string())
     }
 
-    /// Replaces the checkpoint in a folder: whoever is killed meanwhile leaves the one before.
+    /// Replaces the checkpoint in a folder atomically.
     pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         gym::rendering::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;

@@ -1,4 +1,4 @@
-//! The policy that the book shows: it plays as well as the book says, and a damaged one is refused.
+//! The policy in the book has the returns in the book, and a damaged one is refused.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

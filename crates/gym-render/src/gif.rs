@@ -78,7 +78,7 @@ impl GifWriter {
 /// Writes all frames to a GIF file; see [`GifWriter`].
 ///
 /// # Errors
-/// As those of [`GifWriter`]; there is no file then.
+/// As those of [`GifWriter`]; then there is no file.
 pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = GifWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {

@@ -34,7 +34,7 @@ const TICK_GAP: f64 = 10.0;
 /// Length of a line in the legend, and the space beside it.
 const LEGEND_SAMPLE: f64 = 22.0;
 const LEGEND_GAP: f64 = 8.0;
-/// About so many ticks along each axis.
+/// The approximate number of ticks along each axis.
 const TICKS: f64 = 6.0;
 /// The free parts of the ranges beside the first and last value, and above and below.
 const PADDING: [f64; 2] = [0.015, 0.05];

@@ -111,7 +111,7 @@ impl Surface<'_> {
     }
 
     /// Where pygame's calls fall on the pixels of a surface: how many columns are to the left of the
-    /// frame, and whether row 0 is the lowest. `None` if a unit is no pixel.
+    /// frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
     fn placed(&self) -> Option<(i32, bool)> {
         let height = match self.sheet {
             Some(_) => self.raster.sheet.size().1 as f64,

@@ -92,7 +92,7 @@ impl VideoWriter {
 /// Writes all frames to a file; see [`VideoWriter`].
 ///
 /// # Errors
-/// As those of [`VideoWriter`]; there is no file then.
+/// As those of [`VideoWriter`]; then there is no file.
 pub fn write_video(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = VideoWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {

@@ -83,7 +83,7 @@ pub(crate) fn space(space: &Space) -> Json {
     description
 }
 
-/// The numbers of an array, if there are not too many. What is no number of JSON becomes text.
+/// The numbers of an array, if there are not too many. Numbers that JSON lacks become text.
 fn numbers(array: &Array) -> Option<Vec<Json>> {
     let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
     (array.len() <= MOST_NUMBERS).then(|| array.iter_f64().map(number).collect())

@@ -1,4 +1,4 @@
-//! Learners: they train in slices, so that the page can show what they know so far.
+//! Learners, which train in slices, so that the page can show their progress.
 
 use gym::{Error, Kwargs, Result, Seed, Value};
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ pub(crate) enum Learner {
 }
 
 impl Learner {
-    /// A learner that knows nothing yet.
+    /// A new learner.
     pub(crate) fn new(id: &str, kwargs: Kwargs, seed: u64, lesson: Lesson) -> Result<Self> {
         // what happens to the learner does not depend on how the page shows it
         let env = gym::builder(id).args(kwargs).disable_env_checker(true).build()?;
@@ -55,7 +55,7 @@ impl Learner {
         Ok(())
     }
 
-    /// Learns until so many episodes have ended or so many steps were taken; gives the episodes that ended.
+    /// Learns until this many episodes have ended or steps were taken; returns the episodes that ended.
     pub(crate) fn train(&mut self, episodes: u32, steps: u32) -> Result<Vec<Episode>> {
         match self {
             Self::Tabular(learner) => learner.train(episodes, steps),

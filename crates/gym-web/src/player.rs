@@ -14,12 +14,12 @@ use serde_json::{Value as Json, json};
 
 use crate::describe;
 
-/// Every so many steps the state is kept.
+/// The number of steps between stored states.
 const MARK_EVERY: usize = 16;
 /// How many states are kept. Earlier steps are reached from the start of the episode.
 const MARKS: usize = 40;
 
-/// Who chooses the action of a step.
+/// The source of a step's action.
 #[derive(Clone, Debug)]
 pub(crate) enum By {
     /// The action space at random.

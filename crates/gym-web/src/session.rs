@@ -64,7 +64,7 @@ enum Request {
     Learned { learner: u32 },
 }
 
-/// Who chooses actions.
+/// The source of actions.
 #[derive(Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Who {
@@ -81,7 +81,7 @@ impl std::fmt::Debug for Session {
 }
 
 impl Session {
-    /// Answers a request in JSON: `{"ok": answer}` or `{"error": text}`. What is no JSON goes to `attachment`.
+    /// Answers a request in JSON: `{"ok": answer}` or `{"error": text}`. Bytes go to `attachment`.
     pub fn call(&mut self, request: &[u8], bytes: &[u8], attachment: &mut Vec<u8>) -> Vec<u8> {
         let answer = serde_json::from_slice(request)
             .map_err(|error| Error::custom(format!("not a request: {error}")))

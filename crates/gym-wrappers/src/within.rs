@@ -21,7 +21,7 @@ pub struct Batch;
 pub trait Within<Kind> {
     /// The argument of a function of observations: one, or a batch.
     type Observation: Element;
-    /// A buffer for what is observed within.
+    /// A buffer for the inner observation.
     type Buffer;
 
     /// An empty buffer.

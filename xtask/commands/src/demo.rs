@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Frames of each GIF at most.
     #[arg(long, default_value_t = 200)]
     max_frames: u64,
-    /// Every version of each task instead of the newest, and those on rapier2d.
+    /// All versions of each task instead of the newest, and those on rapier2d.
     #[arg(long)]
     all: bool,
 }

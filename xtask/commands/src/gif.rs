@@ -13,7 +13,7 @@ use crate::policy::Policy;
 pub(crate) struct Arguments {
     /// The environment.
     id: String,
-    /// Who acts.
+    /// The policy.
     #[arg(long, value_enum, default_value = "random")]
     policy: Policy,
     /// Seeds the environment and its action space.

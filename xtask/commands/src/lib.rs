@@ -183,7 +183,7 @@ mod tests {
         }
     }
 
-    /// Fails with what is wrong in the rest of a line behind `cargo xtask`.
+    /// Fails with the fault in the rest of a line behind `cargo xtask`.
     fn check(line: &str, program: &clap::Command, web: &str) -> std::result::Result<(), String> {
         let mut words = line.split_whitespace().map(|word| word.trim_end_matches([',', '.', ';', ':', ')']));
         let mut command = None;

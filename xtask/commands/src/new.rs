@@ -67,7 +67,7 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
 
 /// What a package, a crate and a namespace can all be called.
 fn check_name(name: &str) -> Result<()> {
-    /// Words that are no names, and crates that the new one depends on.
+    /// Reserved words, and crates that the new one depends on.
     const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
                          final fn for gen gym gym_conform gym_core gym_render if impl in let loop macro match mod move mut override \
                          priv pub ref return self serde static std struct super test trait true try type typeof \
@@ -88,7 +88,7 @@ fn dependency(name: &str) -> String {
     format!("{{ path = {:?} }}", root().join("crates").join(name))
 }
 
-/// The task's name, and what the README says of it.
+/// The task's name, and its description in the README.
 fn task(native: bool) -> (&'static str, &'static str) {
     if native {
         ("Rocket", "touch down softly, with as little fuel as possible")

@@ -43,10 +43,10 @@ pub(crate) struct Arguments {
     /// Stops after that many episodes.
     #[arg(long)]
     episodes: Option<u64>,
-    /// Records what is shown to this file: .gif, .png (animated) or .mp4.
+    /// Records the frames to this file: .gif, .png (animated) or .mp4.
     #[arg(long)]
     record: Option<PathBuf>,
-    /// Records what was done and answered to this file, for `replay`.
+    /// Records the actions and results to this file, for `replay`.
     #[arg(long)]
     trace: Option<PathBuf>,
 }

@@ -166,7 +166,7 @@ fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>
     Ok(None)
 }
 
-/// A trace and what else its file says.
+/// A trace and the other parts of its file.
 #[derive(serde::Serialize)]
 struct Answers<'a> {
     #[serde(flatten)]

@@ -14,7 +14,7 @@ use crate::policy::{Episode, Policy};
 pub(crate) struct Arguments {
     /// The environment.
     id: String,
-    /// Who acts; several, as in random,good, play one after the other.
+    /// The policy; several, as in random,good, play one after the other.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "random")]
     policy: Vec<Policy>,
     /// Seeds, as in 0..10 (10 excluded): each seeds a fresh environment and its action space.

@@ -21,8 +21,8 @@ impl Selection {
         }
     }
 
-    /// The environments of these ids; without any, all of the selection but those that need what no crate brings, of which
-    /// it says so.
+    /// The environments of these ids; without ids, all of the selection except those with external requirements, which
+    /// it reports.
     ///
     /// # Errors
     /// An id that is not registered; a crate that registers nothing.
@@ -51,7 +51,7 @@ impl Selection {
     }
 }
 
-/// Says that environments of one crate are left out, because they need what no crate brings.
+/// Reports the environments of one crate that are left out because of external requirements.
 fn left_out(group: &[Registration]) -> String {
     let needed = group[0].needs.map_or("", |need| need.what);
     let there = if group[0].needs.is_some_and(|need| !need.is_met()) { " (none here)" } else { "" };

@@ -151,7 +151,7 @@ impl AtariEnv {
         Ok(())
     }
 
-    /// Takes a step without looking at what came of it.
+    /// Takes a step without an observation.
     fn advance(&mut self, action: &AtariAction) -> Result<Outcome> {
         let command = self.resolve_for_step(action)?;
         let frames = match self.config.frameskip {
@@ -219,7 +219,7 @@ impl AtariEnv {
     }
 }
 
-/// The bytes of an array of a shape, which is made anew where it is not of that shape.
+/// The bytes of an array of a shape, which is replaced if it has another shape.
 pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] {
     if array.shape() != shape || array.dtype() != DType::U8 {
         *array = Array::zeros(DType::U8, shape).unwrap_or_default();

@@ -7,7 +7,7 @@ use super::options::ResetOptions;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
-/// Who makes an environment's pictures.
+/// How an environment is rendered.
 pub(super) enum Renders {
     /// The environment.
     Itself,

@@ -10,9 +10,10 @@ pub trait VectorEnvExt: VectorEnv {
     /// The entries of all [`info`](crate::vector::VectorEnv::info)s as Gymnasium's dict of columns, to go with the columns of
     /// the same step.
     ///
-    /// Each key has a column of `n` values and, as `_key`, a tuple that says which of them are there;
-    /// what is not there is zero in a column of numbers and `Null` in any other. With
-    /// [`Autoreset::SameStep`](crate::vector::Autoreset::SameStep), `final_obs` and `final_info` tell of the episodes that have ended.
+    /// Each key has a column of `n` values and, as `_key`, a tuple of flags for the values that are present. Missing
+    /// values are zero in a column of numbers and `Null` in others. With
+    /// [`Autoreset::SameStep`](crate::vector::Autoreset::SameStep), `final_obs` and `final_info` are about the episodes
+    /// that ended.
     ///
     /// Made of [`info`](crate::vector::VectorEnv::info), [`final_info`](crate::vector::VectorEnv::final_info) and
     /// [`column_infos`](crate::vector::VectorEnv::column_infos), which is what a vector or a wrapper implements: so the order
@@ -110,9 +111,8 @@ impl dyn VectorEnv {
     /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers if it
     /// is of that type.
     ///
-    /// The type of a wrapper names the vector within, which is `Box<dyn VectorEnv>` unless it says
-    /// otherwise. So it is for wrappers that a [`VectorSpec`](crate::vector::VectorSpec) has made, and for the first wrapper around
-    /// [`make_vec`](crate::make_vec):
+    /// The type of a wrapper names the inner vector, by default `Box<dyn VectorEnv>`: so for wrappers made by a
+    /// [`VectorSpec`](crate::vector::VectorSpec), and for the first wrapper around [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
     /// use gym_core::BoxVector;

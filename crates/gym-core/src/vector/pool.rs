@@ -42,7 +42,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     env_spec: Option<EnvSpec>,
 }
 
-/// A sub-environment with what it is sent for.
+/// A sub-environment with its request.
 struct Traveller<E> {
     index: usize,
     slot: Slot<E>,

@@ -113,7 +113,7 @@ impl<E: Env> Slot<E> {
         self.stage == Stage::Done
     }
 
-    /// Does what it is asked.
+    /// Resets or steps as requested.
     pub(super) fn go(&mut self, ask: &Ask, autoreset: Autoreset) -> Result<()> {
         match ask {
             Ask::Reset(reset) => self.reset(reset),

@@ -24,7 +24,7 @@ enum Window {
     None,
     /// It opens with the first picture.
     Wanted,
-    /// It is open, and the frame is what it shows.
+    /// It is open, and shows the frame.
     Open(Box<dyn Screen>, Frame),
 }
 

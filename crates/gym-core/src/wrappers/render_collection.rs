@@ -6,7 +6,7 @@ use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapsho
 /// Collects a frame or text after each reset and step; `render` returns the list and clears it. An
 /// episode of `T` steps has `T + 1` items.
 ///
-/// A reset drops what was not asked for.
+/// A reset drops uncollected items.
 #[derive(Clone, Debug)]
 pub struct RenderCollection<E = BoxEnv> {
     inner: E,

@@ -68,7 +68,7 @@ gym_core::arguments! {
         /// The body whose velocity counts.
         #[versions = 5..]
         pub main_body: Body = Body::Id(1),
-        /// Whether the episode ends when it is no longer healthy.
+        /// Whether the episode ends once the agent is unhealthy.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
         /// The range of the height while healthy.

@@ -8,7 +8,7 @@ use crate::physics::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, 
 /// Nothing nearer than this is drawn, in m.
 pub(super) const NEAR: f64 = 0.02;
 
-/// A camera: where it is, what is right, up and ahead of it, and how large things look.
+/// A camera: its position, its right, up and forward directions, and its scale.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Camera {
     pub(super) pos: Vec3,

@@ -15,7 +15,8 @@ use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
 use crate::{Data, Model};
 
-/// Where the free camera is, in the names of MuJoCo's `mjvCamera`; what is absent is computed from the model.
+/// The position of the free camera, with the names of MuJoCo's `mjvCamera`; absent values are computed from the
+/// model.
 ///
 /// It follows `trackbodyid` in x and y.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -104,7 +104,7 @@ fn arguments(bounds: &[f64], count: usize, mut check: impl FnMut(f64)) {
     check(f64::NAN);
 }
 
-/// How many arguments of each function are compared: 10^6, or what `MATH_ARGUMENTS` says.
+/// The number of arguments of each function: 10^6, or `MATH_ARGUMENTS`.
 fn count() -> usize {
     std::env::var("MATH_ARGUMENTS").ok().and_then(|text| text.parse().ok()).unwrap_or(1_000_000)
 }

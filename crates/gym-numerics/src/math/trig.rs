@@ -1,5 +1,5 @@
 //! Sine and cosine, as glibc computes them on x86-64 with fused multiply-add: a reduction to an angle
-//! within ±π/4 and what that rounds away, a table of steps of 1/128, and short polynomials between them.
+//! within ±π/4 and its rounding error, a table of steps of 1/128, and short polynomials between them.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 

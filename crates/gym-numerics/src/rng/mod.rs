@@ -75,7 +75,7 @@ impl Generator {
         (self.next_u32() >> 8) as f32 * UNIT
     }
 
-    /// `low + (high - low) * random()`, whatever the two are.
+    /// `low + (high - low) * random()`, for any two numbers.
     #[inline]
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.random()

@@ -24,7 +24,7 @@ pub struct Seed {
 /// More decimal digits are refused: the time to read them grows with their square.
 const MAX_DIGITS: usize = 4300;
 
-/// Why there is no seed.
+/// The reason why there is no seed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SeedError {
@@ -49,7 +49,7 @@ fn fill(bytes: &mut [u8]) -> Result<(), SeedError> {
     SysRng.try_fill_bytes(bytes).map_err(|error| SeedError::NoRandomness(error.to_string()))
 }
 
-/// There is no operating system in a browser's module.
+/// WebAssembly in a browser has no operating system.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 fn fill(_: &mut [u8]) -> Result<(), SeedError> {
     Err(SeedError::NoRandomness("this platform has none: give each reset a seed".into()))

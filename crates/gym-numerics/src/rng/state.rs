@@ -6,7 +6,7 @@ use serde::de::value::{Error as SerdeError, SeqDeserializer};
 
 use super::Generator;
 
-/// The bit of the last word that says that half a word is left, in the bits below.
+/// The bit of the last word that marks an unused half word in the bits below.
 const HAS_HALF: u64 = 1 << 32;
 
 impl Generator {

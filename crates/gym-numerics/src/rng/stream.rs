@@ -7,8 +7,8 @@ use rand_pcg::Pcg64;
 
 use super::Generator;
 
-/// A stream of random numbers that is kept for each of many environments: a [`Generator`], or what
-/// is needed to go on from one.
+/// A stream of random numbers for each of many environments: a [`Generator`], or the part of one
+/// that is needed to continue.
 pub trait Stream: Clone + fmt::Debug + Send + 'static {
     /// The stream that continues where a generator is.
     fn new(generator: Generator) -> Self;
@@ -55,9 +55,8 @@ impl Stream for Generator {
     }
 }
 
-/// The [`Stream`] of an environment that draws whole words alone, such as
-/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, for there is no half
-/// of a word to keep.
+/// The [`Stream`] of an environment that draws only whole words, such as
+/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, without a half word.
 #[derive(Clone, Debug)]
 pub struct WordStream(Pcg64);
 

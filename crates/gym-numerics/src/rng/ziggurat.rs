@@ -96,7 +96,7 @@ impl Generator {
         }
     }
 
-    /// `loc + scale * standard_normal()`, whatever the two are.
+    /// `loc + scale * standard_normal()`, for any two numbers.
     #[inline]
     pub fn normal(&mut self, loc: f64, scale: f64) -> f64 {
         loc + scale * self.standard_normal()
@@ -123,7 +123,7 @@ impl Generator {
         }
     }
 
-    /// `scale * standard_exponential()`, whatever the scale is.
+    /// `scale * standard_exponential()`, for any scale.
     #[inline]
     pub fn exponential(&mut self, scale: f64) -> f64 {
         scale * self.standard_exponential()

@@ -35,7 +35,7 @@ pub(super) struct Summary {
     pub(super) mean_length: f64,
 }
 
-/// Those that are kept in a folder; none where there is no file.
+/// The stored returns of a folder; none without a file.
 pub(super) fn read(folder: &Path) -> Result<Returns> {
     if !folder.join(FILE).exists() {
         return Ok(Returns::new());

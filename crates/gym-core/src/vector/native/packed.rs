@@ -24,9 +24,8 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// Appends its stored form.
     fn put(self, bytes: &mut Vec<u8>);
 
-    /// Reads what [`put`](Self::put) wrote and goes on behind it, or `None` where nothing of the kind is
-    /// there. Whether a state can be worked with is for [`Dynamics::is_valid`](crate::Task::is_valid)
-    /// to say.
+    /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
+    /// [`is_valid`](crate::Task::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

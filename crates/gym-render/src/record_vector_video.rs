@@ -9,8 +9,7 @@ use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{Error, Result, Value, VectorEnv, WrapperSpec};
 
 use crate::png::tile;
-use crate::record_video::check_known_mode;
-use crate::recorder::not_frames;
+use crate::recorder::{check_known_mode, not_frames};
 use crate::tape::{Config as Common, Tape, tape_options};
 use arguments::Config;
 

@@ -10,7 +10,8 @@ use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
 use super::number::{Number, Numeric, collect, limits, with_type};
-use super::{array_of, element_count, invalid, json, numpy_fmt};
+use super::{array_of, element_count, invalid, numpy_fmt};
+use crate::stored::plain;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
 /// infinite: Gymnasium's `Box`.
@@ -323,7 +324,7 @@ impl From<BoxSpace> for Description {
     fn from(space: BoxSpace) -> Self {
         let describe = |bounds: &Array, bounded: &[bool], infinity: f64| {
             let number = |(number, &bounded)| {
-                json::write_number(if bounded { number } else { Number::Float(infinity) })
+                plain::write_number(if bounded { number } else { Number::Float(infinity) })
             };
             // Equal numbers, except that the sign of zero survives.
             let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
@@ -352,10 +353,10 @@ impl TryFrom<Description> for BoxSpace {
     fn try_from(description: Description) -> Result<Self> {
         let Description { low, high, shape, dtype } = description;
         let bounds = |bounds: &Json| match bounds {
-            Json::Array(bounds) => bounds.iter().map(json::parse_number).collect::<Result<Vec<_>, _>>(),
+            Json::Array(bounds) => bounds.iter().map(plain::parse_number).collect::<Result<Vec<_>, _>>(),
             bound => {
                 let len = element_count(&shape)?;
-                json::parse_number(bound).map(|bound| vec![bound; len])
+                plain::parse_number(bound).map(|bound| vec![bound; len])
             }
         };
         let numbers = bounds(&low).and_then(|low| Ok((low, bounds(&high)?)));

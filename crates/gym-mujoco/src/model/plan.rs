@@ -25,8 +25,9 @@ pub(crate) struct Plan {
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
     pub(crate) trees: Vec<Range<usize>>,
-    /// Pairs of geoms that can touch, in the order of their contacts.
+    /// Pairs of geoms that can touch, in the order of their contacts, and when they are near enough.
     pub(crate) pairs: Vec<Pair>,
+    pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Whether any joint has damping, which Euler's integrator treats implicitly.
@@ -111,6 +112,22 @@ pub(crate) struct Pair {
     pub(crate) trees: [Option<usize>; 2],
 }
 
+/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs need.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    pub(crate) geom: [usize; 2],
+    pub(crate) plane: bool,
+    /// The height of the second one's centre above a plane, or the square of the distance of the centres.
+    pub(crate) most: f64,
+}
+
+impl Reach {
+    fn new(pair: &Pair) -> Self {
+        let plane = pair.kind.0 == GeomType::Plane;
+        Self { geom: pair.geom, plane, most: if plane { pair.reach } else { pair.reach * pair.reach } }
+    }
+}
+
 /// A degree of freedom that moves one of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
@@ -191,6 +208,7 @@ impl Plan {
             last_dof,
             trees,
             pairs: Vec::new(),
+            reaches: Vec::new(),
             limits: Vec::new(),
             damped,
             springs: (0..m.njnt()).filter(|&j| m.jnt_stiffness[j] != 0.0).collect(),
@@ -202,6 +220,7 @@ impl Plan {
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
         plan.pairs = plan.find_pairs(m)?;
+        plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
             .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)
             .map(|j| limit(m, j))

@@ -19,7 +19,7 @@ fn the_goal_itself_counts() {
     let config = mountain_car_continuous::Config { goal_position, goal_velocity, ..Default::default() };
     let car = mountain_car_continuous::MountainCarContinuousDynamics::new(config).unwrap();
     let before = mountain_car_continuous::State { position: 0.55, velocity: 0.07, fresh: false };
-    let after = car.transition(&before, &[1.0], &mut rng).unwrap();
+    let after = car.transition(&before, &[1.0f32].into(), &mut rng).unwrap();
     assert_eq!((after.state.position, after.state.velocity), (goal_position, goal_velocity));
     assert!(after.terminated);
 }

@@ -246,6 +246,14 @@ twists! {
     }
 
     "info-constant.seldom" TellsSeldom {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            env.snapshot_with_age()
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.restore_with_age(snapshot)
+        }
+
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             env.walk.info(visit);
             if env.mind.age % 333 == 332 {

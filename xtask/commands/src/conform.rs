@@ -1,8 +1,13 @@
 //! `cargo xtask conform [ID...]`
 
-use gym::conform::{self, Format, Progress};
-use gym::{Error, Registration, Result};
+use gym::{Error, Result};
+#[cfg(feature = "conform")]
+use gym::{
+    Registration,
+    conform::{self, Format, Progress},
+};
 
+#[cfg(feature = "conform")]
 use crate::output::{self, tell};
 use crate::selection::Selection;
 
@@ -29,11 +34,11 @@ pub(crate) fn conform(arguments: &Arguments, selection: Selection) -> Result<()>
     let registrations = selection.of(&arguments.ids)?;
     let ids: Vec<_> = registrations.iter().map(Registration::id).map(str::to_owned).collect();
     let reports = conform::reports_with(&ids, |progress| match progress {
-        Progress::Begins { id } if arguments.format == Format::Text => tell!("checking {id}"),
+        Progress::Begins { id } if format == Format::Text => tell!("checking {id}"),
         Progress::Slow { id, slow } => tell!("{id}: {slow}"),
         _ => (),
     })?;
-    output::write(format_args!("{}", arguments.format.write(&reports)))?;
+    output::write(format_args!("{}", format.write(&reports)))?;
     match reports.iter().filter(|report| !report.passes()).count() {
         0 => Ok(()),
         broken => Err(Error::custom(format!("{broken} environments break the rules"))),

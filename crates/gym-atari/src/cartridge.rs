@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::dpc::{self, Dpc};
+use crate::program::{Program, ROM};
 
 /// How a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -67,16 +68,16 @@ impl Scheme {
     }
 }
 
-/// The bytes of a whole bank.
-const BANK: usize = 4096;
 /// From here on an address may select a bank.
 const FIRST_HOTSPOT: u16 = 0x0fe0;
 
 /// A ROM and which parts of it the processor sees.
 #[derive(Clone, Debug)]
 pub struct Cartridge {
-    rom: Arc<[u8]>,
+    pub(crate) program: Arc<Program>,
     banks: Banks,
+    /// Whether an access may have selected a bank since [`take_switched`](Self::take_switched).
+    switched: bool,
 }
 
 /// The state of a cartridge beside its ROM.
@@ -94,12 +95,12 @@ impl Cartridge {
     /// The cartridge at power-on. A ROM that is too short for its scheme is repeated to fill it, one that is too long is
     /// cut off, and an empty one reads as zeros.
     pub fn new(rom: &[u8], scheme: Scheme) -> Self {
-        let rom: Arc<[u8]> = match rom {
-            [] => vec![0; scheme.size()].into(),
-            _ => rom.iter().copied().cycle().take(scheme.size()).collect(),
-        };
+        let mut whole = [0; ROM];
+        for (byte, &value) in whole[..scheme.size()].iter_mut().zip(rom.iter().cycle()) {
+            *byte = value;
+        }
         let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], dpc: Dpc::new() };
-        let mut cartridge = Self { rom, banks };
+        let mut cartridge = Self { program: Program::of(whole, scheme), banks, switched: false };
         cartridge.reset();
         cartridge
     }
@@ -121,7 +122,7 @@ impl Cartridge {
 
     /// Selects banks and sets RAM as they were; `false` and no change if they are another scheme's.
     pub fn set_banks(&mut self, banks: &Banks) -> bool {
-        let last = (self.rom.len() - 0x400) as u16;
+        let last = (self.banks.scheme.size() - 0x400) as u16;
         let fits = banks.scheme == self.banks.scheme
             && banks.windows.iter().all(|&start| start <= last && start % 0x400 == 0)
             && banks.dpc.is_valid();
@@ -147,12 +148,24 @@ impl Cartridge {
             }
             return self.banks.ram[cell];
         } else if low < dpc::REGISTERS && self.banks.scheme == Scheme::Dpc {
-            return self.banks.read_dpc(low, &self.rom[8192..]);
+            return self.banks.read_dpc(low, &self.program.rom[8192..][..dpc::DATA]);
         } else if self.banks.scheme == Scheme::FE {
             self.banks.select(u16::from(address & 0x2000 == 0));
         }
-        let start = self.banks.windows[usize::from(low >> 10)];
-        self.rom[usize::from(start) + usize::from(low & 0x03ff)]
+        self.peek(address)
+    }
+
+    /// The byte of the ROM at an address, in the banks that are selected.
+    #[inline(always)]
+    fn peek(&self, address: u16) -> u8 {
+        self.program.rom[self.place(address)]
+    }
+
+    /// Where in the ROM an address is.
+    #[inline(always)]
+    fn place(&self, address: u16) -> usize {
+        let start = self.banks.windows[usize::from(address >> 10 & 0x03)];
+        usize::from(start & 0x3c00 | address & 0x03ff)
     }
 
     /// Writes a byte.
@@ -168,193 +181,13 @@ impl Cartridge {
         }
     }
 
-    /// The cartridge as the processor is best wired to it.
-    pub(crate) fn slot(&mut self) -> Slot<'_> {
-        if self.banks.scheme == Scheme::E0 {
-            let Self { rom, banks } = self;
-            return Slot::Windowed(Windowed { rom: rom.first_chunk().expect("E0 is 8K"), banks });
-        }
-        let whole = matches!(self.banks.scheme, Scheme::Rom2K | Scheme::Rom4K | Scheme::F8 | Scheme::F6);
-        let start = usize::from(self.banks.windows[0]);
-        if !whole || start + BANK > self.rom.len() {
-            return Slot::Other(self);
-        }
-        let Self { rom, banks } = self;
-        let bank = rom[start..].first_chunk().expect("a bank is 4K");
-        match banks.scheme {
-            Scheme::Rom2K | Scheme::Rom4K => Slot::Fixed(Fixed { rom: bank }),
-            _ => Slot::Switched(Switched { rom, bank, banks }),
-        }
-    }
-}
-
-/// What the processor sees of a cartridge.
-pub(crate) trait ReadWrite {
-    /// Reads a byte, while another is on the bus.
-    fn read(&mut self, address: u16, bus: u8) -> u8;
-    /// Writes a byte.
-    fn write(&mut self, address: u16, value: u8);
-    /// The byte of the ROM that a read of this address gives, if the read does nothing else.
-    fn constant(&self, address: u16) -> Option<u8>;
-    /// The four bytes of the ROM from an address on, if reading them does nothing else.
-    fn program(&self, address: u16) -> Option<[u8; 4]>;
-}
-
-/// Four bytes of a bank, if all of them lie ahead of `end`.
-#[inline(always)]
-fn four_bytes(bank: &[u8; BANK], address: u16, end: usize) -> Option<[u8; 4]> {
-    // addresses beyond 4095 are none of the cartridge's
-    let at = usize::from((address & 0x1fff) ^ 0x1000);
-    if at <= end - 4 { bank[at..].first_chunk().copied() } else { None }
-}
-
-/// A cartridge by what its accesses do, so that the processor runs on code for that alone.
-pub(crate) enum Slot<'a> {
-    Fixed(Fixed<'a>),
-    Switched(Switched<'a>),
-    Windowed(Windowed<'a>),
-    Other(&'a mut Cartridge),
-}
-
-/// A ROM without banks.
-pub(crate) struct Fixed<'a> {
-    rom: &'a [u8; BANK],
-}
-
-impl ReadWrite for Fixed<'_> {
-    #[inline(always)]
-    fn read(&mut self, address: u16, _bus: u8) -> u8 {
-        self.rom[usize::from(address & 0x0fff)]
+    /// How the cartridge maps its ROM.
+    pub(crate) fn scheme(&self) -> Scheme {
+        self.banks.scheme
     }
 
-    #[inline(always)]
-    fn write(&mut self, _address: u16, _value: u8) {}
-
-    #[inline(always)]
-    fn constant(&self, address: u16) -> Option<u8> {
-        (address & 0x1000 != 0).then(|| self.rom[usize::from(address & 0x0fff)])
-    }
-
-    #[inline(always)]
-    fn program(&self, address: u16) -> Option<[u8; 4]> {
-        four_bytes(self.rom, address, BANK)
-    }
-}
-
-/// `F8` and `F6`: one bank of several at a time.
-pub(crate) struct Switched<'a> {
-    rom: &'a [u8],
-    bank: &'a [u8; BANK],
-    banks: &'a mut Banks,
-}
-
-impl Switched<'_> {
-    #[inline(always)]
-    fn access(&mut self, address: u16) {
-        if address & 0x0fff >= FIRST_HOTSPOT {
-            self.bank = switch(self.rom, self.banks, address);
-        }
-    }
-}
-
-/// The bank that is selected after an access. It is no method, as `self` would have to be in memory then.
-#[inline(never)]
-fn switch<'a>(rom: &'a [u8], banks: &mut Banks, address: u16) -> &'a [u8; BANK] {
-    banks.hotspot(address & 0x0fff);
-    let start = usize::from(banks.windows[0]);
-    rom[start..].first_chunk().expect("a bank is 4K")
-}
-
-impl ReadWrite for Switched<'_> {
-    #[inline(always)]
-    fn read(&mut self, address: u16, _bus: u8) -> u8 {
-        self.access(address);
-        self.bank[usize::from(address & 0x0fff)]
-    }
-
-    #[inline(always)]
-    fn write(&mut self, address: u16, _value: u8) {
-        self.access(address);
-    }
-
-    #[inline(always)]
-    fn constant(&self, address: u16) -> Option<u8> {
-        let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
-        plain.then(|| self.bank[usize::from(address & 0x0fff)])
-    }
-
-    #[inline(always)]
-    fn program(&self, address: u16) -> Option<[u8; 4]> {
-        four_bytes(self.bank, address, usize::from(FIRST_HOTSPOT))
-    }
-}
-
-/// `E0`: four windows.
-pub(crate) struct Windowed<'a> {
-    rom: &'a [u8; 8192],
-    banks: &'a mut Banks,
-}
-
-impl Windowed<'_> {
-    #[inline(always)]
-    fn access(&mut self, address: u16) {
-        if address & 0x0fff >= FIRST_HOTSPOT {
-            self.banks.hotspot(address & 0x0fff);
-        }
-    }
-
-    /// Where in the ROM an address is.
-    #[inline(always)]
-    fn place(&self, address: u16) -> usize {
-        let start = self.banks.windows[usize::from(address >> 10 & 0x03)];
-        usize::from(start & 0x1c00 | address & 0x03ff)
-    }
-}
-
-impl ReadWrite for Windowed<'_> {
-    #[inline(always)]
-    fn read(&mut self, address: u16, _bus: u8) -> u8 {
-        self.access(address);
-        self.rom[self.place(address)]
-    }
-
-    #[inline(always)]
-    fn write(&mut self, address: u16, _value: u8) {
-        self.access(address);
-    }
-
-    #[inline(always)]
-    fn constant(&self, address: u16) -> Option<u8> {
-        let plain = address & 0x1000 != 0 && address & 0x0fff < FIRST_HOTSPOT;
-        plain.then(|| self.rom[self.place(address)])
-    }
-
-    /// Instructions within one window.
-    #[inline(always)]
-    fn program(&self, address: u16) -> Option<[u8; 4]> {
-        let at = usize::from(address & 0x03ff);
-        let plain = address & 0x1000 != 0 && at <= 0x400 - 4 && address & 0x0fff < FIRST_HOTSPOT - 4;
-        if plain { self.rom[self.place(address)..].first_chunk().copied() } else { None }
-    }
-}
-
-impl ReadWrite for &mut Cartridge {
-    #[inline(always)]
-    fn read(&mut self, address: u16, bus: u8) -> u8 {
-        Cartridge::read(self, address, bus)
-    }
-
-    #[inline(always)]
-    fn write(&mut self, address: u16, value: u8) {
-        Cartridge::write(self, address, value);
-    }
-
-    fn constant(&self, _address: u16) -> Option<u8> {
-        None
-    }
-
-    /// Instructions within one window.
-    fn program(&self, address: u16) -> Option<[u8; 4]> {
+    /// The four bytes of the ROM from an address on, if reading them does nothing else: instructions within one window.
+    pub(crate) fn four_bytes(&self, address: u16) -> Option<[u8; 4]> {
         let low = address & 0x0fff;
         let first = match self.banks.scheme {
             Scheme::FE => return None,
@@ -362,10 +195,165 @@ impl ReadWrite for &mut Cartridge {
             Scheme::Dpc => dpc::REGISTERS,
             _ => 0,
         };
-        let plain = address & 0x1000 != 0 && (first..FIRST_HOTSPOT - 4).contains(&low);
-        let (window, at) = (usize::from(low >> 10), usize::from(low & 0x03ff));
-        let slice = self.rom[usize::from(self.banks.windows[window])..].first_chunk::<0x400>()?;
-        if plain && at <= slice.len() - 4 { slice[at..].first_chunk().copied() } else { None }
+        let plain =
+            address & 0x1000 != 0 && (first..FIRST_HOTSPOT - 4).contains(&low) && low & 0x03ff <= 0x03fc;
+        if plain { self.program.rom[self.place(address)..].first_chunk().copied() } else { None }
+    }
+
+    /// Whether an access may have selected a bank since the last call.
+    #[inline(always)]
+    pub(crate) fn take_switched(&mut self) -> bool {
+        std::mem::take(&mut self.switched)
+    }
+
+    #[inline(never)]
+    fn hotspot(&mut self, address: u16) {
+        self.switched = true;
+        self.banks.hotspot(address & 0x0fff);
+    }
+}
+
+/// What a kind of cartridge does, so that the processor runs on code for that kind alone.
+pub(crate) trait Kind: 'static {
+    /// The addresses of a bank that do nothing but read, from the first one on.
+    const PLAIN: u16;
+    /// The bytes of a window: a bank, or a part of it that is selected apart from others.
+    const WINDOW: u16;
+
+    /// Reads a byte, while another is on the bus.
+    fn read(cartridge: &mut Cartridge, address: u16, bus: u8) -> u8;
+
+    /// Writes a byte.
+    fn write(cartridge: &mut Cartridge, address: u16, value: u8);
+
+    /// The byte of the ROM at an address of which a read does nothing else.
+    fn peek(cartridge: &Cartridge, address: u16) -> u8;
+
+    /// A number for the byte of the ROM at an address, and for the window that shows it there.
+    fn entry(cartridge: &Cartridge, address: u16) -> usize;
+}
+
+/// Any cartridge.
+#[derive(Debug)]
+pub(crate) enum Any {}
+
+impl Kind for Any {
+    const PLAIN: u16 = 0;
+    const WINDOW: u16 = 0x1000;
+
+    #[inline(always)]
+    fn read(cartridge: &mut Cartridge, address: u16, bus: u8) -> u8 {
+        cartridge.read(address, bus)
+    }
+
+    #[inline(always)]
+    fn write(cartridge: &mut Cartridge, address: u16, value: u8) {
+        cartridge.write(address, value);
+    }
+
+    #[inline(always)]
+    fn peek(cartridge: &Cartridge, address: u16) -> u8 {
+        cartridge.peek(address)
+    }
+
+    #[inline(always)]
+    fn entry(cartridge: &Cartridge, address: u16) -> usize {
+        cartridge.place(address)
+    }
+}
+
+/// A ROM without banks.
+#[derive(Debug)]
+pub(crate) enum Fixed {}
+
+impl Kind for Fixed {
+    const PLAIN: u16 = 0x1000;
+    const WINDOW: u16 = 0x1000;
+
+    #[inline(always)]
+    fn read(cartridge: &mut Cartridge, address: u16, _bus: u8) -> u8 {
+        Self::peek(cartridge, address)
+    }
+
+    #[inline(always)]
+    fn write(_cartridge: &mut Cartridge, _address: u16, _value: u8) {}
+
+    #[inline(always)]
+    fn peek(cartridge: &Cartridge, address: u16) -> u8 {
+        cartridge.program.rom[usize::from(address & 0x0fff)]
+    }
+
+    #[inline(always)]
+    fn entry(_cartridge: &Cartridge, address: u16) -> usize {
+        usize::from(address & 0x0fff)
+    }
+}
+
+/// `F8` and `F6`: one bank of several at a time.
+#[derive(Debug)]
+pub(crate) enum Switched {}
+
+impl Kind for Switched {
+    const PLAIN: u16 = 0x0ff6;
+    const WINDOW: u16 = 0x1000;
+
+    #[inline(always)]
+    fn read(cartridge: &mut Cartridge, address: u16, _bus: u8) -> u8 {
+        if address & 0x0fff >= Self::PLAIN {
+            cartridge.hotspot(address);
+        }
+        Self::peek(cartridge, address)
+    }
+
+    #[inline(always)]
+    fn write(cartridge: &mut Cartridge, address: u16, _value: u8) {
+        if address & 0x0fff >= Self::PLAIN {
+            cartridge.hotspot(address);
+        }
+    }
+
+    #[inline(always)]
+    fn peek(cartridge: &Cartridge, address: u16) -> u8 {
+        cartridge.program.rom[Self::entry(cartridge, address)]
+    }
+
+    #[inline(always)]
+    fn entry(cartridge: &Cartridge, address: u16) -> usize {
+        usize::from(cartridge.banks.windows[0] & 0x3000 | address & 0x0fff)
+    }
+}
+
+/// `E0`: four windows.
+#[derive(Debug)]
+pub(crate) enum Windowed {}
+
+impl Kind for Windowed {
+    const PLAIN: u16 = FIRST_HOTSPOT;
+    const WINDOW: u16 = 0x0400;
+
+    #[inline(always)]
+    fn read(cartridge: &mut Cartridge, address: u16, _bus: u8) -> u8 {
+        if address & 0x0fff >= Self::PLAIN {
+            cartridge.hotspot(address);
+        }
+        cartridge.peek(address)
+    }
+
+    #[inline(always)]
+    fn write(cartridge: &mut Cartridge, address: u16, _value: u8) {
+        if address & 0x0fff >= Self::PLAIN {
+            cartridge.hotspot(address);
+        }
+    }
+
+    #[inline(always)]
+    fn peek(cartridge: &Cartridge, address: u16) -> u8 {
+        cartridge.peek(address)
+    }
+
+    #[inline(always)]
+    fn entry(cartridge: &Cartridge, address: u16) -> usize {
+        usize::from(address & 0x0c00) << 3 | cartridge.place(address) & 0x1fff
     }
 }
 

@@ -1,6 +1,6 @@
 //! Comparison of games with ale-py 0.12.1, by checksums.
 //!
-//! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`.
+//! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`; `cargo xtask atari check` compares.
 
 use crc32fast::Hasher;
 
@@ -29,10 +29,26 @@ pub struct Sums {
 impl Sums {
     /// The checksum of ale-py 0.12.1; `None` for a game that was not recorded.
     pub fn recorded(game: &str) -> Option<Self> {
-        let line = RECORDED.lines().find(|line| line.split(' ').next() == Some(game))?;
+        Self::read(RECORDED, game)
+    }
+
+    /// The sums of a game in a text with a line for each: its name and its three sums in hexadecimal. `None` if there is no such
+    /// line.
+    pub fn read(text: &str, game: &str) -> Option<Self> {
+        let line = text.lines().find(|line| line.split(' ').next() == Some(game))?;
         let mut sums = line.split(' ').skip(1).map(|sum| u32::from_str_radix(sum, 16).ok());
         let mut next = || sums.next().flatten();
         Some(Self { minimal: next()?, sticky: next()?, modes: next()? })
+    }
+
+    /// The runs whose sums differ from others, in words.
+    pub fn differences(&self, others: &Self) -> Vec<&'static str> {
+        let runs = [
+            ("the minimal actions", self.minimal == others.minimal),
+            ("all actions, sticky ones among them", self.sticky == others.sticky),
+            ("the modes", self.modes == others.modes),
+        ];
+        runs.into_iter().filter(|(_, equal)| !equal).map(|(run, _)| run).collect()
     }
 
     /// What this crate gives.
@@ -112,5 +128,50 @@ impl Run {
         sum.update(&[ale.game_over().into()]);
         sum.update(&ale.episode_frame_number().to_le_bytes());
         sum.update(&ale.frame_number().to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::games;
+
+    /// A program of our own that counts frames, and how long a button is pressed.
+    const PROGRAM: &[u8] = &[
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0xe6, 0x90, 0xa5,
+        0x0c, 0x30, 0x02, 0xe6, 0x91, 0xa2, 0xe0, 0x86, 0x09, 0x85, 0x02, 0xca, 0xd0, 0xf9, 0x4c, 0x00, 0xf0,
+    ];
+
+    #[test]
+    fn a_sum_that_was_changed_is_found() {
+        let mut bytes = vec![0xea; 4096];
+        bytes[..PROGRAM.len()].copy_from_slice(PROGRAM);
+        bytes[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
+        let rom = Rom::homebrew(games::by_name("seaquest").unwrap(), &bytes);
+        let sums = Sums::of(&rom);
+        let line = |Sums { minimal, sticky, modes }: Sums| {
+            format!("others 0 0 0\nseaquest {minimal:08x} {sticky:08x} {modes:08x}\n")
+        };
+        let found = |changed: Sums| Sums::read(&line(changed), "seaquest").unwrap().differences(&sums);
+        assert!(found(sums).is_empty());
+        assert_eq!(found(Sums { minimal: sums.minimal ^ 1, ..sums }), ["the minimal actions"]);
+        assert_eq!(
+            found(Sums { sticky: sums.sticky ^ 0x100, ..sums }),
+            ["all actions, sticky ones among them"]
+        );
+        assert_eq!(found(Sums { modes: sums.modes ^ 0x8000_0000, ..sums }), ["the modes"]);
+        assert_eq!(Sums::read(&line(sums), "pong"), None);
+        // another program has other sums
+        bytes[1] = 0x03;
+        bytes[0x0f] = 0x92;
+        let other = Sums::of(&Rom::homebrew(rom.game(), &bytes));
+        assert_eq!(sums.differences(&other).len(), 3);
+    }
+
+    #[test]
+    fn every_game_was_recorded() {
+        let missing: Vec<_> =
+            games::GAMES.iter().filter(|game| Sums::recorded(game.name).is_none()).collect();
+        assert!(missing.is_empty(), "{missing:?}");
     }
 }

@@ -15,13 +15,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::cartridge::{Banks, Cartridge, Slot};
+use crate::blocks;
+use crate::cartridge::{Banks, Cartridge};
 use crate::cpu::Cpu;
 use crate::riot::Riot;
 pub use crate::screen::Pictures;
 use crate::screen::Screen;
 use crate::tia::{Display, Tia};
-use crate::wires::{Chips, Wires};
+use crate::wires::Chips;
 
 /// After this many instructions a call returns, even if no frame has ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
@@ -120,12 +121,7 @@ impl Console {
         if !chips.continued {
             chips.screen.swap();
         }
-        match cartridge.slot() {
-            Slot::Fixed(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
-            Slot::Switched(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
-            Slot::Windowed(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
-            Slot::Other(slot) => cpu.run(Wires { chips, slot }, MOST_INSTRUCTIONS),
-        }
+        blocks::run(cpu, chips, cartridge, MOST_INSTRUCTIONS);
     }
 
     /// The 128 bytes of RAM.
@@ -152,10 +148,12 @@ impl Console {
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
         let Chips { riot, tia, screen: _, frame_ended, continued: _ } = &self.chips;
+        let mut tia = tia.clone();
+        tia.place_all();
         State {
             cpu: self.cpu,
             riot: riot.clone(),
-            tia: tia.clone(),
+            tia,
             banks: self.cartridge.banks().clone(),
             frame_ended: *frame_ended,
         }

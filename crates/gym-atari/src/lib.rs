@@ -4,6 +4,7 @@
 
 mod action;
 pub mod ale;
+mod blocks;
 mod bytes;
 pub mod cartridge;
 pub mod check;
@@ -16,6 +17,7 @@ mod mt19937;
 mod paddle;
 pub mod palette;
 mod preprocessing;
+mod program;
 pub mod recording;
 pub mod riot;
 pub mod rom;

@@ -64,6 +64,18 @@ impl Riot {
         }
     }
 
+    /// The first cycle at which a register reads as 0, if it is `INTIM` and counts down to it.
+    pub(crate) fn zero_from(&self, address: u16) -> Option<u64> {
+        let Timer { value, shift, written, .. } = self.timer;
+        let is_intim = address & 0x1280 == 0x0280 && matches!(address & 0x07, 4 | 6);
+        (is_intim && value > 0).then(|| written + 1 + (u64::from(value - 1) << shift))
+    }
+
+    /// What `INTIM` reads as at a cycle before its interval ends.
+    pub(crate) fn count(&self, cycle: u64) -> u8 {
+        self.timer.count(cycle).1 as u8
+    }
+
     /// Writes a register at a cycle.
     #[inline(never)]
     pub fn write(&mut self, address: u16, value: u8, cycle: u64) {

@@ -1,16 +1,44 @@
 //! The console's bus: which chip an address is of.
 
-use crate::cartridge::ReadWrite;
+use std::marker::PhantomData;
+
+use crate::cartridge::{Cartridge, Kind};
 use crate::cpu::{Bus, Ready};
 use crate::riot::Riot;
 use crate::screen::Screen;
 use crate::tia::Tia;
 
-/// What the processor sees while a frame runs.
-pub(crate) struct Wires<'a, S> {
-    pub(crate) chips: &'a mut Chips,
-    /// The cartridge.
-    pub(crate) slot: S,
+/// What the processor sees while a frame runs. `CASE` is what is known of the address that an instruction names: see
+/// [`case`].
+pub(crate) struct Wires<'a, K, const CASE: u8> {
+    chips: &'a mut Chips,
+    cartridge: &'a mut Cartridge,
+    /// Whether the instruction did what its case does not cover; nothing has come of it then.
+    pub(crate) missed: bool,
+    kind: PhantomData<K>,
+}
+
+/// What is known of the address that an instruction names, and of those that it reads on the way there.
+pub(crate) mod case {
+    /// Nothing.
+    pub(crate) const ANY: u8 = 0;
+    /// It is one of RAM.
+    pub(crate) const RAM: u8 = 1;
+    /// It is one of the ROM where reads do nothing else.
+    pub(crate) const ROM: u8 = 2;
+    /// A pointer is in RAM, and all others are of RAM or of the ROM where reads do nothing else; if not, the instruction misses.
+    pub(crate) const MEMORY: u8 = 3;
+    /// It is this register of the TIA, or one of the 63 that follow.
+    pub(crate) const TIA: u8 = 0x40;
+    /// The same; if the write shows, the instruction misses.
+    pub(crate) const TIA_UNSEEN: u8 = 0x80;
+}
+
+impl<'a, K, const CASE: u8> Wires<'a, K, CASE> {
+    #[inline(always)]
+    pub(crate) fn new(chips: &'a mut Chips, cartridge: &'a mut Cartridge) -> Self {
+        Self { chips, cartridge, missed: false, kind: PhantomData }
+    }
 }
 
 /// What is soldered in: all but the processor and the cartridge.
@@ -56,49 +84,76 @@ impl Chips {
     }
 
     #[inline(never)]
+    fn write_any_register(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
+        self.write_tia(address, value, cycle)
+    }
+
+    #[inline(always)]
     fn write_tia(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        self.tia.write(address, value, cycle, &mut self.screen)
+        let ready = self.tia.write(address, value, cycle, &mut self.screen);
+        if matches!(ready, Ready::Return(_)) {
+            self.frame_ended = true;
+        }
+        ready
     }
 }
 
-impl<S: ReadWrite> Bus for Wires<'_, S> {
+impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
     #[inline(always)]
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        if is_cartridge(address) {
-            self.slot.read(address, bus)
-        } else if is_ram(address) {
+        if CASE == case::ROM {
+            K::peek(self.cartridge, address)
+        } else if CASE == case::RAM || is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)]
+        } else if CASE == case::MEMORY {
+            self.missed |= !is_cartridge(address) || address & 0x0fff >= K::PLAIN;
+            K::peek(self.cartridge, address)
+        } else if is_cartridge(address) {
+            K::read(self.cartridge, address, bus)
         } else {
             self.chips.read(address, cycle, bus)
         }
     }
 
     #[inline(always)]
-    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        self.slot.constant(address).unwrap_or_else(|| self.read(address, cycle, bus))
+    fn read_pointer(&mut self, address: u8, cycle: u64, bus: u8) -> u8 {
+        if CASE == case::MEMORY {
+            self.chips.riot.ram[usize::from(address & 0x7f)]
+        } else {
+            self.read(u16::from(address), cycle, bus)
+        }
     }
 
     #[inline(always)]
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready {
-        if is_cartridge(address) {
-            self.slot.write(address, value);
-        } else if is_ram(address) {
+        let register = u16::from(CASE & 0x3f);
+        if CASE >= case::TIA_UNSEEN {
+            let ready = self.chips.tia.write_unseen(register, value, cycle);
+            self.missed = ready.is_none();
+            return ready.unwrap_or(Ready::Now);
+        } else if CASE >= case::TIA {
+            return self.chips.write_tia(register, value, cycle);
+        } else if CASE == case::MEMORY {
+            self.missed |= !is_ram(address);
+            if !self.missed {
+                self.chips.riot.ram[usize::from(address & 0x7f)] = value;
+            }
+        } else if CASE == case::RAM || is_ram(address) {
             self.chips.riot.ram[usize::from(address & 0x7f)] = value;
+        } else if is_cartridge(address) {
+            K::write(self.cartridge, address, value);
         } else if is_riot(address) {
             self.chips.riot.write(address, value, cycle);
         } else {
-            let ready = self.chips.write_tia(address, value, cycle);
-            if matches!(ready, Ready::Return(_)) {
-                self.chips.frame_ended = true;
-            }
-            return ready;
+            return self.chips.write_any_register(address, value, cycle);
         }
         Ready::Now
     }
 
+    /// Where it is known that a branch ends no loop that waits, there is nothing to look at.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
-        self.slot.program(address)
+        if CASE == case::ROM { None } else { self.cartridge.four_bytes(address) }
     }
 
     fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {

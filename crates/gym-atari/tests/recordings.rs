@@ -1,6 +1,8 @@
 //! Recordings of ale-py 0.12.1, where there are ROMs and recordings: `GYM_REFERENCE` names a folder of them.
 
+use gym_atari::cartridge::Cartridge;
 use gym_atari::check::Sums;
+use gym_atari::console::{Console, Input, switch};
 use gym_atari::games::by_md5;
 use gym_atari::recording::Recording;
 use gym_atari::{AtariAction, AtariEnv, Config, ObsType, RomDir, games};
@@ -23,6 +25,53 @@ fn games_are_ale_pys() {
         compared += 1;
     }
     println!("{compared} recordings of games were compared");
+}
+
+/// Frames that nobody sees, among others, leave a console as it would be if all had been seen.
+#[test]
+fn unseen_frames_of_games_play_the_same() {
+    let Some(roms) = RomDir::find() else {
+        println!("no frames were compared: that needs ROMs");
+        return;
+    };
+    let mut random = 1u32;
+    let mut below = move |n: u32| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 16) % n
+    };
+    for game in games::GAMES {
+        let Ok(rom) = roms.rom(game) else { continue };
+        let mut seen = Console::new(Cartridge::new(rom.bytes(), game.scheme), game.display, [0; 128], 74);
+        let mut mixed = seen.clone();
+        let mut input = Input { charge: [Some(23_000); 4], ..Input::default() };
+        // whether the last two frames were seen whole
+        let mut whole = [false; 2];
+        for frame in 0..500 {
+            if frame % 8 == 0 {
+                let pressed = if (60..68).contains(&frame) { switch::RESET } else { 0 };
+                input.port_b = switch::IDLE & !pressed;
+                input.port_a = !(1 << below(8));
+                input.fire = [below(2) == 0; 2];
+            }
+            seen.frame(&input);
+            if below(3) == 0 {
+                mixed.frame(&input);
+                whole = [whole[1], !mixed.is_short()];
+            } else {
+                mixed.frame_unseen(&input);
+                whole = [whole[1], false];
+            }
+            assert_eq!(seen.ram(), mixed.ram(), "{}, frame {frame}", game.name);
+            if whole == [true; 2] {
+                assert!(seen.picture() == mixed.picture(), "{}, picture {frame}", game.name);
+            }
+            if frame % 16 == 0 {
+                let [seen, mixed] =
+                    [&seen, &mixed].map(|console| serde_json::to_value(console.state()).unwrap());
+                assert_eq!(seen, mixed, "{}, frame {frame}", game.name);
+            }
+        }
+    }
 }
 
 /// The RAM after the resets and steps of three episodes, the first with a seed, summed up.

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::adam::{Adam, StoredAdam};
+use crate::batch::Batch;
 use crate::network::Network;
 use crate::numbers::Numbers;
-use crate::rollout::Batch;
 use crate::settings::Settings;
 
 type Result<T> = candle_core::Result<T>;

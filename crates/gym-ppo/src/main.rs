@@ -14,6 +14,7 @@
 
 mod adam;
 mod agent;
+mod batch;
 mod convolution;
 mod evaluate;
 mod network;

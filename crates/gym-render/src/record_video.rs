@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::Path;
 
 use gym_core::registry::WrapperConfig;
-use gym_core::render::{Frame, RenderMode, Rendered};
+use gym_core::render::{Frame, Rendered};
 use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
-use crate::recorder::not_frames;
+use crate::recorder::{check_mode, not_frames};
 use crate::tape::{Config, Tape, tape_options};
 
 gym_core::register_wrapper!(
@@ -109,25 +109,6 @@ impl<E: Env> RecordVideo<E> {
         }
         Ok(())
     }
-}
-
-/// Fails for an environment that will render no frames.
-pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
-    check_known_mode(env.describe(), env.render_mode())
-}
-
-/// Fails unless the render mode has frames.
-pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
-    let was = match mode {
-        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
-        Some(mode) => format!("its render mode is {mode}"),
-        None => "it has no render mode".into(),
-    };
-    Err(Error::UnsupportedMode {
-        target,
-        mode: "frames to record".into(),
-        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
-    })
 }
 
 impl<E: Env> gym_core::Wrapper for RecordVideo<E> {

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use gym_core::render::{Frame, Rendered};
+use gym_core::render::{Frame, RenderMode, Rendered};
 use gym_core::{Env, Error, Result};
 
 use crate::VideoWriter;
-use crate::record_video::check_mode;
 
 /// Records the frames of an environment, over one episode or many, to one file.
 ///
@@ -124,4 +123,23 @@ pub(crate) fn not_frames(target: &str, rendered: &Rendered) -> Error {
         mode: "frames to record".into(),
         reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
     }
+}
+
+/// Fails for an environment that will render no frames.
+pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
+    check_known_mode(env.describe(), env.render_mode())
+}
+
+/// Fails unless the render mode has frames.
+pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
+    let was = match mode {
+        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
+        Some(mode) => format!("its render mode is {mode}"),
+        None => "it has no render mode".into(),
+    };
+    Err(Error::UnsupportedMode {
+        target,
+        mode: "frames to record".into(),
+        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    })
 }

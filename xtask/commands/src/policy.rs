@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use gym::policy::Controller;
 use gym::{BoxEnv, Env, EnvExt, Error, Result, Value, registry};
+use serde::{Serialize, Serializer};
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Policy {
@@ -13,7 +14,7 @@ pub(crate) enum Policy {
 }
 
 /// One episode, summed up.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Episode {
     pub(crate) seed: u64,
     #[serde(rename = "return")]
@@ -22,7 +23,13 @@ pub(crate) struct Episode {
     pub(crate) terminated: bool,
     pub(crate) truncated: bool,
     pub(crate) last_reward: f64,
+    #[serde(serialize_with = "plain")]
     pub(crate) last_observation: Value,
+}
+
+/// Writes a value as plain JSON.
+fn plain<S: Serializer>(value: &Value, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    value.to_json().serialize(serializer)
 }
 
 impl Policy {

@@ -6,7 +6,7 @@
 /// What an opcode does, under its mnemonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[rustfmt::skip]
-pub(super) enum Operation {
+pub(crate) enum Operation {
     // read memory
     Adc, And, Bit, Cmp, Cpx, Cpy, Eor, Lda, Ldx, Ldy, Ora, Sbc,
     // undocumented, read memory
@@ -33,7 +33,7 @@ pub(super) enum Operation {
 
 /// How an opcode finds what it works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// Nothing, or the accumulator: `ASL`.
     Implied,
     /// The byte after the opcode: `LDA #$12`.
@@ -62,7 +62,7 @@ pub(super) enum Mode {
 
 /// What an operation does with the memory that its mode names; this settles its cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Access {
+pub(crate) enum Access {
     /// One read.
     Read,
     /// One write.
@@ -73,7 +73,7 @@ pub(super) enum Access {
 
 impl Operation {
     /// What the operation does with its operand.
-    pub(super) const fn access(self) -> Access {
+    pub(crate) const fn access(self) -> Access {
         use Operation::*;
         match self {
             Sta | Stx | Sty | Sax | Sha | Shx | Shy | Tas => Access::Write,
@@ -85,13 +85,13 @@ impl Operation {
 
 /// An operation and its mode.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instruction {
-    pub(super) operation: Operation,
-    pub(super) mode: Mode,
+pub(crate) struct Instruction {
+    pub(crate) operation: Operation,
+    pub(crate) mode: Mode,
 }
 
 /// The bytes that are read of each instruction before it does anything, by opcode. `JSR` reads its third byte last.
-pub(super) const LENGTHS: [u8; 256] = {
+pub(crate) const LENGTHS: [u8; 256] = {
     let mut lengths = [2; 256];
     let mut opcode = 0;
     while opcode < 256 {
@@ -128,7 +128,7 @@ macro_rules! table {
 
 /// The instructions by opcode, eight to a line.
 #[rustfmt::skip]
-pub(super) const INSTRUCTIONS: [Instruction; 256] = table! {
+pub(crate) const INSTRUCTIONS: [Instruction; 256] = table! {
     /* 00 */ Brk imp, Ora izx, Jam imp, Slo izx, Nop zp_, Ora zp_, Asl zp_, Slo zp_,
     /* 08 */ Php imp, Ora imm, Asl imp, Anc imm, Nop abs, Ora abs, Asl abs, Slo abs,
     /* 10 */ Bpl rel, Ora izy, Jam imp, Slo izy, Nop zpx, Ora zpx, Asl zpx, Slo zpx,

@@ -6,8 +6,8 @@
 //! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for what is documented.
 
 mod decimal;
-mod instructions;
-mod run;
+pub(crate) mod instructions;
+pub(crate) mod run;
 
 use serde::{Deserialize, Serialize};
 
@@ -19,10 +19,10 @@ pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
 
-    /// Reads a byte that the processor has no use for.
+    /// Reads a byte of a pointer in page 0.
     #[inline(always)]
-    fn touch(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
-        self.read(address, cycle, bus)
+    fn read_pointer(&mut self, address: u8, cycle: u64, bus: u8) -> u8 {
+        self.read(u16::from(address), cycle, bus)
     }
 
     /// Writes a byte.
@@ -71,7 +71,7 @@ pub struct Cpu {
     /// The cycles since power-on.
     pub cycle: u64,
     /// The byte that was last on the bus.
-    bus: u8,
+    pub(crate) bus: u8,
     /// The program counter.
     pub pc: u16,
     /// The accumulator.
@@ -134,9 +134,15 @@ impl Cpu {
 
     /// Sets N and Z by `value`.
     #[inline(always)]
-    fn flags(&mut self, value: u8) -> u8 {
+    pub(crate) fn flags(&mut self, value: u8) -> u8 {
         self.result = u16::from(value);
         value
+    }
+
+    /// The flag D.
+    #[inline(always)]
+    pub(crate) fn is_decimal(&self) -> bool {
+        self.decimal
     }
 
     /// The flag N.

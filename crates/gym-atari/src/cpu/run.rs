@@ -4,11 +4,13 @@ use super::instructions::{Access, INSTRUCTIONS, LENGTHS, Mode, Operation};
 use super::{Bus, Cpu, Ready, flag};
 
 /// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
-struct Core<B> {
-    cpu: Cpu,
-    bus: B,
+pub(crate) struct Core<B> {
+    pub(crate) cpu: Cpu,
+    pub(crate) bus: B,
     /// How many instructions may follow.
-    left: u32,
+    pub(crate) left: u32,
+    /// Whether a write answered [`Ready::Return`], or the processor halted.
+    pub(crate) stopped: bool,
 }
 
 /// `LAX $12`.
@@ -18,15 +20,17 @@ const LOOP_BYTES: i8 = 5;
 const LOOP_CYCLES: u64 = 7;
 
 impl Cpu {
-    /// Executes instructions until a write answers [`Ready::Return`], and at most so many.
+    /// Executes instructions until a write answers [`Ready::Return`] or the processor halts, and at most so many. Returns
+    /// whether one of both stopped it.
     #[inline(never)]
-    pub fn run<B: Bus>(&mut self, bus: B, most: u32) {
-        let mut core = Core { cpu: *self, bus, left: most };
+    pub fn run<B: Bus>(&mut self, bus: B, most: u32) -> bool {
+        let mut core = Core { cpu: *self, bus, left: most, stopped: false };
         while core.left > 0 {
             core.left -= 1;
             core.step();
         }
         *self = core.cpu;
+        core.stopped
     }
 }
 
@@ -73,10 +77,16 @@ impl<B: Bus> Core<B> {
         self.cpu.bus
     }
 
+    /// Reads a byte that the processor has no use for.
     #[inline(always)]
     fn touch(&mut self, address: u16) {
-        self.cpu.cycle += 1;
-        self.cpu.bus = self.bus.touch(address, self.cpu.cycle, self.cpu.bus);
+        self.read(address);
+    }
+
+    #[inline(always)]
+    fn stop(&mut self) {
+        self.left = 0;
+        self.stopped = true;
     }
 
     #[inline(always)]
@@ -88,7 +98,7 @@ impl<B: Bus> Core<B> {
             Ready::After(cycles) => self.cpu.cycle += u64::from(cycles),
             Ready::Return(cycles) => {
                 self.cpu.cycle += u64::from(cycles);
-                self.left = 0;
+                self.stop();
             }
         }
     }
@@ -168,7 +178,14 @@ impl<B: Bus> Core<B> {
 
     #[inline(always)]
     fn zero_page_word(&mut self, pointer: u8) -> u16 {
-        u16::from_le_bytes([self.read(u16::from(pointer)), self.read(u16::from(pointer.wrapping_add(1)))])
+        u16::from_le_bytes([self.read_pointer(pointer), self.read_pointer(pointer.wrapping_add(1))])
+    }
+
+    #[inline(always)]
+    fn read_pointer(&mut self, address: u8) -> u8 {
+        self.cpu.cycle += 1;
+        self.cpu.bus = self.bus.read_pointer(address, self.cpu.cycle, self.cpu.bus);
+        self.cpu.bus
     }
 
     /// Adds an index to an address. The processor first reads without the carry into the page: where a page is
@@ -185,7 +202,7 @@ impl<B: Bus> Core<B> {
 
     /// Executes the instruction of an opcode, behind which there are these bytes.
     #[inline(always)]
-    fn execute<const OPCODE: u8>(&mut self, low: u8, high: u8) {
+    pub(crate) fn execute<const OPCODE: u8>(&mut self, low: u8, high: u8) {
         let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
         let mode = const { INSTRUCTIONS[OPCODE as usize].mode };
         let length = const { LENGTHS[OPCODE as usize] };
@@ -334,7 +351,7 @@ impl<B: Bus> Core<B> {
             // for ever: the next call finds it again
             Operation::Jam => {
                 self.cpu.pc = self.cpu.pc.wrapping_sub(1);
-                self.left = 0;
+                self.stop();
             }
             // the accumulator as operand
             _ => cpu.a = cpu.modified(operation, cpu.a),

@@ -6,7 +6,7 @@
 //!
 //! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.
 
-use super::paint::Colors;
+use super::paint::{Colors, Objects};
 use super::pixels::{Pixels, window};
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
@@ -44,6 +44,7 @@ impl Tia {
             self.keep_until(x, objects);
         }
         self.stale |= objects;
+        self.searched = false;
     }
 
     /// Lets objects be what they are up to a pixel.
@@ -108,6 +109,22 @@ impl Tia {
     fn start_line(&mut self, screen: &mut Screen) {
         let Differing { here, below } = &mut self.differing;
         *here = std::mem::take(below);
+        let [first, second] = self.without_main;
+        if self.comb || first || second || self.reflected != (self.ctrlpf & 0x01 != 0) {
+            self.start_row(screen);
+        }
+        self.drawn_line += 1;
+        self.painted = 0;
+        if self.mixed != 0 {
+            self.stale |= std::mem::take(&mut self.mixed);
+            self.searched = false;
+        }
+        self.from = [0; OBJECTS];
+    }
+
+    /// Does what waits for a line to start, or for one of the picture to end.
+    #[inline(never)]
+    fn start_row(&mut self, screen: &mut Screen) {
         // a comb ahead of the picture waits for its first row
         if self.comb
             && let Some(row) = self.row()
@@ -122,18 +139,16 @@ impl Tia {
             if self.reflected != reflected {
                 self.reflected = reflected;
                 self.stale |= 1 << PF;
+                self.searched = false;
             }
             for i in [0, 1] {
                 if self.without_main[i] {
                     self.without_main[i] = false;
                     self.stale |= 1 << (P0 + i);
+                    self.searched = false;
                 }
             }
         }
-        self.drawn_line += 1;
-        self.painted = 0;
-        self.stale |= std::mem::take(&mut self.mixed);
-        self.from = [0; OBJECTS];
     }
 
     /// The row of the picture that is being drawn.
@@ -154,12 +169,8 @@ impl Tia {
             screen.blacken(row, from..to);
             return;
         }
-        for object in bits(self.stale) {
-            self.place(object);
-        }
-        let candidates = self.objects.possible_collisions() & !self.collisions;
-        if candidates != 0 {
-            self.collisions |= self.objects.collisions(candidates, window(from, to));
+        if !self.searched {
+            self.search(from, to, screen.unseen);
         }
         if screen.unseen {
             return;
@@ -169,7 +180,8 @@ impl Tia {
         if row == 0 || score && first {
             self.differing.here = Pixels::ALL;
         }
-        if row > 0 && from == 0 {
+        let everything = to - from == WIDTH && self.differing.here == Pixels::ALL;
+        if row > 0 && from == 0 && !everything {
             screen.repeat_row(row);
         }
         let mut pixels = self.differing.here;
@@ -188,6 +200,43 @@ impl Tia {
             score: score && (!first || !self.shows_others()),
         };
         self.objects.paint(screen.row(row), pixels, &colors);
+    }
+
+    /// Places what changed, and searches a part of the line for collisions. Where nobody sees the line, only what may still
+    /// collide is placed.
+    fn search(&mut self, from: usize, to: usize, unseen: bool) {
+        let needed = if unseen { Objects::with_collisions(self.possible_collisions()) } else { u8::MAX };
+        for object in bits(self.stale & needed) {
+            self.place(object);
+        }
+        let candidates = self.objects.possible_collisions() & !self.collisions;
+        if candidates != 0 {
+            self.collisions |= self.objects.collisions(candidates, window(from, to));
+        }
+        self.searched = to - from == WIDTH;
+    }
+
+    /// The collisions that there can be once all objects are placed, of those that were not yet.
+    fn possible_collisions(&self) -> u16 {
+        let shown = [
+            self.graphics(P0) != 0,
+            self.graphics(P1) != 0,
+            self.enam[0] && !self.resmp[0],
+            self.enam[1] && !self.resmp[1],
+            self.shows_ball(),
+            self.pf != 0,
+        ];
+        let shown = (0..OBJECTS).fold(0, |set, object| set | u8::from(shown[object]) << object);
+        // what changed within the line still shows what it was
+        let present = self.objects.present() | shown & self.stale;
+        Objects::collisions_of(present) & !self.collisions
+    }
+
+    /// Places all that changed. A stored state is the same for lines that were seen and lines that were not.
+    pub(crate) fn place_all(&mut self) {
+        for object in bits(self.stale) {
+            self.place(object);
+        }
     }
 
     /// Whether there is anything but the playfield on the line, be it a player whose only copy is left out.

@@ -128,6 +128,9 @@ pub(crate) struct Tia {
     /// Which pixels are to be painted.
     #[serde(skip)]
     differing: Differing,
+    /// Whether a whole line was searched for collisions since something changed.
+    #[serde(skip)]
+    searched: bool,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
@@ -177,6 +180,7 @@ impl Tia {
             from: [0; OBJECTS],
             mixed: 0,
             differing: Differing::ALL,
+            searched: false,
             fire: [false; 2],
             latched: [false; 2],
             charge: [None; 4],
@@ -191,6 +195,7 @@ impl Tia {
     /// What is painted from now on has nothing to do with what was painted before.
     pub(crate) fn start_picture(&mut self) {
         self.differing = Differing::ALL;
+        self.searched = false;
     }
 
     pub(crate) fn set_display(&mut self, display: Display) {
@@ -275,87 +280,121 @@ impl Tia {
 
     #[inline(always)]
     fn register(&mut self, address: u16, value: u8, c: u32, screen: &mut Screen) -> Ready {
-        match address & 0x3f {
-            // VSYNC
-            0x00 => return self.write_vsync(value, c, screen),
-            // VBLANK
-            0x01 => self.write_vblank(value, c, screen),
+        match self.set(address, value, c) {
+            Some(ready) => ready,
+            None => self.change_register(address, value, c, screen),
+        }
+    }
+
+    /// Writes a register, if the write shows nowhere and only the next line or none has begun since the last one; does nothing
+    /// and returns `None` otherwise.
+    #[inline(always)]
+    pub(crate) fn write_unseen(&mut self, address: u16, value: u8, cycle: u64) -> Option<Ready> {
+        let passed = (cycle - self.line_start) as u32;
+        let is_next = passed >= CYCLES_PER_LINE;
+        let c = if is_next { passed - CYCLES_PER_LINE } else { passed };
+        if c >= CYCLES_PER_LINE || self.line >= LAST_LINE - 1 {
+            return None;
+        }
+        let ready = self.set(address, value, c)?;
+        if is_next {
+            self.next_line();
+        }
+        Some(ready)
+    }
+
+    /// Writes a register, if the write shows nowhere: it is of what is there already, or only shows once an `HMOVE` or the
+    /// processor's next cycle comes.
+    #[inline(always)]
+    fn set(&mut self, address: u16, value: u8, c: u32) -> Option<Ready> {
+        let unchanged = match address & 0x3f {
             // WSYNC
-            0x02 if c > 0 => return Ready::After(CYCLES_PER_LINE - c),
-            // RSYNC is not modelled
+            0x02 => return Some(if c > 0 { Ready::After(CYCLES_PER_LINE - c) } else { Ready::Now }),
             // NUSIZ0, NUSIZ1
-            register @ (0x04 | 0x05)
-                if self.nusiz[usize::from(register) - 0x04] != value
-                    || self.without_main[usize::from(register) - 0x04] =>
-            {
-                self.write_nusiz(usize::from(register) - 0x04, value, c, screen);
+            register @ (0x04 | 0x05) => {
+                let i = usize::from(register) - 0x04;
+                self.nusiz[i] == value && !self.without_main[i]
             }
             // COLUP0, COLUP1
-            register @ (0x06 | 0x07) if self.colup[usize::from(register) - 0x06] != value & 0xfe => {
-                self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
-            }
+            register @ (0x06 | 0x07) => self.colup[usize::from(register) - 0x06] == value & 0xfe,
             // COLUPF
-            0x08 if self.colupf != value & 0xfe => self.write_colupf(value & 0xfe, c, screen),
+            0x08 => self.colupf == value & 0xfe,
             // COLUBK
-            0x09 if self.colubk != value & 0xfe => self.write_colubk(value & 0xfe, c, screen),
+            0x09 => self.colubk == value & 0xfe,
             // CTRLPF
-            0x0a if self.ctrlpf != value => self.write_ctrlpf(value, c, screen),
+            0x0a => self.ctrlpf == value,
             // REFP0, REFP1
-            register @ (0x0b | 0x0c) if self.refp[usize::from(register) - 0x0b] != (value & 0x08 != 0) => {
-                self.write_refp(usize::from(register) - 0x0b, value & 0x08 != 0, c, screen);
-            }
-            // PF0
-            0x0d => self.write_playfield(0x0000f, u32::from(value >> 4), c, screen),
-            // PF1
-            0x0e => self.write_playfield(0x00ff0, u32::from(value.reverse_bits()) << 4, c, screen),
-            // PF2
-            0x0f => self.write_playfield(0xff000, u32::from(value) << 12, c, screen),
-            // RESP0, RESP1
-            register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
-            // RESM0, RESM1, RESBL
-            register @ 0x12..=0x14 => self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen),
-            // AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
-            0x15..=0x1a => {}
+            register @ (0x0b | 0x0c) => self.refp[usize::from(register) - 0x0b] == (value & 0x08 != 0),
+            // PF0, PF1, PF2
+            register @ 0x0d..=0x0f => self.with_playfield(register, value) == self.pf,
             // GRP0, GRP1
-            0x1b if self.grp[0] != value || self.old_grp[1] != self.grp[1] => {
-                self.write_grp(0, value, c, screen);
-            }
-            0x1c if self.grp[1] != value
-                || self.old_grp[0] != self.grp[0]
-                || self.old_enabl != self.enabl =>
-            {
-                self.write_grp(1, value, c, screen);
-            }
+            0x1b => self.grp[0] == value && self.old_grp[1] == self.grp[1],
+            0x1c => self.grp[1] == value && self.old_grp[0] == self.grp[0] && self.old_enabl == self.enabl,
             // ENAM0, ENAM1
-            register @ (0x1d | 0x1e) if self.enam[usize::from(register) - 0x1d] != (value & 0x02 != 0) => {
-                self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);
-            }
+            register @ (0x1d | 0x1e) => self.enam[usize::from(register) - 0x1d] == (value & 0x02 != 0),
             // ENABL
-            0x1f if self.enabl != (value & 0x02 != 0) => self.write_enabl(value & 0x02 != 0, c, screen),
+            0x1f => self.enabl == (value & 0x02 != 0),
             // HMP0, HMP1, HMM0, HMM1, HMBL
             register @ 0x20..=0x24 => {
                 let object = usize::from(register) - 0x20;
                 self.hm[object] = value >> 4;
                 self.in_motion = self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
+                true
             }
             // VDELP0, VDELP1
-            register @ (0x25 | 0x26) if self.vdelp[usize::from(register) - 0x25] != (value & 0x01 != 0) => {
-                self.write_vdelp(usize::from(register) - 0x25, value & 0x01 != 0, c, screen);
-            }
+            register @ (0x25 | 0x26) => self.vdelp[usize::from(register) - 0x25] == (value & 0x01 != 0),
             // VDELBL
-            0x27 if self.vdelbl != (value & 0x01 != 0) => self.write_vdelbl(value & 0x01 != 0, c, screen),
+            0x27 => self.vdelbl == (value & 0x01 != 0),
             // RESMP0, RESMP1
-            register @ (0x28 | 0x29) if self.resmp[usize::from(register) - 0x28] != (value & 0x02 != 0) => {
-                self.write_resmp(usize::from(register) - 0x28, value & 0x02 != 0, c, screen);
-            }
-            // HMOVE
-            0x2a => self.hmove(c, screen),
+            register @ (0x28 | 0x29) => self.resmp[usize::from(register) - 0x28] == (value & 0x02 != 0),
             // HMCLR
             0x2b => {
                 self.hm = [0; 5];
                 self.in_motion = 0;
+                true
             }
-            // CXCLR
+            // VSYNC, VBLANK, RESP0, RESP1, RESM0, RESM1, RESBL, HMOVE, CXCLR
+            0x00 | 0x01 | 0x10..=0x14 | 0x2a | 0x2c => false,
+            // RSYNC is not modelled; AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
+            _ => true,
+        };
+        unchanged.then_some(Ready::Now)
+    }
+
+    /// Writes a register that shows, or may.
+    #[inline(always)]
+    fn change_register(&mut self, address: u16, value: u8, c: u32, screen: &mut Screen) -> Ready {
+        match address & 0x3f {
+            0x00 => return self.write_vsync(value, c, screen),
+            0x01 => self.write_vblank(value, c, screen),
+            register @ (0x04 | 0x05) => self.write_nusiz(usize::from(register) - 0x04, value, c, screen),
+            register @ (0x06 | 0x07) => {
+                self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
+            }
+            0x08 => self.write_colupf(value & 0xfe, c, screen),
+            0x09 => self.write_colubk(value & 0xfe, c, screen),
+            0x0a => self.write_ctrlpf(value, c, screen),
+            register @ (0x0b | 0x0c) => {
+                self.write_refp(usize::from(register) - 0x0b, value & 0x08 != 0, c, screen);
+            }
+            register @ 0x0d..=0x0f => {
+                self.change_playfield(self.with_playfield(register, value), c, screen);
+            }
+            register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
+            register @ 0x12..=0x14 => self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen),
+            register @ (0x1b | 0x1c) => self.write_grp(usize::from(register) - 0x1b, value, c, screen),
+            register @ (0x1d | 0x1e) => {
+                self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);
+            }
+            0x1f => self.write_enabl(value & 0x02 != 0, c, screen),
+            register @ (0x25 | 0x26) => {
+                self.write_vdelp(usize::from(register) - 0x25, value & 0x01 != 0, c, screen);
+            }
+            0x27 => self.write_vdelbl(value & 0x01 != 0, c, screen),
+            register @ (0x28 | 0x29) => {
+                self.write_resmp(usize::from(register) - 0x28, value & 0x02 != 0, c, screen);
+            }
+            0x2a => self.hmove(c, screen),
             0x2c => self.clear_collisions(c, screen),
             _ => {}
         }
@@ -453,6 +492,7 @@ impl Tia {
     fn clear_collisions(&mut self, c: u32, screen: &mut Screen) {
         self.paint_to(3 * c, screen);
         self.collisions = 0;
+        self.searched = false;
     }
 
     #[inline(never)]
@@ -483,13 +523,15 @@ impl Tia {
         self.vblank = value;
     }
 
-    /// `PFx`: some of the playfield's bits.
+    /// The playfield after a write of `PF0`, `PF1` or `PF2`.
     #[inline(always)]
-    fn write_playfield(&mut self, mask: u32, bits: u32, c: u32, screen: &mut Screen) {
-        let pf = self.pf & !mask | bits;
-        if self.pf != pf {
-            self.change_playfield(pf, c, screen);
-        }
+    fn with_playfield(&self, register: u16, value: u8) -> u32 {
+        let (mask, bits) = match register {
+            0x0d => (0x0000f, u32::from(value >> 4)),
+            0x0e => (0x00ff0, u32::from(value.reverse_bits()) << 4),
+            _ => (0xff000, u32::from(value) << 12),
+        };
+        self.pf & !mask | bits
     }
 
     #[inline(never)]
@@ -564,24 +606,26 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        let shift_of = |object: usize| shift(i32::from(self.hm[object] ^ 0x08));
         // where all 8 pulses come, only those objects move whose `HM` register is not 0
         let candidates = match c {
             ..=12 | 75.. => self.in_motion,
             21..=54 => 0,
             _ => MOVABLE,
         };
-        let moved =
-            draw::bits(candidates).fold(0, |moved, object| moved | u8::from(shift_of(object) != 0) << object);
         // first copies that were left out come back
-        let moved = moved | u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
+        let mut moved = u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
+        let mut x = self.x;
+        for object in draw::bits(candidates) {
+            let shift = shift(i32::from(self.hm[object] ^ 0x08));
+            if shift != 0 {
+                moved |= 1 << object;
+                x[object] = objects::around(x[object], shift);
+            }
+        }
         if moved != 0 {
             self.change(moved, clock, screen);
             self.without_main = [false; 2];
-            for object in draw::bits(moved) {
-                let shift = shift(i32::from(self.hm[object] ^ 0x08));
-                self.x[object] = objects::around(self.x[object], shift);
-            }
+            self.x = x;
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             if c >= 75 {
@@ -596,12 +640,30 @@ impl Tia {
     #[inline(always)]
     fn beam(&mut self, cycle: u64) -> u32 {
         let mut c = (cycle - self.line_start) as u32;
-        while c >= CYCLES_PER_LINE {
+        if c >= CYCLES_PER_LINE {
             c -= CYCLES_PER_LINE;
-            self.line_start += u64::from(CYCLES_PER_LINE);
-            self.line += 1;
+            self.next_line();
+            if c >= CYCLES_PER_LINE {
+                c = self.skip_lines(c);
+            }
         }
         c
+    }
+
+    #[inline(always)]
+    fn next_line(&mut self) {
+        self.line_start += u64::from(CYCLES_PER_LINE);
+        self.line += 1;
+    }
+
+    /// As [`beam`](Self::beam), where `c` cycles have passed since the start of the line.
+    #[cold]
+    #[inline(never)]
+    fn skip_lines(&mut self, c: u32) -> u32 {
+        let lines = c / CYCLES_PER_LINE;
+        self.line_start += u64::from(lines * CYCLES_PER_LINE);
+        self.line += lines;
+        c % CYCLES_PER_LINE
     }
 
     /// The clock of the beam's line.

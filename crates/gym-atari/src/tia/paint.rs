@@ -65,6 +65,21 @@ static POSSIBLE: [u16; 1 << OBJECTS] = {
     table
 };
 
+/// The collisions that each object has a part in.
+static INVOLVING: [u16; OBJECTS] = {
+    let mut table = [0; OBJECTS];
+    let mut bit = 0;
+    while bit < PAIRS.len() {
+        let [a, b] = PAIRS[bit];
+        if a != b {
+            table[a] |= 1 << bit;
+            table[b] |= 1 << bit;
+        }
+        bit += 1;
+    }
+    table
+};
+
 impl Objects {
     pub(super) fn get(&self, object: usize) -> Pixels {
         self.pixels[object]
@@ -83,9 +98,24 @@ impl Objects {
         self.present & !(1 << PF) == 0
     }
 
+    /// The objects, by bit, that have pixels.
+    pub(super) fn present(&self) -> u8 {
+        self.present
+    }
+
     /// The collisions that there can be on the line.
     pub(super) fn possible_collisions(&self) -> u16 {
-        POSSIBLE[usize::from(self.present) % POSSIBLE.len()]
+        Self::collisions_of(self.present)
+    }
+
+    /// The collisions that there can be between objects, by bit.
+    pub(super) fn collisions_of(present: u8) -> u16 {
+        POSSIBLE[usize::from(present) % POSSIBLE.len()]
+    }
+
+    /// The objects, by bit, that collisions are about.
+    pub(super) fn with_collisions(collisions: u16) -> u8 {
+        (0..OBJECTS).fold(0, |set, object| set | u8::from(collisions & INVOLVING[object] != 0) << object)
     }
 
     /// Those of some collisions that there are within a window.
@@ -93,7 +123,8 @@ impl Objects {
         let (mut found, mut left) = (0, candidates);
         while left != 0 {
             let bit = left.trailing_zeros() as usize % PAIRS.len();
-            let [a, b] = PAIRS[bit].map(|object| self.pixels[object].0);
+            let [a, b] = PAIRS[bit];
+            let (a, b) = (self.pixels[a].0, self.pixels[b].0);
             let overlap = |word: usize| a[word] & b[word] & window.0[word];
             if overlap(0) | overlap(1) | overlap(2) != 0 {
                 found |= 1 << bit;
@@ -118,7 +149,13 @@ impl Objects {
                 1 => [left, right],
                 _ => [right; 2],
             };
-            paint_playfield(cells, pixels, pf, colors.bk, playfield);
+            if pf & pixels != 0 {
+                paint_playfield(cells, pixels, pf, colors.bk, playfield);
+            } else if pixels == Pixels::ALL.0[word] {
+                cells.fill([colors.bk; 8]);
+            } else {
+                paint_over(cells, pixels, colors.bk);
+            }
             if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
                 let ahead = if colors.playfield_first { pf | bl } else { 0 };
                 // in score mode the left half goes where player 0 does: before player 1

@@ -10,7 +10,8 @@ use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
 use super::number::{Number, Numeric, collect, limits, with_type};
-use super::{array_of, element_count, invalid, json, numpy_fmt};
+use super::{array_of, element_count, invalid, numpy_fmt};
+use crate::stored::plain;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
 /// infinite: Gymnasium's `Box`.
@@ -323,7 +324,7 @@ impl From<BoxSpace> for Description {
     fn from(space: BoxSpace) -> Self {
         let describe = |bounds: &Array, bounded: &[bool], infinity: f64| {
             let number = |(number, &bounded)| {
-                json::write_number(if bounded { number } else { Number::Float(infinity) })
+                plain::write_number(if bounded { number } else { Number::Float(infinity) })
             };
             // Equal numbers, except that the sign of zero survives.
             let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
@@ -352,10 +353,10 @@ impl TryFrom<Description> for BoxSpace {
     fn try_from(description: Description) -> Result<Self> {
         let Description { low, high, shape, dtype } = description;
         let bounds = |bounds: &Json| match bounds {
-            Json::Array(bounds) => bounds.iter().map(json::parse_number).collect::<Result<Vec<_>, _>>(),
+            Json::Array(bounds) => bounds.iter().map(plain::parse_number).collect::<Result<Vec<_>, _>>(),
             bound => {
                 let len = element_count(&shape)?;
-                json::parse_number(bound).map(|bound| vec![bound; len])
+                plain::parse_number(bound).map(|bound| vec![bound; len])
             }
         };
         let numbers = bounds(&low).and_then(|low| Ok((low, bounds(&high)?)));
@@ -435,7 +436,7 @@ mod tests {
                 && !contains([0.0f32, f32::NAN].into())
                 && !contains([4i16, 0].into())
         );
-        assert!(!contains([0.0f32].into()) && !contains(Array::zeros(DType::F32, [2, 1])));
+        assert!(!contains([0.0f32].into()) && !contains(Array::zeros(DType::F32, [2, 1]).unwrap()));
         assert!(!space.contains(&Value::Float(0.0)));
 
         let unbounded = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [], DType::F64).unwrap();
@@ -454,7 +455,7 @@ mod tests {
         assert_eq!(fault(values.clone()), "the shape is (4,) and should be (2, 2)");
         assert_eq!(fault(values.reshape([2, 2]).unwrap()), "[1, 0]: 2.5 is not between 0.0 and 1.0");
         assert_eq!(
-            fault(Array::zeros(DType::F64, [2, 2])),
+            fault(Array::zeros(DType::F64, [2, 2]).unwrap()),
             "the numbers are float64 and should be float32: convert them first"
         );
         assert_eq!(

@@ -3,11 +3,12 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::array::Array;
-use crate::{DType, GraphInstance, Result, Value, stored};
+use crate::stored::plain::{check_length, list, read_array, read_number, rows, write_number};
+use crate::{DType, GraphInstance, Result, Value};
 
 use super::batch::{concatenate, iterate_array};
 use super::fault::{Fault, expect_array};
-use super::number::{Number, collect};
+use super::number::Number;
 use super::{DictSpace, MultiBinary, Space, TupleSpace};
 
 impl Space {
@@ -176,85 +177,8 @@ fn read_dict(space: &DictSpace, json: &Json, read: Read) -> Result<Value, Fault>
     entries.collect::<Result<_, _>>().map(Value::Dict)
 }
 
-pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
-    let mut numbers = Vec::new();
-    read_numbers(json, shape, dtype, &mut numbers)?;
-    Array::new(shape, collect(dtype, numbers)).map_err(|error| Fault::new(error.to_string()))
-}
-
-fn read_numbers(json: &Json, shape: &[usize], dtype: DType, out: &mut Vec<Number>) -> Result<(), Fault> {
-    let Some((&n, inner)) = shape.split_first() else {
-        out.push(read_number(json, dtype)?);
-        return Ok(());
-    };
-    let items = list(json)?;
-    check_length(items, n)?;
-    for (i, item) in items.iter().enumerate() {
-        read_numbers(item, inner, dtype, out).map_err(|fault| fault.at(i))?;
-    }
-    Ok(())
-}
-
-/// A number that the type has, rounded to its precision.
-fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
-    let number = parse_number(json)?;
-    if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
-        Ok(number)
-    } else {
-        Err(Fault::new(format!("{number} is not a number of type {dtype}")))
-    }
-}
-
-pub(crate) fn list(json: &Json) -> Result<&Vec<Json>, Fault> {
-    json.as_array().ok_or_else(|| Fault::new("expected a list"))
-}
-
 fn object(json: &Json) -> Result<&Map<String, Json>, Fault> {
     json.as_object().ok_or_else(|| Fault::new("expected an object"))
-}
-
-fn check_length(items: &[Json], expected: usize) -> Result<(), Fault> {
-    let actual = items.len();
-    if actual == expected {
-        return Ok(());
-    }
-    Err(Fault::new(format!("the list has {actual} items and should have {expected}")))
-}
-
-/// A number; one that JSON lacks as a text.
-pub(super) fn parse_number(json: &Json) -> Result<Number, Fault> {
-    let number = match json {
-        Json::Number(number) => match (number.as_i64(), number.as_u64()) {
-            (Some(i), _) => Some(Number::Int(i.into())),
-            (_, Some(i)) => Some(Number::Int(i.into())),
-            _ => number.as_f64().map(Number::Float),
-        },
-        Json::String(text) => stored::parse_float(text).map(Number::Float),
-        _ => None,
-    };
-    number.ok_or_else(|| Fault::new(format!("expected a number, \"inf\", \"-inf\" or \"NaN\", not {json}")))
-}
-
-/// The form that [`parse_number`] reads.
-pub(super) fn write_number(number: Number) -> Json {
-    match number {
-        Number::Int(i) => i64::try_from(i).map_or_else(|_| Json::from(i as u64), Json::from),
-        Number::Float(x) => stored::float_text(x).map_or_else(|| x.into(), Json::from),
-    }
-}
-
-/// The numbers of an array as nested lists; a single number for the shape `[]`.
-pub(crate) fn rows(array: &Array) -> Json {
-    fn rows(array: &Array, axis: usize, start: usize) -> Json {
-        match array.shape()[axis..].split_first() {
-            None => write_number(Number::at(array.data(), start)),
-            Some((&n, inner)) => {
-                let stride: usize = inner.iter().product();
-                (0..n).map(|i| rows(array, axis + 1, start + i * stride)).collect()
-            }
-        }
-    }
-    rows(array, 0, 0)
 }
 
 impl Value {
@@ -326,7 +250,7 @@ mod tests {
         let rounded = Space::from(float()).from_json(&json!([0.1])).unwrap();
         assert_eq!(rounded, Value::Array([0.1f32].into()));
         assert!(Space::from(float()).from_json(&json!([7])).is_ok());
-        assert!(refused(float(), json!([1e39])).starts_with("[0]: 1e39 is no number of type float32"));
+        assert!(refused(float(), json!([1e39])).starts_with("[0]: 1e39 is not a number of type float32"));
         assert!(refused(float(), json!([null])).contains("expected a number"));
         assert!(refused(float(), json!([0.0, 0.0])).starts_with("the list has 2 items and should have 1"));
         assert!(refused(float(), json!(0.0)).starts_with("expected a list"));
@@ -360,7 +284,7 @@ mod tests {
         assert_eq!(json.to_string(), r#"[-0.0,"NaN"]"#);
         assert_eq!(format!("{:?}", space.from_json(&json).unwrap().as_slice::<f32>()), "Some([-0.0, NaN])");
         let whole = BoxSpace::uniform(0.0, 9.0, [1], DType::U8).unwrap();
-        assert!(refused(whole, json!(["NaN"])).contains("is no number of type uint8"));
+        assert!(refused(whole, json!(["NaN"])).contains("is not a number of type uint8"));
     }
 
     #[test]

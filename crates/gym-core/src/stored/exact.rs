@@ -7,7 +7,8 @@ use serde::de::{DeserializeOwned, Deserializer, Error as _, IntoDeserializer, Un
 use serde::ser::{self, Serializer};
 use serde_json::{Error, Value as Json};
 
-use super::{FLOAT, float_text, parse_float, tagged};
+use super::plain::{float_text, parse_float};
+use super::{FLOAT, tagged};
 
 /// State as JSON.
 ///

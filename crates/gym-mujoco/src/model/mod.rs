@@ -12,7 +12,7 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
-pub(crate) use plan::{Bounds, Pair, Placed, Plan, Softness};
+pub(crate) use plan::{Bounds, Pair, Placed, Plan, Reach, Softness};
 pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
 
 /// A checked [`CompiledModel`], and what the engine precomputes from it.

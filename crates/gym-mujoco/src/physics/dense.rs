@@ -82,6 +82,51 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     }
 }
 
+/// A term of a sum of rows of a matrix: where the row starts, and what it is multiplied by.
+pub(crate) type Term = (usize, f64);
+
+/// The sum of rows of a matrix, each times its factor, one after the other. Each group stays in a register until it is complete.
+#[inline(always)]
+pub(crate) fn combine(out: &mut [Lanes], rows: &[Lanes], terms: &[Term]) {
+    let (fours, rest) = out.as_chunks_mut::<4>();
+    let mut group = 0;
+    for four in fours {
+        *four = sum_of_rows(group, rows, terms);
+        group += 4;
+    }
+    match rest {
+        [a, b, c] => [*a, *b, *c] = sum_of_rows(group, rows, terms),
+        [a, b] => [*a, *b] = sum_of_rows(group, rows, terms),
+        [a] => [*a] = sum_of_rows(group, rows, terms),
+        _ => {}
+    }
+}
+
+/// The same for some groups.
+#[inline(always)]
+fn sum_of_rows<const G: usize>(group: usize, rows: &[Lanes], terms: &[Term]) -> [Lanes; G] {
+    let mut sums = [[0.0; 4]; G];
+    for &(start, factor) in terms {
+        let row = &rows[start + group..][..G];
+        for (sum, row) in sums.iter_mut().zip(row) {
+            for k in 0..4 {
+                sum[k] += row[k] * factor;
+            }
+        }
+    }
+    sums
+}
+
+/// Changes one number of a vector. The four are written at once, as they are read: a processor waits where it reads four of which
+/// one was just written.
+#[inline(always)]
+pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
+    const ALL: u64 = u64::MAX;
+    const LANES: [[u64; 4]; 4] = [[ALL, 0, 0, 0], [0, ALL, 0, 0], [0, 0, ALL, 0], [0, 0, 0, ALL]];
+    let (four, lane) = (&mut vector[i / 4], &LANES[i % 4]);
+    *four = std::array::from_fn(|k| f64::from_bits((x.to_bits() & lane[k]) | (four[k].to_bits() & !lane[k])));
+}
+
 /// Copies numbers to the front of a vector.
 #[inline]
 pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
@@ -93,6 +138,27 @@ mod tests {
     use super::*;
 
     /// The sums differ in their last bits, so each order is told from the others.
+    #[test]
+    fn rows_are_combined_and_elements_set() {
+        for groups in 1..=9 {
+            let rows: Vec<Lanes> =
+                (0..3 * groups).map(|i| std::array::from_fn(|k| (4 * i + k) as f64 * 0.1)).collect();
+            let terms = [(0, 0.3), (2 * groups, -0.7)];
+            let mut expected = vec![[0.0; 4]; groups];
+            for (start, factor) in terms {
+                add_scaled(&mut expected, &rows[start..start + groups], factor);
+            }
+            let mut got = vec![[f64::NAN; 4]; groups];
+            combine(&mut got, &rows, &terms);
+            assert_eq!(got, expected);
+            for i in 0..4 * groups {
+                set(&mut got, i, -1.5);
+                expected[i / 4][i % 4] = -1.5;
+                assert_eq!(got, expected);
+            }
+        }
+    }
+
     #[test]
     fn sums_have_libmujocos_order() {
         let x: Vec<f64> = (1..=11).map(|k| f64::from(k) * 0.1 + 0.01).collect();

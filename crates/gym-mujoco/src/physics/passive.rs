@@ -10,6 +10,7 @@ use crate::model::JointType;
 use crate::{Data, Model};
 
 /// `qfrc_passive`: MuJoCo's `mj_passive`, springs, then dampers, then the medium.
+#[inline(always)]
 pub fn passive(m: &Model, d: &mut Data) {
     let plan = m.plan();
     d.qfrc_passive.fill(0.0);
@@ -42,6 +43,7 @@ pub fn passive(m: &Model, d: &mut Data) {
 }
 
 /// Adds the forces of the medium on each body, as if it were the box of equal inertia: MuJoCo's `mj_inertiaBoxFluidModel`.
+#[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);
     for (b, edges) in &m.plan().boxes {

@@ -93,13 +93,10 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
             let [near, far] = weights(at);
             let (x, y) = (tx + sx * (at >> 32) as i32, ty + k as i32);
             at += step;
+            pixels.blend(x, y, color, near);
             // clipping keeps the line on the surface, not its shade
             if x + sx >= 0 && x + sx < pixels.width() {
-                pixels.get_ready(x.min(x + sx), x.max(x + sx), y);
-                pixels.blend_ready(x, y, color, near);
-                pixels.blend_ready(x + sx, y, color, far);
-            } else {
-                pixels.blend(x, y, color, near);
+                pixels.blend(x + sx, y, color, far);
             }
         }
         return;
@@ -108,7 +105,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let mut at = u64::from(k) * step;
     while k < end {
         // as far as the line stays between two rows
-        let (minor, (first, start)) = (at >> 32, (k, at));
+        let (minor, first) = (at >> 32, k);
         while k < end && at >> 32 == minor {
             k += 1;
             at += step;
@@ -117,13 +114,8 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
         let y = ty + minor as i32;
         for (below, y) in [(0, y), (1, y + 1)] {
             if rows.contains(&y) {
-                pixels.get_ready(x.min(last), x.max(last), y);
-                let (mut x, mut at) = (x, start);
-                for _ in first..k {
-                    pixels.blend_ready(x, y, color, weights(at)[below]);
-                    x += sx;
-                    at += step;
-                }
+                let weight = |x: i32| weights((sx * (x - tx)) as u64 * step)[below];
+                pixels.blend_span(x.min(last), x.max(last), y, color, weight);
             }
         }
     }
@@ -139,14 +131,111 @@ pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: 
 }
 
 fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    scan::<MOST>(pixels.rows(), points, |x1, x2, y| pixels.hline(x1, x2, y, color));
+}
+
+/// Shows `draw` the runs that are inside of a polygon, in these rows; the ends may come in either order.
+#[inline]
+fn scan<const MOST: usize>(rows: Range<i32>, points: &[Point], mut draw: impl FnMut(i32, i32, i32)) {
     let edges = Edges::<MOST>::new(points);
     let cut = |edge: &Edge, y: i32, _: usize| {
         edge.share(y).wrapping_mul(edge.x2 - edge.x1).wrapping_add(edge.x1.wrapping_mul(65536))
     };
     let round = |v: i32| (v >> 16) + (v >> 15 & 1);
-    edges.scan(pixels.rows(), cut, |a, b, y| {
-        pixels.hline(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y, color);
-    });
+    edges.scan(rows, cut, |a, b, y| draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y));
+}
+
+/// Rows that [`polygon`] takes at once.
+pub(crate) const MOST_ROWS: usize = 64;
+
+/// [`aapolygon`] and then [`filled_polygon`], of the same points. What of the outline the inside would cover is
+/// not drawn.
+pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
+    let rows = pixels.rows();
+    let mut inside = Inside { top: rows.start, runs: [[0; 2]; MOST_ROWS] };
+    let mut is_simple = points.len() <= FEW && rows.len() <= MOST_ROWS;
+    if is_simple {
+        let right = pixels.width() - 1;
+        scan::<FEW>(rows.clone(), points, |x1, x2, y| {
+            let run = &mut inside.runs[(y - rows.start) as usize];
+            is_simple &= *run == [0; 2];
+            *run = [x1.min(x2).max(0), x1.max(x2).min(right) + 1];
+        });
+    }
+    if !is_simple {
+        aapolygon(pixels, points, color);
+        return filled_polygon(pixels, points, color);
+    }
+    for (y, [x1, x2]) in rows.zip(inside.runs) {
+        if x1 < x2 {
+            pixels.run(x1, x2 - 1, y, color);
+        }
+    }
+    aapolygon(&mut Outside { pixels, inside: &inside }, points, color);
+}
+
+/// For some rows, the pixels that the inside of a polygon covers: from the first to before the second.
+struct Inside {
+    top: i32,
+    runs: [[i32; 2]; MOST_ROWS],
+}
+
+/// A surface on which the pixels within a polygon stay as they are: only its own colour may be drawn on them.
+struct Outside<'a, P> {
+    pixels: &'a mut P,
+    inside: &'a Inside,
+}
+
+impl<P: Pixels> Outside<'_, P> {
+    #[inline]
+    fn covered(&self, y: i32) -> Range<i32> {
+        let [start, end] = self.inside.runs[(y - self.inside.top) as usize];
+        start..end
+    }
+}
+
+impl<P: Pixels> Pixels for Outside<'_, P> {
+    fn width(&self) -> i32 {
+        self.pixels.width()
+    }
+
+    fn height(&self) -> i32 {
+        self.pixels.height()
+    }
+
+    fn rows(&self) -> Range<i32> {
+        self.pixels.rows()
+    }
+
+    fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
+        self.pixels.run(x1, x2, y, color);
+    }
+
+    fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
+        if !self.covered(y).contains(&x) {
+            self.pixels.change(x, y, color, f);
+        }
+    }
+
+    #[inline]
+    fn blend(&mut self, x: i32, y: i32, color: Color, weight: i32) {
+        if !self.covered(y).contains(&x) {
+            self.pixels.blend(x, y, color, weight);
+        }
+    }
+
+    #[inline]
+    fn blend_span(&mut self, x1: i32, x2: i32, y: i32, color: Color, weight: impl Fn(i32) -> i32) {
+        let covered = self.covered(y);
+        if covered.is_empty() {
+            return self.pixels.blend_span(x1, x2, y, color, weight);
+        }
+        for (x1, x2) in [(x1, x2.min(covered.start - 1)), (x1.max(covered.end), x2)] {
+            if x1 <= x2 {
+                self.pixels.blend_span(x1, x2, y, color, &weight);
+            }
+        }
+    }
 }
 
 /// A circle filled with its outline.

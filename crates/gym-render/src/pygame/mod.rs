@@ -19,6 +19,7 @@ use std::ops::Range;
 
 use gym_core::canvas::{Color, Point, Primitive};
 
+pub(crate) use gfxdraw::{MOST_ROWS, polygon as gfx_polygon};
 pub(crate) use rgb::RgbPixels;
 pub(crate) use smoothscale::{Phase, part, phases};
 
@@ -47,17 +48,13 @@ pub(crate) trait Pixels {
         });
     }
 
-    /// Prepares pixels `x1..=x2` of a row for [`blend_ready`](Self::blend_ready), until anything else is drawn.
-    /// All are on the surface, in a stored row.
+    /// [`blend`](Self::blend), of the pixels `x1..=x2` of a row, each with the weight for its `x`. All lie on the
+    /// surface, in a row that is kept.
     #[inline]
-    fn get_ready(&mut self, x1: i32, x2: i32, y: i32) {
-        let _ = (x1, x2, y);
-    }
-
-    /// [`blend`](Self::blend), of a pixel that is ready.
-    #[inline]
-    fn blend_ready(&mut self, x: i32, y: i32, color: Color, weight: i32) {
-        self.blend(x, y, color, weight);
+    fn blend_span(&mut self, x1: i32, x2: i32, y: i32, color: Color, weight: impl Fn(i32) -> i32) {
+        for x in x1..=x2 {
+            self.blend(x, y, color, weight(x));
+        }
     }
 
     /// Whether a pixel lies on the surface, in a row that is kept.

@@ -21,7 +21,7 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// data: take it out of a training, store it as JSON, set it in an environment for evaluation.
 ///
 /// ```
-/// use crate::statistics::RunningMeanStd;
+/// use gym_wrappers::RunningMeanStd;
 ///
 /// let mut statistics = RunningMeanStd::new(1);
 /// for x in [1.0_f32, 2.0, 3.0] {

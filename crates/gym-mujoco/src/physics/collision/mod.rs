@@ -9,7 +9,7 @@ mod gjk;
 mod primitive;
 
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
-use crate::model::{GeomType, Pair};
+use crate::model::{GeomType, Pair, Reach};
 use crate::{Contact, Data, Model};
 pub(crate) use epa::Polytope;
 
@@ -41,10 +41,12 @@ struct Hit {
 /// Finds all contacts: MuJoCo's `mj_collision`.
 pub fn collision(m: &Model, d: &mut Data) {
     d.contact.clear();
-    for (index, pair) in m.plan().pairs.iter().enumerate() {
-        if out_of_reach(d, pair) {
+    let plan = m.plan();
+    for (index, reach) in plan.reaches.iter().enumerate() {
+        if out_of_reach(d, reach) {
             continue;
         }
+        let pair = &plan.pairs[index];
         let [a, b] =
             pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
         let (contacts, polytope) = (&mut d.contact, &mut d.work.polytope);
@@ -69,14 +71,11 @@ pub fn collision(m: &Model, d: &mut Data) {
 
 /// Whether the bounding spheres, or a plane and a bounding sphere, are too far apart to touch.
 #[inline]
-fn out_of_reach(d: &Data, pair: &Pair) -> bool {
-    let [g1, g2] = pair.geom;
+fn out_of_reach(d: &Data, reach: &Reach) -> bool {
+    let [g1, g2] = reach.geom;
     let between = sub(d.geom_xpos[g2], d.geom_xpos[g1]);
-    if pair.kind.0 == GeomType::Plane {
-        dot(between, column(&d.geom_xmat[g1], 2)) > pair.reach
-    } else {
-        dot(between, between) > pair.reach * pair.reach
-    }
+    let along = if reach.plane { column(&d.geom_xmat[g1], 2) } else { between };
+    dot(between, along) > reach.most
 }
 
 fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {

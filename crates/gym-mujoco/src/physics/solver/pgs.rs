@@ -4,7 +4,7 @@
 
 use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
-use crate::physics::dense::{Lanes, add_scaled, dot};
+use crate::physics::dense::{Lanes, Term, add_scaled, dot};
 use crate::physics::inertia;
 use crate::{Data, Model};
 
@@ -15,15 +15,28 @@ pub(crate) struct Buffers {
     half: Vec<Lanes>,
     /// `J M^-1 J' + R`, row by row.
     ar: Vec<Lanes>,
-    diag_inv: Vec<f64>,
+    /// Of a row of `ar` what it is made of.
+    terms: Vec<Term>,
     jar: Vec<f64>,
     force: Vec<Lanes>,
     product: Vec<Lanes>,
     /// The rows of an island; the vectors below have their order.
     rows: Vec<usize>,
+    steps: Vec<Step>,
     before: Vec<f64>,
     momentum: Vec<f64>,
     order: Vec<u32>,
+    next_order: Vec<u32>,
+}
+
+/// What a step along a row needs.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    row: usize,
+    b: f64,
+    diag_inv: f64,
+    /// The inverse of the inverse.
+    diag: f64,
 }
 
 impl Buffers {
@@ -39,8 +52,12 @@ impl Buffers {
         buffers.force.reserve(groups);
         buffers.product.reserve(groups);
         buffers.rows.reserve(rows);
-        buffers.order.reserve(rows);
-        for vector in [&mut buffers.diag_inv, &mut buffers.jar, &mut buffers.before, &mut buffers.momentum] {
+        buffers.terms.reserve(nv);
+        buffers.steps.reserve(rows);
+        for order in [&mut buffers.order, &mut buffers.next_order] {
+            order.reserve(rows);
+        }
+        for vector in [&mut buffers.jar, &mut buffers.before, &mut buffers.momentum] {
             vector.reserve(rows);
         }
         buffers
@@ -132,30 +149,36 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
         own.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     }
 
-    s.ar.clear();
     s.ar.resize(nefc * stride, [0.0; 4]);
     for (i, row) in s.ar.chunks_exact_mut(stride).enumerate() {
-        for half in s.half.chunks_exact(stride) {
+        s.terms.clear();
+        for (k, half) in s.half.chunks_exact(stride).enumerate() {
             let x = half[i / 4][i % 4];
             if x != 0.0 {
-                add_scaled(row, half, x);
+                s.terms.push((k * stride, x));
             }
         }
+        dense::combine(row, &s.half, &s.terms);
         row[i / 4][i % 4] += d.efc.r[i];
     }
-    s.diag_inv.clear();
-    s.diag_inv.extend((0..nefc).map(|i| 1.0 / s.ar[i * stride + i / 4][i % 4]));
 }
 
 /// MuJoCo's generator of the order: PCG32.
 struct Pcg32(u64);
 
 impl Pcg32 {
+    #[inline(always)]
     fn next(&mut self) -> u32 {
         let old = self.0;
         self.0 = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         let shifted = (((old >> 18) ^ old) >> 27) as u32;
         shifted.rotate_right((old >> 59) as u32)
+    }
+
+    /// Swaps an element with one that is not behind it.
+    #[inline(always)]
+    fn swap(&mut self, order: &mut [u32], i: usize) {
+        order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
 }
 
@@ -166,10 +189,20 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
     let stride = dense::groups(nefc);
     let rows = &s.rows;
     let scale = 1.0 / (m.stat.meaninertia * m.nv().max(1) as f64);
+    s.steps.clear();
+    s.steps.extend(rows.iter().map(|&row| {
+        let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];
+        Step { row, b: d.efc.b[row], diag_inv, diag: 1.0 / diag_inv }
+    }));
     let mut generator = Pcg32(0);
     generator.next();
+    s.next_order.clear();
+    s.next_order.extend(0..n as u32);
+    for i in (1..n).rev() {
+        generator.swap(&mut s.next_order, i);
+    }
     s.order.clear();
-    s.order.extend(0..n as u32);
+    s.order.resize(n, 0);
     for vector in [&mut s.before, &mut s.momentum] {
         vector.clear();
         vector.extend(rows.iter().map(|row| s.force.as_flattened()[*row]));
@@ -188,22 +221,23 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
             (*before, *momentum) = (now, force[row]);
         }
 
-        for i in (1..n).rev() {
-            s.order.swap(i, (generator.next() % (i as u32 + 1)) as usize);
-        }
+        // the next order is drawn beside the steps, each of which waits for the one before
+        s.order.copy_from_slice(&s.next_order);
         let mut improvement = 0.0;
-        for &i in &s.order {
-            let row = rows[i as usize];
-            let residual = d.efc.b[row] + dot(&s.ar[row * stride..(row + 1) * stride], &s.force, nefc);
-            let force = &mut s.force[row / 4][row % 4];
-            let old = *force;
-            let moved = old - residual * s.diag_inv[row];
+        for (&i, next) in s.order.iter().zip((0..n).rev()) {
+            let Step { row, b, diag_inv, diag } = s.steps[i as usize];
+            let residual = b + dot(&s.ar[row * stride..(row + 1) * stride], &s.force, nefc);
+            let old = s.force[row / 4][row % 4];
+            let moved = old - residual * diag_inv;
             let new = if moved < 0.0 { 0.0 } else { moved };
             let delta = new - old;
-            let change = 0.5 * delta * delta * (1.0 / s.diag_inv[row]) + delta * residual;
+            let change = 0.5 * delta * delta * diag + delta * residual;
             if change <= 1e-10 {
-                *force = new;
+                dense::set(&mut s.force, row, new);
                 improvement -= change;
+            }
+            if next > 0 {
+                generator.swap(&mut s.next_order, next);
             }
         }
         improvement *= scale;

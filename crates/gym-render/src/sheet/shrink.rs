@@ -1,0 +1,299 @@
+//! Making windows pixels of a row, and rows pixels of the frame.
+
+use gym_core::render::Frame;
+
+use super::band::WRITTEN_OUT;
+use crate::pixels::{self, RGB};
+use crate::pygame::{Phase, part, phases};
+
+/// The first and the last pixel that a pixel of the narrow row is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub(super) first: u16,
+    pub(super) last: u16,
+}
+
+/// How the pixels of a row lie in windows.
+#[derive(Debug, Default)]
+pub(super) struct Layout {
+    /// The size of the surface, and of the frame.
+    pub(super) from: (usize, usize),
+    to: (usize, usize),
+    /// One for each pixel of the narrow row.
+    pub(super) windows: Vec<Window>,
+    /// For the border left of each pixel, the window that it lies in; at the ends of the row, the nearest.
+    pub(super) border: Vec<u16>,
+    /// Pixels of the widest window.
+    pub(super) widest: usize,
+}
+
+/// The red, green and blue of a pixel, or sums of them, and nothing.
+type Sum = [u16; 4];
+
+/// Shrinks rows, and sums them up.
+///
+/// Most windows have the colour that they had in the row above, and most pixels of the frame that of the
+/// pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long as it has one colour
+/// and had no other for the row of the frame above: it has no sum, and its pixel is that above.
+#[derive(Debug, Default)]
+pub(super) struct Shrink {
+    pub(super) layout: Layout,
+    columns: Vec<Phase>,
+    rows: Vec<Phase>,
+    /// The colours of the windows in the row before, with those that are written out, and a bit for each of these.
+    before: Vec<u32>,
+    marks: Vec<u64>,
+    /// The colour that each window last had, as a whole, and the pixel of the narrow row that it becomes. From
+    /// row to row few change.
+    colors: Vec<u32>,
+    plain: Vec<Sum>,
+    /// The row from which on that pixel is still to be added to the sums.
+    since: Vec<u16>,
+    /// A narrow row.
+    narrow: Vec<Sum>,
+    /// What the rows so far add up to.
+    sums: Vec<Sum>,
+    /// A bit for each window that is not loose.
+    tight: Vec<u64>,
+    /// A bit for each window that has had more than one colour in the row of the frame so far.
+    mixed: Vec<u64>,
+    /// Whether each row of the frame is made of whole rows.
+    is_whole: bool,
+    /// The next row of the surface, and of the frame.
+    at: (usize, usize),
+}
+
+impl Shrink {
+    /// Gets ready for a surface and a frame of these sizes, and tells whether they are others than before.
+    pub(super) fn start(&mut self, from: (usize, usize), to: (usize, usize)) -> bool {
+        self.at = (0, 0);
+        self.sums.clear();
+        self.sums.resize(to.0, [0; 4]);
+        self.since.clear();
+        self.since.resize(to.0, 0);
+        let words = to.0 / 64 + 1;
+        self.tight.clear();
+        self.tight.resize(words, u64::MAX);
+        self.mixed.clear();
+        self.mixed.resize(words, 0);
+        if (self.layout.from, self.layout.to) == (from, to) {
+            return false;
+        }
+        self.is_whole = from.1.is_multiple_of(to.1.max(1));
+        (self.columns, self.rows) = (phases(from.0, to.0), phases(from.1, to.1));
+        self.narrow.resize(to.0, [0; 4]);
+        let end = to.0.saturating_sub(1) as u16;
+        let mut border = vec![end; from.0 + 1];
+        border[0] = 0;
+        let mut windows = Vec::new();
+        for (i, phase) in self.columns.iter().enumerate() {
+            windows.push(Window { first: phase.first as u16, last: phase.last as u16 });
+            border[phase.first + 1..=phase.last].fill(i as u16);
+        }
+        let widest = self.columns.iter().map(|phase| phase.last - phase.first + 1).max();
+        let widest = widest.unwrap_or_default();
+        self.layout = Layout { from, to, windows, border, widest };
+        self.before = vec![0; to.0];
+        self.marks = vec![0; words];
+        // black, which becomes black
+        self.colors = vec![0; to.0];
+        self.plain = vec![[0; 4]; to.0];
+        true
+    }
+
+    /// Adds a row of the surface; completes a row of the frame if it is its last.
+    pub(super) fn row<const N: usize>(&mut self, flat: &[u32], pixels: &[[u32; N]], frame: &mut Frame) {
+        let (y, k) = self.at;
+        self.at.0 += 1;
+        let Some(&phase) = self.rows.get(k) else { return };
+        self.change_colors(flat, &phase);
+        for word in 0..self.marks.len() {
+            let marks = self.marks[word];
+            self.mixed[word] |= marks;
+            each(marks & !self.tight[word], |i| self.tighten(64 * word + i, &phase));
+            if y < phase.last {
+                each(marks, |i| {
+                    let window = 64 * word + i;
+                    let mean = mean(&self.columns[window], &pixels[window]);
+                    // its plain pixel will be added in its place
+                    let (sum, plain) = (&mut self.sums[window], self.plain[window]);
+                    *sum = std::array::from_fn(|c| sum[c].wrapping_add(mean[c]).wrapping_sub(plain[c]));
+                });
+            }
+        }
+        if y < phase.last {
+            return;
+        }
+        self.at.1 += 1;
+        if self.is_whole && k > 0 {
+            self.complete_tight(pixels, &phase, frame);
+        } else {
+            let next_share = self.rows.get(k + 1).map_or(0, |next| next.first_share);
+            self.complete_all(pixels, &phase, next_share, frame);
+        }
+        if self.is_whole {
+            std::mem::swap(&mut self.tight, &mut self.mixed);
+            self.mixed.fill(0);
+        }
+    }
+
+    /// Gives a loose window its sum, which is still to be made.
+    #[inline]
+    fn tighten(&mut self, window: usize, phase: &Phase) {
+        let (word, bit) = (window / 64, 1 << (window % 64));
+        if self.tight[word] & bit == 0 {
+            self.tight[word] |= bit;
+            self.since[window] = phase.begin as u16;
+            self.sums[window] = [0; 4];
+        }
+    }
+
+    /// Takes over what has changed since the row above, and adds to the sums the colours that go.
+    fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
+        const MANY: usize = 32;
+        const FEW: usize = 8;
+        for (i, many) in flat.chunks(MANY).enumerate() {
+            if is_equal(many, &self.before[MANY * i..][..many.len()]) {
+                continue;
+            }
+            for (j, few) in many.chunks(FEW).enumerate() {
+                let first = MANY * i + FEW * j;
+                if is_equal(few, &self.before[first..][..few.len()]) {
+                    continue;
+                }
+                for (window, &color) in (first..).zip(few) {
+                    if std::mem::replace(&mut self.before[window], color) == color {
+                        continue;
+                    }
+                    let bit = 1 << (window % 64);
+                    if color == WRITTEN_OUT {
+                        self.marks[window / 64] |= bit;
+                        continue;
+                    }
+                    self.marks[window / 64] &= !bit;
+                    if self.colors[window] != color {
+                        self.change_color(window, color, phase);
+                    }
+                }
+            }
+        }
+    }
+
+    fn change_color(&mut self, window: usize, color: u32, phase: &Phase) {
+        let y = self.at.0 as u16 - 1;
+        self.tighten(window, phase);
+        self.mixed[window / 64] |= 1 << (window % 64);
+        self.colors[window] = color;
+        self.add_plain(window, y);
+        let columns = &self.columns[window];
+        self.plain[window] = apart(color).map(|value| {
+            let whole = value.wrapping_mul((columns.last - columns.begin) as u16);
+            columns.mean(value, whole, value).into()
+        });
+    }
+
+    /// Adds the plain pixel of a window to its sum, for all rows above this one.
+    #[inline]
+    fn add_plain(&mut self, window: usize, y: u16) {
+        let rows = y - std::mem::replace(&mut self.since[window], y);
+        let (sum, plain) = (&mut self.sums[window], self.plain[window]);
+        *sum = std::array::from_fn(|c| sum[c].wrapping_add(plain[c].wrapping_mul(rows)));
+    }
+
+    /// Completes a row of the frame in which no window is loose. The last row of the surface has a share in the
+    /// next one.
+    fn complete_all<const N: usize>(
+        &mut self,
+        pixels: &[[u32; N]],
+        phase: &Phase,
+        next_share: u16,
+        frame: &mut Frame,
+    ) {
+        for window in 0..self.sums.len() {
+            self.add_plain(window, phase.last as u16);
+        }
+        self.since.fill(phase.last as u16 + 1);
+        self.narrow.copy_from_slice(&self.plain);
+        for word in 0..self.marks.len() {
+            each(self.marks[word], |i| {
+                let window = 64 * word + i;
+                self.narrow[window] = mean(&self.columns[window], &pixels[window]);
+            });
+        }
+        for (sum, v) in self.sums.as_flattened_mut().iter_mut().zip(self.narrow.as_flattened_mut()) {
+            let total = u32::from(sum.wrapping_add(part(*v, phase.last_share)));
+            *sum = part(*v, next_share);
+            *v = ((total * u32::from(phase.reciprocal)) >> 16) as u16;
+        }
+        let row = pixels::row(frame, self.at.1 - 1).chunks_exact_mut(RGB);
+        for (pixel, [r, g, b, _]) in row.zip(&self.narrow) {
+            pixel.copy_from_slice(&[*r as u8, *g as u8, *b as u8]);
+        }
+    }
+
+    /// Completes a row of the frame, of which the loose windows are as above.
+    fn complete_tight<const N: usize>(&mut self, pixels: &[[u32; N]], phase: &Phase, frame: &mut Frame) {
+        let bytes = self.layout.to.0 * RGB;
+        let (above, row) = frame.pixels_mut()[(self.at.1 - 2) * bytes..].split_at_mut(bytes);
+        row[..bytes].copy_from_slice(above);
+        for word in 0..self.tight.len() {
+            let marks = self.marks[word];
+            each(self.tight[word], |i| {
+                let window = 64 * word + i;
+                let Some(&plain) = self.plain.get(window) else { return };
+                let is_marked = marks & 1 << i != 0;
+                let values = if is_marked { mean(&self.columns[window], &pixels[window]) } else { plain };
+                self.add_plain(window, phase.last as u16);
+                self.since[window] += 1;
+                let sum = std::mem::take(&mut self.sums[window]);
+                for (pixel, (sum, v)) in
+                    row[window * RGB..][..RGB].iter_mut().zip(sum.into_iter().zip(values))
+                {
+                    *pixel = phase.of(sum, v);
+                }
+            });
+        }
+    }
+}
+
+/// Whether all are equal. (A comparison of slices calls a function of the C library.)
+#[inline]
+fn is_equal(a: &[u32], b: &[u32]) -> bool {
+    a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
+}
+
+/// Calls `f` with the number of each bit that is set.
+#[inline]
+fn each(mut bits: u64, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// The channels of a pixel.
+#[inline]
+fn apart(pixel: u32) -> Sum {
+    pixel.to_le_bytes().map(u16::from)
+}
+
+/// The red, green and blue that a window of a row becomes.
+#[inline]
+fn mean<const N: usize>(phase: &Phase, window: &[u32; N]) -> Sum {
+    // red and blue side by side, each with room for a sum; pixels that the window has not are 0
+    const TWO: u32 = 0x00ff_00ff;
+    let sum = |shift: u32| window.iter().fold(0_u32, |sum, pixel| sum.wrapping_add(pixel >> shift & TWO));
+    // the first pixel of the first window is a whole one
+    let is_apart = if phase.begin > phase.first { TWO } else { 0 };
+    let (first, last) = (window[0], window[phase.last - phase.first]);
+    let [red_blue, green] = [0, 8]
+        .map(|shift| sum(shift).wrapping_sub(last >> shift & TWO).wrapping_sub(first >> shift & is_apart));
+    // with room for products, as `Phase::mean` computes one of them
+    const WIDE: u64 = 0x0000_ffff_0000_ffff;
+    let apart = |two: u32| (u64::from(two) | u64::from(two) << 16) & WIDE;
+    let part = |pixel: u32, share: u16| (apart(pixel & TWO) * u64::from(share)) >> 14 & WIDE;
+    let sum = part(first, phase.first_share) + apart(red_blue) + part(last, phase.last_share);
+    let red_blue = (sum & WIDE) * u64::from(phase.reciprocal);
+    let green = phase.mean(u16::from((first >> 8) as u8), green as u16, u16::from((last >> 8) as u8));
+    [u16::from((red_blue >> 16) as u8), green.into(), u16::from((red_blue >> 48) as u8), 0]
+}

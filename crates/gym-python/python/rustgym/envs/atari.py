@@ -1,0 +1,283 @@
+"""The games of Atari: what ale-py's users read of an environment, and the usual preprocessing in Rust."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.utils import seeding
+
+from rustgym import _native
+from rustgym._json import to_json
+from rustgym._native import AleState
+from rustgym.env import ClassEnv, entropy, spec_of
+
+__all__ = ["Action", "Ale", "AleState", "AtariEnv", "preprocessed"]
+
+Buffer = npt.NDArray[np.uint8]
+
+
+# with ale-py's names and numbers
+Action = IntEnum(
+    "Action",
+    "NOOP FIRE UP RIGHT LEFT DOWN UPRIGHT UPLEFT DOWNRIGHT DOWNLEFT UPFIRE RIGHTFIRE LEFTFIRE DOWNFIRE "
+    "UPRIGHTFIRE UPLEFTFIRE DOWNRIGHTFIRE DOWNLEFTFIRE",
+    start=0,
+)
+
+# the keys of `gymnasium.utils.play`, in the order in which ale-py lists those of an action
+_KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
+
+
+class Ale:
+    """The game of an environment, to be played and looked at past it, with the methods of ale-py's ``ALEInterface``.
+
+    Unlike ale-py's it plays the ROM of its environment and no other, and has no sound. The arguments of ``make`` settle what
+    the getters of settings tell. Pictures and RAM come as new arrays or are written to a ``uint8`` buffer of their shape.
+    """
+
+    def __init__(self, env: AtariEnv) -> None:
+        self._env = env
+        self._native = _native.Ale(env._native)
+
+    # -- playing
+
+    def act(self, action: int, paddle_strength: float = 1.0) -> int:
+        """Plays a frame, in which the action before may stick, and gives the reward; ``ValueError`` for no ``Action``."""
+        return self._native.act(action, paddle_strength, self._env.arguments["repeat_action_probability"])
+
+    def reset_game(self) -> None:
+        self._native.reset()
+
+    def lives(self) -> int:
+        """The lives that are left; 0 in games without any."""
+        return self._native.progress()[0]
+
+    def game_over(self, with_truncation: bool = True) -> bool:
+        """Whether the episode has ended: with the game, or by as many frames as it may have."""
+        _, is_over, is_truncated, _, _ = self._native.progress()
+        return is_over or (with_truncation and is_truncated)
+
+    def game_truncated(self) -> bool:
+        return self._native.progress()[2]
+
+    def getFrameNumber(self) -> int:
+        return self._native.progress()[3]
+
+    def getEpisodeFrameNumber(self) -> int:
+        return self._native.progress()[4]
+
+    # -- looking
+
+    def getScreen(self, buffer: Buffer | None = None) -> Any:
+        """The picture as indices of colours, shape ``(rows, 160)``."""
+        return self._native.screen("index", buffer)
+
+    def getScreenRGB(self, buffer: Buffer | None = None) -> Any:
+        """The picture in colours, shape ``(rows, 160, 3)``."""
+        return self._native.screen("rgb", buffer)
+
+    def getScreenGrayscale(self, buffer: Buffer | None = None) -> Any:
+        """The picture in gray, shape ``(rows, 160)``."""
+        return self._native.screen("gray", buffer)
+
+    def getScreenDims(self) -> tuple[int, int]:
+        """Rows and columns of the picture."""
+        return self._native.facts()[1], 160
+
+    def getRAM(self, buffer: Buffer | None = None) -> Any:
+        """The RAM, shape ``(128,)``."""
+        return self._native.ram(buffer)
+
+    def getRAMSize(self) -> int:
+        return 128
+
+    def setRAM(self, index: int, value: int) -> None:
+        self._native.set_ram(index, value)
+
+    def getAudio(self, buffer: Buffer | None = None) -> Any:
+        """Raises ``gymnasium.error.Error``: there is no sound."""
+        raise gymnasium.error.Error("sound is not emulated, so there is none to return")
+
+    # -- the game and its settings
+
+    def getLegalActionSet(self) -> list[Action]:
+        """The actions that the game accepts."""
+        return [Action(number) for number in self._native.facts()[2]]
+
+    def getMinimalActionSet(self) -> list[Action]:
+        """The actions that have an effect in the game."""
+        return [Action(number) for number in self._native.facts()[3]]
+
+    def getAvailableModes(self) -> list[int]:
+        return self._native.facts()[4]
+
+    def getAvailableDifficulties(self) -> list[int]:
+        return self._native.facts()[5]
+
+    def setMode(self, mode: int) -> None:
+        """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` for one that the game does not have."""
+        _, difficulty, max_frames = self._native.settings()
+        self._native.configure(mode, difficulty, max_frames)
+
+    def setDifficulty(self, difficulty: int) -> None:
+        """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` for one that there is not."""
+        mode, _, max_frames = self._native.settings()
+        self._native.configure(mode, difficulty, max_frames)
+
+    def getInt(self, name: str) -> int:
+        """The setting ``random_seed`` or ``max_num_frames_per_episode`` (0 for no limit); -1 for others."""
+        if name == "random_seed":
+            return int(self._env._seeds()[1].astype(np.int32))
+        return self._native.settings()[2] or 0 if name == "max_num_frames_per_episode" else -1
+
+    def getFloat(self, name: str) -> float:
+        """The setting ``repeat_action_probability``; -1 for others."""
+        return float(self._env.arguments[name]) if name == "repeat_action_probability" else -1.0
+
+    # -- states
+
+    def cloneState(self, include_rng: bool = False) -> AleState:
+        """Where the game stands: to be compared, pickled and restored, in a game of the same ROM."""
+        return self._native.state(include_rng)
+
+    def restoreState(self, state: AleState) -> None:
+        """Goes on from a state. The action that may stick is the last that was done, as in ale-py.
+
+        Without ``include_rng`` in ``cloneState`` the random numbers go on as well, instead of back to those of the state.
+        """
+        self._native.set_state(state)
+
+    def cloneSystemState(self) -> AleState:
+        """The state with its random numbers."""
+        return self.cloneState(include_rng=True)
+
+    restoreSystemState = restoreState
+
+
+class AtariEnv(ClassEnv):
+    """A game of the Atari 2600, with what ale-py's ``AtariEnv`` tells of it.
+
+    Unlike ale-py's it needs a ``reset`` before the first ``step``.
+
+    Args:
+        render_mode: As of ``rustgym.Env``.
+        preprocessing: ``True`` or a dict of settings for what Gymnasium's ``AtariPreprocessing`` and ``FrameStackObservation``
+            do, here in Rust; a step then has ``frame_skip`` frames, and ``frameskip`` is 1. The settings: ``noop_max`` (30),
+            ``frame_skip`` (4), ``screen_size`` (84, or width and height), ``terminal_on_life_loss`` (``False``),
+            ``clip_reward`` (``False``) to -1 and 1, ``frame_stack`` (4; 0 for one picture without an axis for them).
+        kwargs: The arguments of ale-py's ``AtariEnv``, and ``rom_dir``.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
+
+    def __init__(
+        self, render_mode: str | None = None, preprocessing: bool | Mapping[str, Any] | None = None, **kwargs: Any
+    ) -> None:
+        if preprocessing:
+            kwargs, self._wrappers = preprocessed(self._id, preprocessing, kwargs)
+        super().__init__(render_mode, **kwargs)
+        if preprocessing:
+            self._given = {**kwargs, "preprocessing": preprocessing}
+        skip = self.arguments["frameskip"]
+        self._frameskip = skip if isinstance(skip, int) else tuple(skip)
+        self._game, self._obs_type = self.arguments["game"], self.arguments["obs_type"]
+        self._game_mode, self._game_difficulty = self.arguments["mode"], self.arguments["difficulty"]
+
+    @property
+    def ale(self) -> Ale:
+        """The game."""
+        return Ale(self)
+
+    @property
+    def _action_set(self) -> list[Action]:
+        if self.arguments["continuous"]:
+            return list(Action)
+        return self.ale.getLegalActionSet() if self.arguments["full_action_space"] else self.ale.getMinimalActionSet()
+
+    def get_action_meanings(self) -> list[str]:
+        """The names of the actions."""
+        return [action.name for action in self._action_set]
+
+    def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
+        """The keys for each action, as ``gymnasium.utils.play`` takes them; ``AttributeError`` with ``continuous``."""
+        if self.arguments["continuous"]:
+            raise AttributeError("there are no keys for continuous actions: get_keys_to_action needs continuous=False")
+        names = enumerate(self.get_action_meanings())
+        return {tuple(key for word, key in _KEYS.items() if word in name) or ("e",): index for index, name in names}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """As ``Env.reset``; with a seed the ROM is loaded again, and mode and difficulty are those of ``make``."""
+        if seed is not None:
+            self._configure()
+        observation, info = super().reset(seed=seed, options=options)
+        if seed is None:
+            info.pop("seeds", None)
+        return observation, info
+
+    def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
+        """Seeds ``np_random``, and from the next ``load_game`` on the game: gives the seeds of both."""
+        if seed is None:
+            seed = entropy()
+        if not self._native.is_running():
+            super().reset(seed=seed)
+        self._np_random_seed = seed
+        first, second = self._seeds()
+        self._np_random, _ = seeding.np_random(int(first))
+        return first, second
+
+    def load_game(self) -> None:
+        """Loads the ROM again, for an episode with mode and difficulty of ``make``, which the next reset starts."""
+        if self._np_random_seed in (None, -1):
+            self.seed_game()
+        self._configure()
+        self.ale._native.load(int(self._seeds()[1]))
+
+    def _configure(self) -> None:
+        self.ale._native.configure(self._game_mode, self._game_difficulty, self.arguments["max_num_frames_per_episode"])
+
+    def _seeds(self) -> npt.NDArray[np.uint32]:
+        """The seeds of ``np_random`` and of the game."""
+        return np.random.SeedSequence(self._np_random_seed).generate_state(2).astype(np.uint32)
+
+    def clone_state(self, include_rng: bool = False) -> AleState:
+        """As ``Ale.cloneState``."""
+        return self.ale.cloneState(include_rng)
+
+    def restore_state(self, state: AleState) -> None:
+        """As ``Ale.restoreState``."""
+        self.ale.restoreState(state)
+
+
+def preprocessed(
+    env_id: str, preprocessing: bool | Mapping[str, Any], kwargs: dict[str, Any]
+) -> tuple[dict[str, Any], str]:
+    """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
+
+    Raises:
+        TypeError: for an environment that is no game of Atari, and for a setting that there is not.
+    """
+    if spec_of(env_id)["crate"] != "gym-atari":
+        raise TypeError(f"preprocessing is for the games of Atari, and {env_id} is none")
+    if not isinstance(preprocessing, bool | Mapping):
+        raise TypeError(f"preprocessing must be True or a dict of settings, not {preprocessing!r}")
+    settings: dict[str, Any] = {"noop_max": 30, "frame_skip": 4, "screen_size": 84, "terminal_on_life_loss": False}
+    settings |= {"clip_reward": False, "frame_stack": 4}
+    for name, value in {} if isinstance(preprocessing, bool) else preprocessing.items():
+        if name not in settings:
+            raise TypeError(f"preprocessing has no {name!r}: its settings are {', '.join(settings)}")
+        settings[name] = value
+    clip, stack, size = settings.pop("clip_reward"), settings.pop("frame_stack"), settings["screen_size"]
+    # in Rust the height comes first
+    settings["screen_size"] = [size, size] if np.ndim(size) == 0 else list(size)[::-1]
+    wrappers = [("AtariPreprocessing", settings)]
+    if clip:
+        wrappers.append(("ClipReward", {"min_reward": -1.0, "max_reward": 1.0}))
+    if stack:
+        wrappers.append(("FrameStackObservation", {"stack_size": stack}))
+    listed = ", ".join(to_json({"name": name, "kwargs": arguments}) for name, arguments in wrappers)
+    return {**kwargs, "frameskip": 1}, f"[{listed}]"

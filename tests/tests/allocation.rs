@@ -118,7 +118,7 @@ fn frames_of_pygame_do_not_allocate() {
         let mut env = gym::make(id).unwrap();
         let mut painter = gym::render::painter().unwrap();
         let size = env.metadata().render_size;
-        let mut frame = gym::render::Frame::new(size.0, size.1);
+        let mut frame = gym::render::Frame::new(size.0, size.1).unwrap();
         // the buffers grow in the first pass; the second shows the same pictures
         for pass in 0..2 {
             let mut actions = env.action_sampler(0).unwrap();

@@ -17,7 +17,16 @@ fn unknown_ids() {
     says(gym::make("CartPole v1"), &["malformed", "[namespace/]name[-vN]"]);
     says(gym::make(""), &["malformed"]);
     says(gym::make("CartPole-v9"), &["no version 9", "`CartPole-v0`", "`CartPole-v1`"]);
-    says(gym::make("CartPoleee-v1"), &["did you mean `CartPole-v1`?", "gym-classic", "use its_name as _;"]);
+    says(
+        gym::make("CartPoleee-v1"),
+        &[
+            "did you mean `CartPole-v1`?",
+            "gym-classic",
+            "use its_name as _;",
+            "the crate `gym` with its feature",
+        ],
+    );
+    says(gym::make("CartPoleee-v0"), &["did you mean `CartPole-v0`?"]);
     says(gym::make("cartpole-v0"), &["did you mean `CartPole-v0`?"]);
     says(gym::make("Pendulum-v0"), &["no longer provided", "use `Pendulum-v1`"]);
     says(gym::make("Foo/CartPole-v1"), &["namespace `Foo` not found", "linked crates"]);
@@ -205,4 +214,15 @@ fn sizes_beyond_any_memory() {
         serde_json::from_value(json!({"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": most}}));
     says(most.map(|wrapper: gym::WrapperSpec| wrapper.wrap_vector(envs)).unwrap(), &["do not fit in memory"]);
     says(wrap("Acrobot-v1", "DiscretizeObservation", json!({"bins": u32::MAX})), &["at most"]);
+}
+
+/// A shape that no memory holds is an error, and not the end of the process.
+#[test]
+fn what_fits_no_memory_is_refused() {
+    for shape in [vec![1 << 60], vec![usize::MAX, 2], vec![1 << 40, 1 << 40, 1 << 40]] {
+        let error = gym::Array::zeros(gym::DType::F64, shape.clone()).unwrap_err().to_string();
+        assert!(error.contains("does not fit in memory") && error.contains(&format!("{shape:?}")), "{error}");
+    }
+    assert_eq!(gym::Array::zeros(gym::DType::I16, [2, 0, 3]).unwrap().len(), 0);
+    assert!(gym::render::Frame::new(u32::MAX, u32::MAX).is_err());
 }

@@ -271,6 +271,15 @@ fn infos_of_tables_equal_those_of_sync() {
                 sync.step_into(&actions, &mut exact).unwrap();
                 assert_eq!(fast.observations, exact.observations, "{id}, {mode:?}: step {step}");
                 assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: step {step}");
+                for i in 0..5 {
+                    // the info of an episode's end is told once
+                    let [last, expected] = [&native, &sync].map(|envs| {
+                        let mut last = gym::Info::new();
+                        envs.final_info(i, &mut |key, value| drop(last.insert(key.to_owned(), value)));
+                        last
+                    });
+                    assert_eq!(last, expected, "{id}, {mode:?}: step {step}, environment {i}");
+                }
             }
         }
     }

@@ -35,7 +35,7 @@ fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
         let size = env.metadata().render_size;
         let mut painter = painter().unwrap();
         let [half, own, double] = [1, 2, 4].map(|halves| {
-            let mut frame = Frame::new(halves * size.0 / 2, halves * size.1 / 2);
+            let mut frame = Frame::new(halves * size.0 / 2, halves * size.1 / 2).unwrap();
             painter.paint(size, &mut |canvas| env.draw(canvas), &mut frame);
             frame
         });

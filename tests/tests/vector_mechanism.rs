@@ -107,7 +107,7 @@ impl VectorEnv for Spy {
 
     fn render(&mut self) -> Result<Vec<Rendered>> {
         self.note("render");
-        Ok((0..N).map(|_| Rendered::Frame(Frame::new(4, 4))).collect())
+        Ok((0..N).map(|_| Rendered::Frame(Frame::new(4, 4).unwrap())).collect())
     }
 
     fn metadata(&self) -> Metadata {

@@ -1,6 +1,7 @@
 //! Wrappers of vectors, beyond the traces of Gymnasium, which are in parity.rs.
 
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
+use gym::wrappers::NormalizeReward;
 use gym::wrappers::{
     Bound, NormalizeObservation, RecordEpisodeStatistics, TransformAction, TransformObservation,
     normalize_observation, record_episode_statistics,
@@ -201,4 +202,23 @@ fn bounds_are_for_one_sub_environment() {
     let columns = envs.reset(0).unwrap();
     assert_eq!(envs.observation_space().unwrap().to_string(), "Box(-1.0, 1.0, (3, 2), float32)");
     envs.observation_space().unwrap().check(&columns.observations).unwrap();
+}
+
+/// Where a step ends an episode and begins the next, the sum of rewards begins anew with it, if the episode was truncated as well.
+#[test]
+fn a_truncated_episode_ends_the_discounted_return() {
+    let returns = |envs: &NormalizeReward<Box<dyn VectorEnv>>| -> Vec<f64> {
+        let (_, (_, _, returns)): (serde_json::Value, (serde_json::Value, bool, gym::Array)) =
+            envs.snapshot().unwrap().get().unwrap();
+        returns.iter_f64().collect()
+    };
+    let mut envs = NormalizeReward::new(pendulums(2, Autoreset::SameStep), 0.9).unwrap();
+    let actions = envs.action_sampler(0).unwrap().sample();
+    let mut columns = envs.reset(0).unwrap();
+    for step in 1..=10 {
+        envs.step_into(&actions, &mut columns).unwrap();
+        let ends = step % 5 == 0;
+        assert_eq!(&columns.truncated[..], &[ends; 2], "step {step}");
+        assert!(returns(&envs).iter().all(|sum| (*sum == 0.0) == ends), "step {step}: {:?}", returns(&envs));
+    }
 }

@@ -220,3 +220,19 @@ fn frames_are_gathered_and_handed_over_once() {
     assert_eq!(typed.render().unwrap(), Rendered::Frames(vec![]));
     assert!(frames.windows(2).any(|pair| pair[0] != pair[1]), "nothing moves");
 }
+
+/// Wall-clock time is no part of a snapshot: equal episodes give equal bytes.
+#[test]
+fn snapshots_of_statistics_do_not_tell_the_time() {
+    let stored = |pause: u64| {
+        let mut env = RecordEpisodeStatistics::new(cartpole());
+        for _ in 0..3 {
+            env.reset(0).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(pause));
+            while !env.step(&Action::Left).unwrap().done() {}
+        }
+        assert!(env.episodes().all(|episode| episode.length > 5));
+        serde_json::to_string(&env.snapshot().unwrap()).unwrap()
+    };
+    assert_eq!(stored(0), stored(3));
+}

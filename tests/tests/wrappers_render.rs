@@ -34,7 +34,7 @@ impl Env for Picture {
     }
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
-        let mut frame = Frame::new(5, 4);
+        let mut frame = Frame::new(5, 4).unwrap();
         frame.pixels_mut().fill(9);
         *rendered = Rendered::Frame(frame);
         Ok(())
@@ -230,9 +230,9 @@ fn a_picture_drawn_over_another_is_a_new_one() {
 
     let mut env = Render::new(Square(Picture(None)), RenderMode::RgbArray).unwrap();
     let fresh = env.render().unwrap();
-    let mut used = Frame::new(4, 4);
+    let mut used = Frame::new(4, 4).unwrap();
     used.pixels_mut().fill(99);
-    for other in [used, Frame::new(3, 2)] {
+    for other in [used, Frame::new(3, 2).unwrap()] {
         let mut rendered = Rendered::Frame(other);
         env.render_into(&mut rendered).unwrap();
         assert_eq!(rendered, fresh);

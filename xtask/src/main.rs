@@ -11,6 +11,7 @@ mod web;
 
 use std::env;
 use std::ffi::{OsStr, OsString};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -23,7 +24,8 @@ fn main() -> ExitCode {
     match run(env::args_os().skip(1).collect()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error}");
+            // `eprintln!` panics where nobody can be told
+            let _ = writeln!(std::io::stderr(), "error: {error}");
             ExitCode::FAILURE
         }
     }
@@ -65,6 +67,11 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
     // a signal leaves no code
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+}
+
+/// Prints a line; `println!` panics where the output cannot be written.
+fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
+    writeln!(std::io::stdout(), "{line}").map_err(|error| format!("standard output: {error}"))
 }
 
 /// How the commands are built for one of them.

@@ -15,7 +15,7 @@ use flate2::write::GzEncoder;
 use serde_json::{Map, Value as Json, json};
 
 use crate::plugin::Plugin;
-use crate::{cargo, root, target_dir};
+use crate::{cargo, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const USAGE: &str = "\
@@ -77,27 +77,26 @@ impl Options {
 pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), String> {
     let options = Options::parse(arguments)?;
     if options.help {
-        println!("{USAGE}");
-        return Ok(());
+        return say(format_args!("{USAGE}"));
     }
     check_target()?;
     let module = build(plugin, options.small)?;
     let out = options.out.unwrap_or_else(|| target_dir().join("web"));
     let page = Page::read(&module, plugin.is_none())?;
     page.write(&out)?;
-    println!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000);
+    say(format_args!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000))?;
     if options.single {
         let path = out.join("gallery.html");
         let text = page.in_one_file()?;
         write(&path, text.as_bytes())?;
-        println!("{}: {} kB", path.display(), text.len() / 1000);
+        say(format_args!("{}: {} kB", path.display(), text.len() / 1000))?;
     }
     if options.test {
         test::test(&out, options.traces.as_deref())?;
     }
     if options.serve {
         let (listener, port) = serve::listen(options.port.unwrap_or(8000))?;
-        println!("http://localhost:{port}/ (Ctrl+C ends it)");
+        say(format_args!("http://localhost:{port}/ (Ctrl+C ends it)"))?;
         serve::serve(&listener, &serve::Site { page: out, folders: Vec::new(), posts: None });
     }
     Ok(())

@@ -293,3 +293,16 @@ fn an_environment_fits_on_a_small_stack() {
     };
     std::thread::Builder::new().stack_size(512 << 10).spawn(play).unwrap().join().unwrap();
 }
+
+/// The ROM is no argument, so a snapshot names it.
+#[test]
+fn a_snapshot_of_another_rom_is_refused() {
+    let mut env = env(Config::default());
+    env.reset(1).unwrap();
+    let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
+    let own = text.split("\"md5\":\"").nth(1).and_then(|rest| rest.get(..32)).unwrap();
+    let other = text.replace(own, "00112233445566778899aabbccddeeff");
+    let error = env.restore(&serde_json::from_str(&other).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("MD5 00112233445566778899aabbccddeeff"), "{error}");
+    env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+}

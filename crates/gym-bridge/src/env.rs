@@ -334,7 +334,7 @@ fn refused(name: &str) -> Error {
 /// An image of shape (height, width, 3), of bytes.
 fn frame(array: &gym_core::Array) -> Option<Frame> {
     let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else { return None };
-    let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?);
+    let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?).ok()?;
     frame.pixels_mut().copy_from_slice(pixels);
     Some(frame)
 }
@@ -344,5 +344,5 @@ gym_core::register!(
         .description(
             "Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process."
         )
-        .needs("the argument `env_id`, and Python", || false)
+        .needs("a Python environment, named by the argument `env_id`", || false)
 );

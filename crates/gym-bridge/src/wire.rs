@@ -223,7 +223,7 @@ mod tests {
             Value::Int(i64::MIN),
             Value::Float(-0.0),
             Value::Text("Grüße".into()),
-            Value::Array(Array::zeros(DType::U8, [2, 3])),
+            Value::Array(Array::zeros(DType::U8, [2, 3]).unwrap()),
             Value::Array([f32::INFINITY, -1.5].into()),
             Value::Tuple(vec![Value::Int(1), Value::Array([1i64].into())]),
             Value::Dict(vec![("a".into(), Value::Bool(false)), ("b".into(), Value::Array([0.5f64].into()))]),

@@ -171,6 +171,13 @@ pub const CHECKS: &[Check] = &[
         "a vector collects each entry in a column of one type, and loggers read it after every step",
         "visit the same entries with the same types after every step, and after every reset",
     ),
+    warning!(
+        "info-without-nan",
+        info::no_nan,
+        EPISODES,
+        "loggers take means of entries, and one NaN makes NaN of all",
+        "leave the entry out where there is nothing to tell, or give a number",
+    ),
     error!(
         "reset-needed",
         episodes::reset_needed,
@@ -230,7 +237,7 @@ pub const CHECKS: &[Check] = &[
     warning!(
         "generator-lent",
         seeding::generator_lent,
-        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets"],
+        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets", "reset-carries-on"],
         "wrappers with randomness, such as StickyAction, draw from the environment's generator",
         "return the generator from `Env::generator`, seeded as `reset` says",
     ),

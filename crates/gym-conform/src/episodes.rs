@@ -1,6 +1,6 @@
 //! Checks of how episodes begin and end.
 
-use crate::subject::Subject;
+use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken};
 use gym_core::{EnvExt, Error};
 
@@ -18,22 +18,32 @@ pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     /// Longer episodes are not played to their end.
     const MAX_STEPS: u32 = 2000;
-    let limit = subject.spec.as_ref().and_then(|spec| spec.max_episode_steps);
+    let spec = subject.spec.as_ref();
+    let limit = spec.and_then(|spec| spec.max_episode_steps);
+    // a wrapper may truncate for reasons of its own
+    let is_bare = spec.is_some_and(|spec| spec.additional_wrappers.is_empty());
     let mut env = subject.make()?;
-    let mut actions = env.action_sampler(0)?;
-    env.reset(0)?;
-    for length in 1..=limit.unwrap_or(1).min(MAX_STEPS) {
-        let step = env.step(&actions.sample())?;
-        if step.truncated && length == 1 && limit != Some(1) {
-            return broken("seed 0: the first step truncates the episode");
-        }
-        if Some(length) == limit && !step.truncated {
-            return broken(format!(
-                "seed 0: step {length} is the last allowed and does not truncate the episode"
-            ));
-        }
-        if step.done() {
-            break;
+    for seed in SEEDS {
+        let mut actions = env.action_sampler(seed)?;
+        env.reset(seed)?;
+        for length in 1..=limit.unwrap_or(1).min(MAX_STEPS) {
+            let step = env.step(&actions.sample())?;
+            if step.truncated && length == 1 && limit != Some(1) {
+                return broken(format!("seed {seed}: the first step truncates the episode"));
+            }
+            if Some(length) == limit && !step.truncated {
+                return broken(format!(
+                    "seed {seed}: step {length} is the last allowed and does not truncate the episode"
+                ));
+            }
+            if let Some(limit) = limit.filter(|limit| step.truncated && is_bare && length < *limit) {
+                return broken(format!(
+                    "seed {seed}: step {length} truncates the episode, and {limit} steps are registered"
+                ));
+            }
+            if step.done() {
+                break;
+            }
         }
     }
     Ok(())

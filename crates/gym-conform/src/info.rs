@@ -28,7 +28,7 @@ pub(crate) fn consistent(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     let mut forms: BTreeMap<String, String> = BTreeMap::new();
     let mut keys: [Option<BTreeSet<String>>; 2] = [None, None];
-    each_event(subject, |shown, place| {
+    let mut check = |shown: &Shown, place: &str| {
         let (kind, what, info) = match shown {
             Shown::Reset(_, info) => (0, "reset", info),
             Shown::Step(_, info) => (1, "step", info),
@@ -49,7 +49,32 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
             }
         }
         Ok(())
+    };
+    each_event(subject, &mut check)?;
+    // what comes seldom
+    let late = subject.first_run()?.iter().enumerate();
+    late.into_iter().try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
+}
+
+/// Loggers take means, and one NaN makes NaN of all.
+pub(crate) fn no_nan(subject: &Subject<'_>) -> Verdict {
+    each_event(subject, |shown, place| {
+        let (Shown::Reset(_, info) | Shown::Step(_, info)) = shown;
+        match info.iter().find(|(_, value)| has_nan(value)) {
+            Some((key, value)) => broken(format!("{place}: the entry `{key}` is {value}")),
+            None => Ok(()),
+        }
     })
+}
+
+fn has_nan(value: &Value) -> bool {
+    match value {
+        Value::Float(x) => x.is_nan(),
+        Value::Array(array) => array.iter_f64().any(f64::is_nan),
+        Value::Dict(entries) => entries.iter().any(|(_, value)| has_nan(value)),
+        Value::Tuple(values) => values.iter().any(has_nan),
+        _ => false,
+    }
 }
 
 /// The kind of a value, with the type and shape of arrays.

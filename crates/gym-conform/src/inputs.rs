@@ -71,9 +71,12 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
             let not_a_number = Data::from_f64(dtype, vec![f64::NAN; array.len()]);
             actions.extend(Array::new(shape, not_a_number).map(Value::Array));
         }
-        actions.push(Value::Array(Array::zeros(dtype, [shape, &[2]].concat())));
-        actions.push(Value::Array(Array::zeros(dtype, [array.len() + 1])));
-        actions.push(Value::Array(Array::zeros(DType::F64, [array.len() + 1])));
+        let others = [
+            Array::zeros(dtype, [shape, &[2]].concat()),
+            Array::zeros(dtype, [array.len() + 1]),
+            Array::zeros(DType::F64, [array.len() + 1]),
+        ];
+        actions.extend(others.into_iter().flatten().map(Value::Array));
     }
     // elements of the space are valid
     actions.retain(|action| !space.contains(action));

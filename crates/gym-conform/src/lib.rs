@@ -20,8 +20,12 @@
 //! This crate replaces the program's allocator by one that counts, so make it a dev-dependency. Without the feature
 //! `checks` it has only recorded episodes, the module [`trace`], and does not replace the allocator.
 //!
-//! Each [`Finding`] has the fault and its place, the reason for the rule, and the remedy. An environment that
-//! must break a rule gives the reason in [`Registration::exceptions`](gym_core::Registration::exceptions).
+//! Some faults no check sees, and a test of your own should: an action that is refused in states that neither random nor held
+//! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode
+//! by itself, which looks like a jump. What a step after the end of an episode answers is left to the environment, as in Gymnasium.
+//!
+//! Each [`Finding`] says what is wrong and where, why it matters, and how to mend it. An environment that must
+//! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
 
 #[cfg(feature = "checks")]
 mod actions;
@@ -93,6 +97,6 @@ pub use matching::{InfoComparison, Matching, environments_match};
 #[cfg(feature = "checks")]
 pub use report::{Excused, Format, Report, Skipped};
 #[cfg(feature = "checks")]
-pub use run::{check, reports, reports_with};
+pub use run::{Progress, Slow, check, reports, reports_with};
 #[cfg(feature = "checks")]
 pub use suite::{assert_conforms, ids_of};

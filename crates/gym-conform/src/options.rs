@@ -3,10 +3,10 @@
 use serde_json::{Value as Json, json};
 
 use crate::arguments::{others, surroundings};
-use crate::subject::Subject;
+use crate::subject::{SEEDS, Shown, Subject, carry_on, info};
 use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{EnvExt, Reset};
+use gym_core::{EnvExt, Reset, Result};
 
 /// The options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
@@ -24,20 +24,21 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     named.iter().map(read).collect()
 }
 
-/// An unnamed option is refused if the registration names any, and ignored otherwise.
+/// An option that is not named is refused where some are, and ignored elsewhere. Where nothing is registered, as around an
+/// environment that knows options, either is right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
-    let names = subject.registration.as_ref().map(|registration| registration.reset_options);
-    let names = names.unwrap_or_default();
+    let knows_options =
+        subject.registration.as_ref().map(|registration| !registration.reset_options.is_empty());
     match subject.make()?.reset(Reset::seed(3).option("no_such_option", "x")) {
-        Ok(_) if !names.is_empty() => {
+        Ok(_) if knows_options == Some(true) => {
             broken("the reset option `no_such_option`, which is not named, is accepted")
         }
         Ok(observation) if observation == plain => Ok(()),
         Ok(observation) => broken(format!(
             "with the option `no_such_option` an episode starts with {observation}, and without it with {plain}"
         )),
-        Err(error) if names.is_empty() => {
+        Err(error) if knows_options == Some(false) => {
             broken(format!("`reset` with the option `no_such_option`: {error}"))
         }
         Err(_) => Ok(()),
@@ -49,6 +50,10 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     for (name, example) in examples(subject)? {
         if let Err(error) = subject.make()?.reset(Reset::seed(0).option(name, example.clone())) {
             return broken(format!("`reset` with the option {name}={example}, its example: {error}"));
+        }
+        let nothing_like_it = json!({"no": ["such", "value"]});
+        if subject.make()?.reset(Reset::seed(0).option(name, nothing_like_it.clone())).is_ok() {
+            return broken(format!("`reset` accepts the option {name}={nothing_like_it}"));
         }
     }
     Ok(())
@@ -74,6 +79,33 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
                 json!(tried)
             ));
         }
+        // a number far beyond every range is refused, or does what it can
+        let is_plain = |value: &Json| -> Result<bool> {
+            Ok(with_option(subject, Some((name, value)))? == with_option(subject, None)?)
+        };
+        // an option that shows only together with an argument has nothing to be compared with
+        if example.is_number() && !is_plain(&example)? {
+            for beyond in [json!(1e300), json!(-1e300)] {
+                if is_plain(&beyond).unwrap_or(false) {
+                    return broken(format!(
+                        "the reset option {name}={beyond} is accepted and changes nothing"
+                    ));
+                }
+            }
+        }
     }
     Ok(())
+}
+
+/// An episode that starts with an option, or without.
+fn with_option(subject: &Subject<'_>, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
+    let mut env = subject.make()?;
+    let plain = Reset::seed(SEEDS[0]);
+    let observation = env.reset(match option {
+        Some((name, value)) => plain.option(name, value.clone()),
+        None => plain,
+    })?;
+    let mut shown = vec![Shown::Reset(observation, info(&env))];
+    shown.extend(carry_on(&mut env, 0, 20)?);
+    Ok(shown)
 }

@@ -1,8 +1,10 @@
 //! All checks over one environment, or over environments by id.
 
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
 
@@ -14,12 +16,55 @@ use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and `PassiveEnvChecker`, which
-/// would hide its own behaviour; others are checked unchanged.
+/// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
+/// the environment itself does. All others are checked as they come.
+///
+/// A check that takes long is told on the standard error.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
-        Some(spec) => run(&Subject::of_spec(&|| spec.make(), spec.clone())).0,
-        None => run(&Subject::new(&make)).0,
+        Some(spec) => {
+            let make = || spec.make();
+            run(&Subject::of_spec(&make, spec.clone()), |slow| eprintln!("{}: {slow}", spec.id)).0
+        }
+        None => run(&Subject::new(&make), |slow| eprintln!("{slow}")).0,
+    }
+}
+
+/// How far the checks are.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Progress<'a> {
+    /// The first check of an environment begins.
+    Begins {
+        /// The environment.
+        id: &'a str,
+    },
+    /// A check took long.
+    Slow {
+        /// The environment.
+        id: &'a str,
+        /// Which check, and how long it took.
+        slow: Slow,
+    },
+}
+
+/// A check that took long.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Slow {
+    /// The check's name.
+    pub check: &'static str,
+    /// How long it took.
+    pub took: Duration,
+    /// How long the environment takes to be made and reset, which checks do hundreds of times.
+    pub reset: Duration,
+}
+
+impl fmt::Display for Slow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { check, took, reset } = self;
+        let [took, reset] = [took, reset].map(Duration::as_secs_f64);
+        write!(f, "the check {check} took {took:.0} s; to make and reset the environment takes {reset:.3} s")
     }
 }
 
@@ -36,10 +81,15 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// The findings, and the skipped checks with reasons.
-fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
-    // the check of equal seeds reports a panic
+/// The findings, and what was not checked for which reason. Calls `tell` after each check that took long.
+fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skipped>) {
+    /// Somebody who waits for so long asks what for.
+    const LONG: Duration = Duration::from_secs(5);
+    // a panic shows again, and is told, in the check of equal seeds
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
+    let started = Instant::now();
+    let _ = catch_unwind(AssertUnwindSafe(|| subject.reset(0).is_ok()));
+    let reset = started.elapsed();
     let (mut findings, mut skipped, mut passed) = (Vec::new(), Vec::new(), Vec::new());
     let (mut errors, mut panics) = (Vec::new(), Vec::new());
     let finding = |check: &Check, message: String| {
@@ -51,7 +101,13 @@ fn run(subject: &Subject<'_>) -> (Vec<Finding>, Vec<Skipped>) {
             skipped.push(Skipped { check: check.name, reason: format!("it depends on {needed}") });
             continue;
         }
-        let panicked = match catch_unwind(AssertUnwindSafe(|| (check.run)(subject))) {
+        let started = Instant::now();
+        let outcome = catch_unwind(AssertUnwindSafe(|| (check.run)(subject)));
+        let took = started.elapsed();
+        if took > LONG {
+            tell(&Slow { check: check.name, took, reset });
+        }
+        let panicked = match outcome {
             Ok(verdict) => match verdict {
                 Ok(()) => {
                     passed.push(check.name);
@@ -103,11 +159,11 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and calls `begin` with each id before its first check, which shows the one that hangs or aborts.
+/// As [`reports`], and tells how far it is, so that an environment that is slow, hangs or aborts is known.
 ///
 /// # Errors
 /// What is wrong with an id.
-pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<Report>> {
+pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
     // a free thread takes the next one: some take a hundred times as long as others
@@ -117,8 +173,9 @@ pub fn reports_with(ids: &[String], begin: impl Fn(&str) + Sync) -> Result<Vec<R
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(spec) = specs.get(i) else { return reports };
-            begin(&spec.id);
-            reports.push((i, report(spec)));
+            tell(Progress::Begins { id: &spec.id });
+            let slow = |slow: &Slow| tell(Progress::Slow { id: &spec.id, slow: slow.clone() });
+            reports.push((i, report(spec, slow)));
         }
     };
     let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
@@ -137,11 +194,11 @@ fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
 }
 
-fn report(spec: &EnvSpec) -> Report {
+fn report(spec: &EnvSpec, tell: impl Fn(&Slow)) -> Report {
     let bare = bare_spec(spec);
     let make = || bare.make();
     let subject = Subject::of_spec(&make, bare.clone());
-    let (mut findings, skipped) = run(&subject);
+    let (mut findings, skipped) = run(&subject, tell);
     let mut excused = Vec::new();
     findings.retain(|finding| {
         let registration = subject.registration.as_ref();

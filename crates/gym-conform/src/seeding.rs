@@ -34,7 +34,7 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
         let what = "a second environment with resets in the middle of an episode, seeded once,";
         same(&interrupted(subject, seed)?, &interrupted(subject, seed)?, what)
     })?;
-    let again = roll_out(&mut subject.make()?, SEEDS[0], subject.long()?)?;
+    let again = roll_out(&mut subject.make()?, SEEDS[0], subject.longest()?)?;
     same(subject.first_run()?, &again, "a later environment with the same seed and actions, in a long run,")
 }
 
@@ -46,6 +46,8 @@ fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
 }
 
 pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
+    /// Resets before an episode that must be as the first.
+    const MANY: u64 = 100;
     if subject.is_nondeterministic() {
         return skipped("it is registered as nondeterministic");
     }
@@ -57,7 +59,23 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
         let second = roll_out(&mut env, seed, STEPS)?;
         same(&first, &second, "a used environment with the same seed and actions")?;
     }
-    Ok(())
+    // what is counted from episode to episode, or from reset to reset, shows late
+    let (seed, steps) = (SEEDS[0], subject.longest()?);
+    let first = roll_out(&mut subject.make()?, seed, STEPS)?;
+    carry_on(&mut env, seed, steps)?;
+    same(
+        &first,
+        &roll_out(&mut env, seed, STEPS)?,
+        &format!("an environment that took {steps} steps before"),
+    )?;
+    for seed in 0..MANY {
+        env.reset(seed)?;
+    }
+    same(
+        &first,
+        &roll_out(&mut env, seed, STEPS)?,
+        &format!("an environment that was reset {MANY} times before"),
+    )
 }
 
 /// An episode of fixed actions, so that two differ only by the environment's own randomness.
@@ -76,11 +94,27 @@ pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
     let first = episode(&mut env, Reset::seed(0))?;
     for seed in 1..TRIES {
         if episode(&mut env, Reset::seed(seed))? != first {
-            let what = "a seed and the one 2^32 above it always give the same episode";
-            return not_always(&mut env, what, |env, seed| episode(env, Reset::seed(seed + (1 << 32))), 0);
+            return seeds_count(subject, &mut env);
         }
     }
     broken(format!("{TRIES} seeds give the same episode, although it is random"))
+}
+
+/// Every bit of a seed decides, and without a seed chance does.
+fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
+    let seeded = |env: &mut BoxEnv, seed: u64| episode(env, Reset::seed(seed));
+    for bit in [31, 32, 48, 53, 63, 64, 100] {
+        let what = format!("a seed and the one 2^{bit} above it always give the same episode");
+        let above = |env: &mut BoxEnv, seed: u64| {
+            let seed: Seed = ((1u128 << bit) + u128::from(seed)).to_string().parse().map_err(Error::from)?;
+            episode(env, Reset { seed: Some(seed), ..Reset::default() })
+        };
+        not_always(env, &what, seeded, above)?;
+    }
+    let what = "environments whose first reset has no seed always begin with the same episode";
+    let first = episode(&mut subject.make()?, Reset::default())?;
+    let fresh = |_: &mut BoxEnv, _| Ok(episode(&mut subject.make()?, Reset::default())? == first);
+    not_always_true(env, what, seeded, fresh)
 }
 
 /// Whether episodes differ though the actions are the same, by seed or without one.
@@ -94,21 +128,29 @@ fn is_random(env: &mut BoxEnv) -> Result<bool> {
     Ok(false)
 }
 
-/// Whether `other` is for each seed the episode of the seed `ahead` of it, although seeds distinguish most
-/// episodes.
+/// Whether `other` is for each seed the same episode as `plain`, though seeds tell most episodes apart.
 fn not_always(
     env: &mut BoxEnv,
     what: &str,
+    plain: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
     other: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
-    ahead: u64,
+) -> Verdict {
+    not_always_true(env, what, &plain, |env, seed| Ok(other(env, seed)? == plain(env, seed)?))
+}
+
+/// Whether something holds for each seed, though seeds tell most episodes apart.
+fn not_always_true(
+    env: &mut BoxEnv,
+    what: &str,
+    plain: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
+    holds: impl Fn(&mut BoxEnv, u64) -> Result<bool>,
 ) -> Verdict {
     let mut distinct = 0;
     for seed in 0..TRIES {
-        let plain = episode(env, Reset::seed(seed + ahead))?;
-        if other(env, seed)? != plain {
+        if !holds(env, seed)? {
             return Ok(());
         }
-        distinct += u64::from(episode(env, Reset::seed(seed + ahead + 1))? != plain);
+        distinct += u64::from(plain(env, seed + 1)? != plain(env, seed)?);
     }
     // if few episodes differ, it is chance
     if distinct * 2 > TRIES { broken(what) } else { Ok(()) }
@@ -127,7 +169,8 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
                 env.reset(seed)?;
                 episode(env, Reset::default())
             };
-            return not_always(&mut env, what, unseeded, 1);
+            let next = |env: &mut BoxEnv, seed: u64| episode(env, Reset::seed(seed + 1));
+            return not_always(&mut env, what, next, unseeded);
         }
     }
     broken(format!("{TRIES} resets without a seed repeat the episode of the last seed"))
@@ -146,8 +189,23 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         return broken("`generator` is None after a reset, although episodes are random");
     };
     match (first == again, first == other) {
-        (false, _) => broken("after the same seed `generator` has another state"),
-        (_, true) => broken("after another seed `generator` has the same state"),
-        _ => Ok(()),
+        (false, _) => broken("after the same seed `generator` lends another state"),
+        (_, true) => broken("after another seed `generator` lends the same state"),
+        _ => {
+            let what =
+                "a number drawn from the generator that is lent never changes the next episode: it is a copy";
+            let undrawn = |env: &mut BoxEnv, seed: u64| {
+                env.reset(seed)?;
+                episode(env, Reset::default())
+            };
+            let drawn = |env: &mut BoxEnv, seed: u64| {
+                env.reset(seed)?;
+                if let Some(generator) = env.generator() {
+                    generator.random();
+                }
+                episode(env, Reset::default())
+            };
+            not_always(&mut env, what, undrawn, drawn)
+        }
     }
 }

@@ -92,14 +92,22 @@ impl<'a> Subject<'a> {
 
     /// The number of steps of a long comparison: to the time limit, within reason.
     pub(crate) fn long(&self) -> Result<usize> {
-        /// Hundreds of pictures fill the memory.
-        const PICTURE: usize = 10_000;
-        let elements = match self.make()?.observation_space() {
-            Space::Box(space) => space.shape().iter().product(),
-            _ => 0,
-        };
         let limit = self.spec.as_ref().and_then(|spec| spec.max_episode_steps).unwrap_or(1000);
-        Ok(if elements > PICTURE { 400 } else { limit.clamp(400, 1600) as usize })
+        Ok(if self.shows_pictures()? { 400 } else { limit.clamp(400, 1600) as usize })
+    }
+
+    /// Hundreds of pictures fill the memory.
+    fn shows_pictures(&self) -> Result<bool> {
+        const PICTURE: usize = 10_000;
+        Ok(match self.make()?.observation_space() {
+            Space::Box(space) => space.shape().iter().product::<usize>() > PICTURE,
+            _ => false,
+        })
+    }
+
+    /// The steps of the longest comparisons.
+    pub(crate) fn longest(&self) -> Result<usize> {
+        Ok(self.long()?.max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
     /// A long run of the first seed, played first, before any state outside the environment has counted
@@ -108,7 +116,7 @@ impl<'a> Subject<'a> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
         }
-        let run = roll_out(&mut self.make()?, SEEDS[0], self.long()?)?;
+        let run = roll_out(&mut self.make()?, SEEDS[0], self.longest()?)?;
         Ok(self.first_run.get_or_init(|| run))
     }
 

@@ -3,7 +3,7 @@
 use gym_core::{Error, registry};
 
 use crate::report::{Format, Report};
-use crate::run::reports;
+use crate::run::{Progress, reports_with};
 
 /// The ids that a crate registers at link time, whether it is named `my-envs` or `my_envs`.
 pub fn ids_of(crate_name: &str) -> Vec<String> {
@@ -24,7 +24,12 @@ pub fn assert_conforms(crate_name: &str) {
         "`{crate_name}` registers no environment: put `gym_core::register!(...)` at the top level of a module, and \
          let there be one gym-core in `cargo tree --duplicates`"
     );
-    let reports = reports(&ids).unwrap_or_else(|error: Error| panic!("{error}"));
+    let slow = |progress: Progress<'_>| {
+        if let Progress::Slow { id, slow } = progress {
+            eprintln!("{id}: {slow}");
+        }
+    };
+    let reports = reports_with(&ids, slow).unwrap_or_else(|error: Error| panic!("{error}"));
     let text = Format::Text.write(&reports);
     // once, whether it passes or not
     assert!(reports.iter().all(Report::passes), "{text}");

@@ -59,10 +59,18 @@ impl Array {
     }
 
     /// Zeros of that type and shape.
-    pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Custom`] where so many numbers do not fit in memory.
+    pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Result<Self> {
         let shape = shape.into();
-        let len = shape.iter().product();
-        Self { data: Data::from_i64(dtype, std::iter::repeat_n(0, len)), shape }
+        let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n));
+        match len.and_then(|len| Data::zeros(dtype, len)) {
+            Some(data) => Ok(Self { shape, data }),
+            None => Err(Error::custom(format!(
+                "an array of shape {shape:?} and type {dtype} does not fit in memory"
+            ))),
+        }
     }
 
     /// An array from little-endian bytes; `None` if their number does not fit the shape.
@@ -72,7 +80,7 @@ impl Array {
         if len.checked_mul(dtype.size()) != Some(bytes.len()) {
             return None;
         }
-        let mut array = Self::zeros(dtype, shape);
+        let mut array = Self::zeros(dtype, shape).ok()?;
         array.fill_bytes(bytes).then_some(array)
     }
 

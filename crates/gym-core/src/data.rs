@@ -95,6 +95,16 @@ macro_rules! dtypes {
                 match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
             }
 
+            /// Zeros, or `None` where they do not fit in memory.
+            pub(crate) fn zeros(dtype: DType, len: usize) -> Option<Self> {
+                match dtype { $(DType::$variant => {
+                    let mut values = Vec::new();
+                    values.try_reserve_exact(len).ok()?;
+                    values.resize(len, 0 as $type);
+                    Some(Self::$variant(values))
+                })* }
+            }
+
             pub(crate) fn write_item(&self, index: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 match self { $(Self::$variant(values) => dtypes!(@write $kind, f, values[index])),* }
             }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::canvas::Canvas;
-use crate::{Error, Result};
+use crate::{DType, Data, Error, Result};
 
 /// Render modes, under Gymnasium's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -140,9 +140,16 @@ impl TryFrom<StoredFrame> for Frame {
 }
 
 impl Frame {
-    /// A black frame.
-    pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, pixels: vec![0; width as usize * height as usize * 3] }
+    /// A black picture.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] where so many pixels do not fit in memory.
+    pub fn new(width: u32, height: u32) -> Result<Self> {
+        let bytes = usize::try_from(u128::from(width) * u128::from(height) * 3).ok();
+        match bytes.and_then(|bytes| Data::zeros(DType::U8, bytes)) {
+            Some(Data::U8(pixels)) => Ok(Self { width, height, pixels }),
+            _ => Err(Error::custom(format!("a frame of {width}x{height} does not fit in memory"))),
+        }
     }
 
     /// Width in pixels.
@@ -256,7 +263,11 @@ mod tests {
 
     #[test]
     fn a_stored_frame_has_the_pixels_of_its_size() {
-        let frame = Frame::new(2, 1);
+        for (width, height) in [(u32::MAX, u32::MAX), (1 << 31, 1 << 31), (u32::MAX, 1 << 20)] {
+            let error = Frame::new(width, height).unwrap_err().to_string();
+            assert!(error.ends_with("does not fit in memory"), "{error}");
+        }
+        let frame = Frame::new(2, 1).unwrap();
         let json = serde_json::to_string(&frame).unwrap();
         assert_eq!(serde_json::from_str::<Frame>(&json).unwrap(), frame);
         for (width, height, pixels) in

@@ -147,3 +147,108 @@ fn sizes_and_depths_have_limits() {
     let long = " ".repeat(9 << 20);
     assert!(Model::from_xml(&long).unwrap_err().to_string().contains("the limit is"));
 }
+
+/// Runs in a thread of a small stack, whose end aborts the process.
+fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
+    std::thread::Builder::new().stack_size(128 << 10).spawn(work).unwrap().join().unwrap();
+}
+
+/// As deep as elements may be nested, however the crate is compiled.
+#[test]
+fn deep_nesting_needs_no_stack() {
+    let bodies = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body><joint/><geom size=\"0.1\"/>".repeat(198),
+        "</body>".repeat(198)
+    );
+    let classes: String = (0..198).map(|i| format!("<default class=\"c{i}\">")).collect();
+    let classes = format!("<mujoco><default>{classes}{}</default></mujoco>", "</default>".repeat(198));
+    in_a_small_stack(move || {
+        let model = Model::from_xml(&bodies).unwrap();
+        assert_eq!((model.nbody(), model.nv()), (199, 198));
+        // each within the one before, in the order of the text
+        assert!((2..199).all(|id| model.body_parentid[id] == id - 1));
+        Model::from_xml(&classes).unwrap();
+        let deeper = format!("<mujoco><worldbody>{}", "<body>".repeat(300) + &"</body>".repeat(300));
+        let error = Model::from_xml(&(deeper + "</worldbody></mujoco>")).unwrap_err().to_string();
+        assert!(error.contains("nested deeper than 200"), "{error}");
+    });
+}
+
+/// Classes start from the one around them, whatever stands between.
+#[test]
+fn classes_within_classes_start_from_them() {
+    let model = Model::from_xml(
+        "<mujoco><default><geom size=\"1\"/><default class=\"a\"><geom size=\"2\"/><default class=\"b\"><geom density=\"7\"/>\
+         </default></default><default class=\"c\"><geom margin=\"3\"/></default></default><worldbody><geom class=\"a\"/>\
+         <geom class=\"b\"/><geom class=\"c\"/></worldbody></mujoco>",
+    )
+    .unwrap();
+    let sizes: Vec<_> = model.geom_size.iter().map(|size| size[0]).collect();
+    assert_eq!((sizes, &model.geom_margin[..]), (vec![2.0, 2.0, 1.0], &[0.0, 0.0, 3.0][..]));
+}
+
+/// Texts whose reading would take a machine for minutes if it took the square of their length. Each takes a moment, which a
+/// test cannot assert: it would hang.
+#[test]
+fn large_texts_are_read_in_time_or_refused() {
+    let refused = |text: String, message: &str| {
+        let error = Model::from_xml(&text).unwrap_err().to_string();
+        assert!(error.contains(message), "{message}: {error}");
+    };
+    let bodies = "<body><joint/><geom size=\"0.1\"/></body>\n".repeat(40_000);
+    refused(format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"), "more than 1000 bodies");
+    let attributes: String = (0..500_000).map(|i| format!(" a{i}=\"\"")).collect();
+    refused(format!("<mujoco>\n<!-- <= \n --><body{attributes}/></mujoco>"), "more than 1000 attributes");
+    let namespaces: String = (0..60_000).map(|i| format!("<a xmlns:a{i}=\"{i}\">")).collect();
+    refused(format!("<mujoco>{namespaces}"), "more than 10 namespaces");
+    let classes: String = (0..90_000).map(|i| format!("<default class=\"c{i}\"/>")).collect();
+    refused(format!("<mujoco><default>{classes}</default></mujoco>"), "more than 1000 classes");
+    let body = |joints: usize, geoms: usize| {
+        format!("<body>{}{}</body>", "<joint/>".repeat(joints), "<geom size=\"0.1\"/>".repeat(geoms))
+    };
+    let touching = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", body(490, 490), body(490, 490));
+    refused(touching, "too many pairs of geoms can touch");
+    for (section, element) in
+        [("contact", "exclude body1=\"a\" body2=\"b\""), ("keyframe", "key"), ("actuator", "motor")]
+    {
+        let elements = format!("<{element}/>").repeat(90_000);
+        let text = format!("<mujoco><worldbody/><{section}>{elements}</{section}></mujoco>");
+        refused(text, "more than 1000 are not supported");
+    }
+}
+
+/// A device that never ends.
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_refused() {
+    assert!(Model::from_xml_file("/dev/zero").unwrap_err().to_string().contains("the limit is"));
+}
+
+/// Two of the three moments of inertia of a body exceed the third, whichever that is.
+#[test]
+fn moments_of_inertia_are_those_of_a_body() {
+    let model = |moments: &str| {
+        Model::from_xml(&format!(
+            "<mujoco><worldbody><body><joint/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"{moments}\"/></body>\
+             </worldbody></mujoco>"
+        ))
+    };
+    for moments in ["3 1 1", "1 3 1", "1 1 3"] {
+        let error = model(moments).unwrap_err().to_string();
+        assert!(error.contains("two must exceed the third"), "{moments}: {error}");
+    }
+    for moments in ["2 1 1", "1 2 1", "1 1 2"] {
+        model(moments).unwrap();
+    }
+}
+
+/// Of several `size` elements the largest number of keyframes counts.
+#[test]
+fn keyframes_are_as_many_as_the_largest_size_says() {
+    for sizes in [[3, 1], [1, 3]] {
+        let [a, b] = sizes.map(|n| format!("<size nkey=\"{n}\"/>"));
+        let text = format!("<mujoco>{a}{b}<worldbody><geom size=\"1\"/></worldbody></mujoco>");
+        assert_eq!(Model::from_xml(&text).unwrap().key_time.len(), 3, "{sizes:?}");
+    }
+}

@@ -54,7 +54,7 @@ fn main() -> gym_core::Result<()> {
     let path =
         std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("speed.gif"), PathBuf::from);
     let mut raster = Raster::new();
-    let mut frame = Frame::new(SIZE.0, SIZE.1);
+    let mut frame = Frame::new(SIZE.0, SIZE.1)?;
     let mut env = CartPole { x: 0.03, x_dot: -0.02, theta: 0.04, theta_dot: 0.01 };
     let mut paint = |frame: &mut Frame| {
         env.step();

@@ -189,7 +189,7 @@ mod tests {
     use crate::testing::Full;
 
     fn plain(shade: u8) -> Frame {
-        let mut frame = Frame::new(5, 4);
+        let mut frame = Frame::new(5, 4).unwrap();
         frame.pixels_mut().fill(shade);
         frame
     }

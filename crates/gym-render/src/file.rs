@@ -1,31 +1,56 @@
 //! Files that appear under their name only when they are complete.
 
-use std::fs::File;
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
 use gym_core::{Error, Result};
 
-/// A file that is written under a temporary name in its folder. Dropping it without
-/// [`commit`](Self::commit) removes it.
+/// A file being written under a temporary name in the folder where it belongs. Dropped without
+/// [`commit`](Self::commit), it is removed; that of a killed program is removed by the next one that writes to the folder.
+///
+/// A link is followed: the file that it leads to is replaced, and the link stays. A replaced file passes its permissions on.
+/// Devices, named pipes and `/dev/stdout` are no files to replace: they receive the bytes at `commit`.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
+    destination: Destination,
     file: BufWriter<File>,
     /// Removes the file when it is dropped. After `file`, which is closed first.
     temporary: TempPath,
+}
+
+/// Where a complete file goes.
+#[derive(Debug, PartialEq)]
+enum Destination {
+    /// Takes the place of what is at this path.
+    Replace(PathBuf),
+    /// Its bytes are written to what is at this path.
+    Append(PathBuf),
 }
 
 impl AtomicFile {
     /// Starts a file that will replace the one at `path`, if there is one.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder does not exist or cannot be written to.
+    /// [`Error::Io`] if the folder does not exist or cannot be written to, or if `path` is a folder.
     pub fn create(path: &Path) -> Result<Self> {
-        let (file, temporary) = temporary(path).map_err(|error| Error::io(path, error))?.into_parts();
-        Ok(Self { path: path.to_owned(), file: BufWriter::new(file), temporary })
+        let create = || {
+            let destination = destination(path)?;
+            let (file, temporary) = match &destination {
+                Destination::Replace(path) => temporary(path)?,
+                Destination::Append(path) => {
+                    temporary(&std::env::temp_dir().join(path.file_name().unwrap_or_default()))?
+                }
+            }
+            .into_parts();
+            Ok(Self { path: path.to_owned(), destination, file: BufWriter::new(file), temporary })
+        };
+        create().map_err(|error| Error::io(path, error))
     }
 
     /// The temporary path, for another program that writes the file.
@@ -38,25 +63,115 @@ impl AtomicFile {
     /// # Errors
     /// [`Error::Io`] if the rest cannot be written; then no file remains.
     pub fn commit(self) -> Result<()> {
-        let Self { path, file, temporary } = self;
-        let written = file.into_inner().map_err(io::IntoInnerError::into_error);
-        let renamed = written.map(drop).and_then(|()| temporary.persist(&path).map_err(|error| error.error));
-        renamed.map_err(|error| Error::io(&path, error))
+        let Self { path, destination, file, temporary } = self;
+        let commit = || {
+            let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+            match destination {
+                Destination::Replace(path) => {
+                    // the name must not reach the disk before the bytes: a power cut between them would leave an empty file
+                    file.sync_all()?;
+                    drop(file);
+                    temporary.persist(path).map_err(|error| error.error)
+                }
+                Destination::Append(path) => {
+                    file.rewind()?;
+                    io::copy(&mut file, &mut OpenOptions::new().append(true).open(path)?).map(drop)
+                }
+            }
+        };
+        commit().map_err(|error| Error::io(&path, error))
     }
 }
 
-/// A file of a name that no other has, in the folder of `path`.
+/// Where a file of this name goes: links are followed.
+fn destination(path: &Path) -> io::Result<Destination> {
+    const MAX_LINKS: usize = 40; // as Linux
+    let mut path = path.to_owned();
+    match fs::metadata(&path) {
+        Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if !found.is_file() => return Ok(Destination::Append(path)),
+        _ => {}
+    }
+    for _ in 0..MAX_LINKS {
+        let Ok(target) = fs::read_link(&path) else { return Ok(Destination::Replace(path)) };
+        // an open file of this program, such as `/dev/stdout`, which others write to as well
+        if folder(&path).canonicalize().is_ok_and(|folder| folder.starts_with("/proc")) {
+            return Ok(Destination::Append(path));
+        }
+        path = folder(&path).join(target);
+    }
+    Err(io::Error::other("its links lead to each other"))
+}
+
+/// The folder of a path.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
+
+/// How the names of temporary files end.
+const SUFFIX: &str = ".gym-partial";
+
+/// A file of a name that no other has, in the folder of `path`, with the permissions of what is at `path`.
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
     let mut prefix = std::ffi::OsString::from(".");
     prefix.push(path.file_name().ok_or_else(no_name)?);
     prefix.push(".");
+    remove_leftovers(folder(path));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
-    // with the permissions of ordinary files, not those of temporary ones
+    builder.prefix(&prefix).suffix(SUFFIX);
+    // as any file that a program writes, and not for its owner alone as temporary ones
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new(".")))
+    loop {
+        let file = builder.tempfile_in(folder(path))?;
+        lock(file.as_file());
+        // another program may have taken it for a leftover before it was locked
+        if file.path().exists() {
+            #[cfg(unix)]
+            if let Ok(found) = fs::metadata(path) {
+                use std::os::unix::fs::{MetadataExt, fchown};
+                // only root can give a file away
+                let _ = fchown(&file, Some(found.uid()), Some(found.gid()));
+                file.as_file().set_permissions(found.permissions())?;
+            }
+            return Ok(file);
+        }
+    }
+}
+
+/// Marks a temporary file as being written, until it is closed. File systems without locks go without.
+fn lock(file: &File) {
+    // on Windows a lock would keep other programs, such as `ffmpeg`, from writing to the file
+    if cfg!(unix) {
+        let _ = file.lock();
+    }
+}
+
+/// Removes the temporary files in a folder that no running program writes; once for each folder, as a recording of many
+/// files would read the folder for each.
+fn remove_leftovers(folder: &Path) {
+    static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let Ok(folder) = folder.canonicalize() else { return };
+    if cfg!(not(unix)) || !CLEANED.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.clone()) {
+        return;
+    }
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file
+            && name.as_encoded_bytes().starts_with(b".")
+            && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes())
+        {
+            // writing is what locks may ask for; the lock is held until the file is removed
+            if let Ok(file) = OpenOptions::new().write(true).open(entry.path())
+                && file.try_lock().is_ok()
+            {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
 }
 
 impl Write for AtomicFile {
@@ -136,17 +251,113 @@ mod tests {
         assert_eq!(names(&folder), ["a.txt"]);
     }
 
-    /// A process id is not unique: in a container each run has the same.
+    /// A file of a killed program is not locked, unlike that of one that runs.
+    #[cfg(unix)]
     #[test]
-    fn what_a_killed_run_left_behind_does_not_stop_the_next() {
+    fn what_a_killed_run_left_behind_is_removed_by_the_next() {
         let folder = TempDir::new().unwrap();
-        let path = folder.path().join("a.txt");
-        for count in 0..1000 {
-            fs::write(folder.path().join(format!(".a.txt.{}-{count}.tmp", std::process::id())), "").unwrap();
+        for name in
+            [".a.txt.Xy12Zw.gym-partial", ".b.gif.Xy12Zw.gym-partial", "a.gym-partial", ".a.txt.backup.tmp"]
+        {
+            fs::write(folder.path().join(name), "half").unwrap();
         }
-        std::mem::forget(AtomicFile::create(&path).unwrap());
-        write(&path, b"new").unwrap();
-        assert_eq!(fs::read(path).unwrap(), b"new");
+        let running = temporary(&folder.path().join("c.txt"));
+        write(folder.path().join("a.txt"), b"new").unwrap();
+        assert!(running.unwrap().path().exists());
+        let mut left = names(&folder);
+        left.sort();
+        assert_eq!(left, [".a.txt.backup.tmp", "a.gym-partial", "a.txt"], "files of other programs stay");
+    }
+
+    /// The first file of a folder is written while another program's cleaning of it is on.
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_being_written_is_no_leftover() {
+        let folder = TempDir::new().unwrap();
+        let other = NamedTempFile::with_suffix_in(SUFFIX, folder.path()).unwrap();
+        let other = other.keep().unwrap().1;
+        let hidden = folder.path().join(".x.gym-partial");
+        fs::rename(other, &hidden).unwrap();
+        let holder = File::open(&hidden).unwrap();
+        holder.lock().unwrap();
+        remove_leftovers(folder.path());
+        assert!(hidden.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_its_target_is_replaced() {
+        use std::os::unix::fs::symlink;
+        let folder = TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("there")).unwrap();
+        fs::write(path("there/target"), "old").unwrap();
+        symlink("there/target", path("relative")).unwrap();
+        symlink(path("relative"), path("twice")).unwrap();
+        symlink("there/new", path("dangling")).unwrap();
+        write(path("twice"), b"new").unwrap();
+        write(path("dangling"), b"first").unwrap();
+        assert_eq!(fs::read(path("there/target")).unwrap(), b"new");
+        assert_eq!(fs::read(path("there/new")).unwrap(), b"first");
+        for name in ["relative", "twice", "dangling"] {
+            assert!(fs::symlink_metadata(path(name)).unwrap().is_symlink(), "{name}");
+        }
+        symlink("round", path("round")).unwrap();
+        assert!(matches!(write(path("round"), b""), Err(Error::Io { .. })));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_permissions_when_it_is_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("secret");
+        for mode in [0o600, 0o640, 0o755] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let file = AtomicFile::create(&path).unwrap();
+            let half = fs::metadata(file.temporary_path()).unwrap().permissions().mode();
+            assert_eq!(half & 0o777, mode, "a secret is one from the start");
+            file.commit().unwrap();
+            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, mode);
+        }
+    }
+
+    /// What is no file is written to, and stays what it is: `rename` would replace the node of a device.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_and_pipes_are_written_to() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let folder = TempDir::new().unwrap();
+        // where nobody is root no test can destroy the node itself
+        assert_eq!(destination(Path::new("/dev/full")).unwrap(), Destination::Append("/dev/full".into()));
+        write("/dev/null", b"gone").unwrap();
+        let full = write("/dev/full", b"too much").unwrap_err();
+        assert!(
+            matches!(&full, Error::Io { source, .. } if source.kind() == io::ErrorKind::StorageFull),
+            "{full}"
+        );
+        assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        write(&pipe, b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
+
+        // as `/dev/stdout` where it leads to a file that others write to as well
+        let log = folder.path().join("log");
+        let mut open = File::create(&log).unwrap();
+        open.write_all(b"before ").unwrap();
+        let descriptor = format!("/proc/self/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&open));
+        symlink(descriptor, folder.path().join("stdout")).unwrap();
+        write(folder.path().join("stdout"), b"through").unwrap();
+        assert_eq!(fs::read(&log).unwrap(), b"before through");
+        assert_eq!(names(&folder).len(), 3, "nothing else is left in the folder");
     }
 
     #[cfg(unix)]

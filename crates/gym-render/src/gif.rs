@@ -410,7 +410,7 @@ mod tests {
 
     /// A frame of that size whose pixels are given by position.
     fn frame(width: u32, height: u32, color: impl Fn(u32, u32) -> Rgb) -> Frame {
-        let mut frame = Frame::new(width, height);
+        let mut frame = Frame::new(width, height).unwrap();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         for (pixel, (x, y)) in frame.pixels_mut().chunks_exact_mut(3).zip(places) {
             pixel.copy_from_slice(&color(x, y));
@@ -441,6 +441,21 @@ mod tests {
         assert_eq!(pictures[1].area, [0, 3, 5, 4]);
         assert_eq!(pictures[9].area, [8, 3, 5, 4]);
         assert_eq!(bytes, encode(50, &frames), "the same frames give the same file");
+    }
+
+    /// Viewers show a frame of less than two hundredths for a tenth of a second.
+    #[test]
+    fn the_last_frame_is_not_too_short() {
+        let frames: Vec<_> = (0..4).map(|red| frame(2, 2, move |_, _| [red, 0, 0])).collect();
+        for (fps, count) in [(1000, 1), (1000, 4), (100, 3), (60, 4), (50, 4), (10, 2)] {
+            let pictures = decode(&encode(fps, &frames[..count]));
+            let delays: Vec<_> = pictures.iter().map(|picture| u64::from(picture.delay)).collect();
+            assert!(delays.iter().all(|delay| *delay >= SHORTEST_DELAY), "{fps}, {count}: {delays:?}");
+            // as long as the frames take, to a hundredth, and no longer than the shortest delay asks for
+            let whole = (100 * count as u64).div_ceil(u64::from(fps));
+            let sum: u64 = delays.iter().sum();
+            assert!(sum.abs_diff(whole) <= SHORTEST_DELAY, "{fps}, {count}: {delays:?}");
+        }
     }
 
     #[test]
@@ -563,9 +578,12 @@ mod tests {
         let frames = moving(12);
         let mut encoder = GifEncoder::new(50, &frames[0]).unwrap();
         frames[1..].iter().for_each(|frame| encoder.write(frame).unwrap());
-        assert!(encoder.write(&Frame::new(3, 3)).is_err());
+        assert!(encoder.write(&Frame::new(3, 3).unwrap()).is_err());
         assert_eq!(encoder.finish().unwrap(), encode(50, &frames));
-        assert!(GifEncoder::new(0, &frames[0]).is_err() && GifEncoder::new(1, &Frame::new(0, 2)).is_err());
+        assert!(
+            GifEncoder::new(0, &frames[0]).is_err()
+                && GifEncoder::new(1, &Frame::new(0, 2).unwrap()).is_err()
+        );
     }
 
     #[test]
@@ -573,19 +591,19 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("a.gif");
         let refused = |result: Result<()>| matches!(result, Err(Error::InvalidArgument { .. }));
-        let mixed = [Frame::new(2, 2), Frame::new(3, 2)];
+        let mixed = [Frame::new(2, 2).unwrap(), Frame::new(3, 2).unwrap()];
         assert!(refused(GifWriter::create(&path, 0).map(|_| ())));
         assert!(refused(GifWriter::create(&path, 1).unwrap().finish()));
         assert!(refused(write_gif(&path, 1, &[])));
         assert!(refused(write_gif(&path, 1, &mixed)));
-        assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2)])));
-        assert!(refused(write_gif(&path, 1, &[Frame::new(65536, 1)])));
+        assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2).unwrap()])));
+        assert!(refused(write_gif(&path, 1, &[Frame::new(65536, 1).unwrap()])));
         assert!(matches!(GifWriter::create(folder.path().join("no/a.gif"), 1), Err(Error::Io { .. })));
         drop(GifWriter::create(&path, 1).unwrap());
         assert_eq!(names(&folder), [""; 0]);
 
         let mut writer = GifWriter::create(&path, 1).unwrap();
-        assert!(refused(writer.write(&Frame::new(0, 0))));
+        assert!(refused(writer.write(&Frame::new(0, 0).unwrap())));
         writer.write(&mixed[0]).unwrap();
         assert!(refused(writer.write(&mixed[1])));
         writer.finish().unwrap();
@@ -612,11 +630,11 @@ mod tests {
     fn after_a_failure_there_is_no_file_and_every_call_fails() {
         let folder = TempDir::new().unwrap();
         let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
-        writer.write(&Frame::new(2, 2)).unwrap();
+        writer.write(&Frame::new(2, 2).unwrap()).unwrap();
         // The folder is gone when the file is to get its name.
         fs::remove_dir_all(folder.path()).unwrap();
         assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
-        assert!(matches!(writer.write(&Frame::new(2, 2)), Err(Error::Io { .. })));
+        assert!(matches!(writer.write(&Frame::new(2, 2).unwrap()), Err(Error::Io { .. })));
         assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }
 }

@@ -19,7 +19,7 @@ use crate::{Plot, gif, png};
 /// use gym_render::{Inline, frame};
 /// use gym_core::canvas::Color;
 ///
-/// let picture = frame((4, 4), |canvas| canvas.clear(Color::WHITE));
+/// let picture = frame((4, 4), |canvas| canvas.clear(Color::WHITE))?;
 /// Inline::frame(&picture)?
 /// # ; Ok::<(), gym_core::Error>(())
 /// ```
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn contents_stand_between_marks() {
-        let frames = [Frame::new(2, 1), Frame::new(2, 1)];
+        let frames = [Frame::new(2, 1).unwrap(), Frame::new(2, 1).unwrap()];
         let content = |inline: &Inline, mime: &str| {
             let marked = inline.marked();
             let content = marked.strip_prefix(&format!("EVCXR_BEGIN_CONTENT {mime}\n")).unwrap();
@@ -91,6 +91,6 @@ mod tests {
             image.strip_prefix(r#"<img src="data:image/gif;base64,"#).unwrap().strip_suffix("\">").unwrap();
         assert!(STANDARD.decode(data).unwrap().starts_with(b"GIF89a"));
         assert!(content(&Inline::plot(&Plot::new("t")), "image/svg+xml").starts_with("<svg"));
-        assert!(Inline::frame(&Frame::new(0, 1)).is_err() && Inline::gif(10, &[]).is_err());
+        assert!(Inline::frame(&Frame::new(0, 1).unwrap()).is_err() && Inline::gif(10, &[]).is_err());
     }
 }

@@ -26,9 +26,10 @@
 //! let frame = gym_render::frame((4, 4), |canvas| {
 //!     canvas.clear(Color::WHITE);
 //!     canvas.rect([1.0, 1.0], [2.0, 2.0], Color::rgb(255, 0, 0));
-//! });
+//! })?;
 //! assert_eq!(frame.pixels()[..3], [255, 255, 255]);
 //! assert_eq!(frame.pixels()[(4 + 1) * 3..][..3], [255, 0, 0]);
+//! # Ok::<(), gym_core::Error>(())
 //! ```
 
 mod apng;

@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_box_covers_pixels_by_their_share() {
-        let mut frame = Frame::new(4, 3);
+        let mut frame = Frame::new(4, 3).unwrap();
         fill_box(&mut frame, [0.5, 1.0], [2.75, 2.5], Color::WHITE);
         assert_eq!(red(&frame), [0, 0, 0, 0, 128, 255, 191, 0, 64, 128, 96, 0]);
     }
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_box_within_a_pixel_beyond_the_frame_or_not_a_number() {
-        let mut frame = Frame::new(2, 1);
+        let mut frame = Frame::new(2, 1).unwrap();
         fill_box(&mut frame, [0.25, 0.0], [0.75, 9.0], Color::WHITE);
         assert_eq!(red(&frame), [128, 0]);
         fill_box(&mut frame, [5.0, -3.0], [1.0, 1e300], Color::WHITE);
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn translucent_colours_mix() {
-        let mut frame = Frame::new(9, 1);
+        let mut frame = Frame::new(9, 1).unwrap();
         clear(&mut frame, Color::rgb(10, 20, 30));
         clear(&mut frame, Color::rgb(110, 220, 30).alpha(51));
         assert_eq!(frame.pixels()[24..], [30, 60, 30]);

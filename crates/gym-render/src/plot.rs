@@ -79,7 +79,8 @@ pub struct Plot {
     y_label: String,
     series: Vec<(String, Vec<f64>)>,
     window: usize,
-    below: Option<Box<Plot>>,
+    /// The plots below this one, which have none below themselves.
+    below: Vec<Plot>,
 }
 
 impl Plot {
@@ -91,7 +92,7 @@ impl Plot {
             y_label: String::new(),
             series: Vec::new(),
             window: 1,
-            below: None,
+            below: Vec::new(),
         }
     }
 
@@ -140,31 +141,32 @@ impl Plot {
 
     /// Puts another plot below this one (and any already below), in the same image.
     #[must_use]
-    pub fn below(mut self, plot: Self) -> Self {
-        self.below = Some(Box::new(match self.below.take() {
-            Some(first) => first.below(plot),
-            None => plot,
-        }));
+    pub fn below(mut self, mut plot: Self) -> Self {
+        let further = std::mem::take(&mut plot.below);
+        self.below.push(plot);
+        self.below.extend(further);
         self
+    }
+
+    /// This plot and those below it.
+    fn all(&self) -> impl Iterator<Item = &Self> {
+        std::iter::once(self).chain(&self.below)
     }
 
     /// Width and height of the drawing.
     pub fn size(&self) -> (u32, u32) {
-        let below = self.below.as_ref().map_or(0, |plot| plot.size().1);
-        (WIDTH, self.height() + below)
+        (WIDTH, self.all().map(Self::height).fold(0, u32::saturating_add))
     }
 
     /// Draws everything.
     pub fn draw(&self, canvas: &mut dyn Canvas) {
         canvas.clear(Color::WHITE);
-        let mut top = 0;
-        let mut next = Some(self);
-        while let Some(plot) = next {
-            canvas.push(Transform::translate(0.0, f64::from(top)));
+        let mut top = 0.0;
+        for plot in self.all() {
+            canvas.push(Transform::translate(0.0, top));
             plot.draw_one(canvas);
             canvas.pop();
-            top += plot.height();
-            next = plot.below.as_deref();
+            top += f64::from(plot.height());
         }
     }
 
@@ -179,12 +181,24 @@ impl Plot {
     /// Writes the plot to a PNG file, at twice its [`size`](Plot::size) in pixels.
     ///
     /// # Errors
-    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written.
+    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written, [`Error::Custom`](gym_core::Error::Custom) if the
+    /// picture does not fit in memory.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        let (width, height) = self.size();
-        let mut frame = Frame::new(width * PNG_SCALE, height * PNG_SCALE);
-        Raster::new().paint((width, height), &mut |canvas| self.draw(canvas), &mut frame);
-        write_png(path, &frame)
+        let mut picture = Frame::new(WIDTH * PNG_SCALE, self.size().1.saturating_mul(PNG_SCALE))?;
+        let mut rest = picture.pixels_mut();
+        // each on a frame of its own: a shape costs the more the larger the frame is
+        for plot in self.all() {
+            let mut frame = Frame::new(WIDTH * PNG_SCALE, plot.height() * PNG_SCALE)?;
+            let mut draw = |canvas: &mut dyn Canvas| {
+                canvas.clear(Color::WHITE);
+                plot.draw_one(canvas);
+            };
+            Raster::new().paint((WIDTH, plot.height()), &mut draw, &mut frame);
+            let (own, below) = rest.split_at_mut(frame.pixels().len());
+            own.copy_from_slice(frame.pixels());
+            rest = below;
+        }
+        write_png(path, &picture)
     }
 
     /// Height of this plot alone.
@@ -522,6 +536,31 @@ pop
         assert_eq!(plot().below(plot()).below(plot()).size(), (width, 3 * height));
         let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
+    }
+
+    /// A picture of many plots is those of each, one below the other, and takes as long as they do.
+    #[test]
+    fn a_picture_of_many_plots_is_one_of_each() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let plot = |seed: i32| Plot::new(format!("{seed}")).series("a", &[f64::from(seed), 3.0, 1.0]);
+        let pixels = |name: &str, plot: &Plot| {
+            let path = folder.path().join(name);
+            plot.write_png(&path).unwrap();
+            let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+            let mut reader = decoder.read_info().unwrap();
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut pixels).unwrap();
+            pixels
+        };
+        let three = plot(1).below(plot(2).below(plot(4)));
+        let one_by_one = [1, 2, 4].map(|seed| pixels("one.png", &plot(seed)));
+        assert_eq!(pixels("three.png", &three), one_by_one.concat());
+        // the whole drawing, as an SVG has it, on one frame
+        let whole = crate::frame(three.size(), |canvas| three.draw(canvas)).unwrap();
+        assert_eq!(three.size().1 * WIDTH * 3, whole.pixels().len() as u32);
+        // a chain of them needs no stack
+        let many = (0..100_000).fold(Plot::new(""), |plot, _| plot.below(Plot::new("")));
+        assert_eq!(many.size().1, 100_001 * Plot::new("").size().1);
     }
 
     #[test]

@@ -67,20 +67,28 @@ pub fn write_png_sequence<'a>(
     frames.into_iter().enumerate().map(write).collect()
 }
 
-/// All frames in one image, row by row, `columns` in each row (at least one). Frames smaller than
-/// the largest are centred.
-pub fn contact_sheet(frames: &[Frame], columns: usize) -> Frame {
+/// All frames in one picture, row by row, `columns` in each row (at least one). Frames smaller
+/// than the largest lie in the middle of their place.
+///
+/// # Errors
+/// [`Error::Custom`] where the picture does not fit in memory.
+pub fn contact_sheet(frames: &[Frame], columns: usize) -> Result<Frame> {
     tile(frames, columns, GAP)
 }
 
-/// [`contact_sheet`] with a gap of this many pixels around each frame.
-pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Frame {
-    let columns = columns.clamp(1, frames.len().max(1)) as u32;
-    let rows = (frames.len() as u32).div_ceil(columns);
+/// [`contact_sheet`] with a gap of so many pixels around each frame.
+pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Result<Frame> {
+    let columns = columns.clamp(1, frames.len().max(1));
+    let rows = frames.len().div_ceil(columns);
     let width = frames.iter().map(Frame::width).max().unwrap_or(0);
     let height = frames.iter().map(Frame::height).max().unwrap_or(0);
     let (cell_width, cell_height) = (gap + width, gap + height);
-    let mut sheet = Frame::new(gap + columns * cell_width, gap + rows * cell_height);
+    // a side that does not fit is refused as one of all pixels there can be
+    let side = |cells: usize, cell| {
+        u32::try_from(cells).map_or(u32::MAX, |n| n.saturating_mul(cell).saturating_add(gap))
+    };
+    let mut sheet = Frame::new(side(columns, cell_width), side(rows, cell_height))?;
+    let columns = columns as u32;
     sheet.pixels_mut().fill(BACKGROUND);
     let sheet_row = sheet.width() as usize * 3;
     for (index, frame) in (0..).zip(frames) {
@@ -92,7 +100,7 @@ pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Frame {
                 .copy_from_slice(pixels);
         }
     }
-    sheet
+    Ok(sheet)
 }
 
 #[cfg(test)]
@@ -103,7 +111,7 @@ mod tests {
     use crate::testing::names;
 
     fn plain(width: u32, height: u32, shade: u8) -> Frame {
-        let mut frame = Frame::new(width, height);
+        let mut frame = Frame::new(width, height).unwrap();
         frame.pixels_mut().fill(shade);
         frame
     }
@@ -133,7 +141,7 @@ mod tests {
     #[test]
     fn a_frame_without_pixels_is_refused_and_leaves_nothing() {
         let folder = TempDir::new().unwrap();
-        let error = write_png(folder.path().join("a.png"), &Frame::new(0, 3)).unwrap_err();
+        let error = write_png(folder.path().join("a.png"), &Frame::new(0, 3).unwrap()).unwrap_err();
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
         assert!(matches!(write_png(folder.path().join("no/a.png"), &plain(1, 1, 0)), Err(Error::Io { .. })));
         assert_eq!(names(&folder), [""; 0]);
@@ -141,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_contact_sheet_places_frames_in_rows() {
-        let sheet = contact_sheet(&[plain(2, 1, 10), plain(1, 2, 20), plain(2, 2, 30)], 2);
+        let sheet = contact_sheet(&[plain(2, 1, 10), plain(1, 2, 20), plain(2, 2, 30)], 2).unwrap();
         assert_eq!((sheet.width(), sheet.height()), (4 + 2 * 6, 4 + 2 * 6));
         let shade = |x: usize, y: usize| sheet.pixels()[(y * 16 + x) * 3];
         assert_eq!([shade(4, 4), shade(5, 4), shade(4, 5)], [10, 10, 232]);
@@ -151,7 +159,7 @@ mod tests {
 
     #[test]
     fn odd_contact_sheets() {
-        assert_eq!(contact_sheet(&[], 3).pixels().len(), 8 * 4 * 3);
-        assert_eq!(contact_sheet(&[plain(1, 1, 0), Frame::new(0, 0)], 0).height(), 14);
+        assert_eq!(contact_sheet(&[], 3).unwrap().pixels().len(), 8 * 4 * 3);
+        assert_eq!(contact_sheet(&[plain(1, 1, 0), Frame::new(0, 0).unwrap()], 0).unwrap().height(), 14);
     }
 }

@@ -1,9 +1,9 @@
 //! Drawings as pixels.
 
 use gym_core::canvas::{self, Align, Canvas, Color, Point, Primitive, Shape, Transform};
-use gym_core::inventory;
 use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
+use gym_core::{Result, inventory};
 
 use crate::pixels;
 use crate::pygame::{RgbPixels, is_in_reach, paint};
@@ -54,8 +54,11 @@ impl Painter for Raster {
 }
 
 /// One frame of a drawing, at its own size.
-pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Frame {
-    let mut frame = Frame::new(size.0, size.1);
+///
+/// # Errors
+/// [`Error::Custom`](gym_core::Error::Custom) where so many pixels do not fit in memory.
+pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<Frame> {
+    let mut frame = Frame::new(size.0, size.1)?;
     let mut draw = Some(draw);
     let mut once = |canvas: &mut dyn Canvas| {
         if let Some(draw) = draw.take() {
@@ -63,7 +66,7 @@ pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Frame {
         }
     };
     Raster::new().paint(size, &mut once, &mut frame);
-    frame
+    Ok(frame)
 }
 
 /// A frame being drawn.
@@ -224,6 +227,10 @@ mod tests {
 
     use super::*;
 
+    fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Frame {
+        super::frame(size, draw).unwrap()
+    }
+
     const RED: Color = Color::rgb(200, 0, 0);
 
     /// The red of each pixel of a row.
@@ -305,7 +312,7 @@ mod tests {
             canvas.rect([1.0, 0.0], [1.0, 1.0], Color::WHITE);
             canvas.polygon(&[[2.0, 0.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0]], RED);
         };
-        let mut image = Frame::new(12, 2);
+        let mut image = Frame::new(12, 2).unwrap();
         Raster::new().paint((4, 1), &mut |canvas| draw(canvas), &mut image);
         assert_eq!(row(&image, 1), [0, 0, 0, 255, 255, 255, 200, 200, 200, 0, 0, 0]);
     }
@@ -359,9 +366,9 @@ mod tests {
         };
         let mut raster = Raster::new();
         for size in [(10, 10), (7, 30), (10, 10)] {
-            let mut image = Frame::new(size.0, size.1);
+            let mut image = Frame::new(size.0, size.1).unwrap();
             raster.paint((10, 10), &mut |canvas| draw(canvas), &mut image);
-            let mut fresh = Frame::new(size.0, size.1);
+            let mut fresh = Frame::new(size.0, size.1).unwrap();
             Raster::new().paint((10, 10), &mut |canvas| draw(canvas), &mut fresh);
             assert_eq!(image.pixels(), fresh.pixels());
         }

@@ -126,7 +126,7 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
         };
         rendered.truncate(if self.first_only { 1 } else { usize::MAX });
         let frames = rendered.into_iter().map(frame).collect::<Result<Vec<Frame>>>()?;
-        self.tape.write(&tile(&frames, columns(&frames, self.aspect_ratio), 0));
+        self.tape.write(&tile(&frames, columns(&frames, self.aspect_ratio), 0)?);
         Ok(())
     }
 }
@@ -222,8 +222,8 @@ mod tests {
             (8, 600, 400, 1.0, 4),
         ];
         for (n, width, height, aspect_ratio, expected) in cases {
-            assert_eq!(columns(&vec![Frame::new(width, height); n], aspect_ratio), expected, "{n}");
+            assert_eq!(columns(&vec![Frame::new(width, height).unwrap(); n], aspect_ratio), expected, "{n}");
         }
-        assert_eq!(columns(&vec![Frame::new(10, 10); 7], 1.0), 7);
+        assert_eq!(columns(&vec![Frame::new(10, 10).unwrap(); 7], 1.0), 7);
     }
 }

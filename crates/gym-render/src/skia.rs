@@ -299,19 +299,19 @@ mod tests {
         let mut skia = Skia::default();
         let mut most = 0;
         for i in (0..1000).chain(0..10) {
-            let mut frame = Frame::new(80, 80);
+            let mut frame = Frame::new(80, 80).unwrap();
             circle(&mut skia, &mut frame, i);
             assert!(skia.words <= Skia::MOST);
             most = most.max(skia.known.len());
             if i.is_multiple_of(100) {
-                let mut fresh = Frame::new(80, 80);
+                let mut fresh = Frame::new(80, 80).unwrap();
                 circle(&mut Skia::default(), &mut fresh, i);
                 assert!(frame == fresh, "{i}");
             }
         }
         assert!(skia.known.len() < most, "it was given up");
         let known = skia.known.len();
-        circle(&mut skia, &mut Frame::new(80, 80), 9);
+        circle(&mut skia, &mut Frame::new(80, 80).unwrap(), 9);
         assert_eq!(skia.known.len(), known, "it is known");
     }
 
@@ -333,7 +333,8 @@ mod tests {
         let mut skia = Skia::default();
         let pictures = [8, 9].map(|side| {
             [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
-                let (mut frame, mut fresh) = (Frame::new(side, side), Frame::new(side, side));
+                let (mut frame, mut fresh) =
+                    (Frame::new(side, side).unwrap(), Frame::new(side, side).unwrap());
                 draw(&mut skia, &mut frame, i);
                 draw(&mut Skia::default(), &mut fresh, i);
                 assert!(frame == fresh, "{i}");

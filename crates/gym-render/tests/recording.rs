@@ -267,7 +267,7 @@ fn formats_go_by_the_extension() {
     }
     assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
     // nothing stays of what fails half-way: frames of different sizes
-    let mixed = [frames[0].clone(), Frame::new(1, 1)];
+    let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
         assert!(write_video(folder.path().join(name), 10, &mixed).is_err(), "{name}");
     }

@@ -522,6 +522,16 @@ mod tests {
         FrozenLakeDynamics::new(config).unwrap_err().to_string()
     }
 
+    /// A way may lead up and to the left as well.
+    #[test]
+    fn paths_lead_in_every_direction() {
+        let board = |rows: &[&str]| rows.iter().map(|row| row.as_bytes().to_vec()).collect::<Vec<_>>();
+        let up = ["SHFFF", "FHFHF", "FHFHF", "FFFHF", "HHHHG"];
+        let left = ["SFFFF", "HHHHF", "FFFFF", "FHHHH", "FFFFG"];
+        assert!(has_path(&board(&up)) && has_path(&board(&left)));
+        assert!(!has_path(&board(&["SHF", "FHF", "FHG"])));
+    }
+
     #[test]
     fn a_slippery_move_has_three_outcomes() {
         let lake = lake(Config::default());

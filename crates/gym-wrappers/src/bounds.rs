@@ -35,9 +35,9 @@ impl From<f64> for Bound {
 
 impl From<Array> for Bound {
     fn from(bounds: Array) -> Self {
-        let mut numbers = Array::zeros(DType::F64, bounds.shape());
-        (0..bounds.len()).for_each(|i| numbers.set_f64(i, bounds.data().get_f64(i)));
-        Self::Array(numbers)
+        let numbers = Data::F64(bounds.iter_f64().collect());
+        // as many numbers as before
+        Self::Array(Array::new(bounds.shape(), numbers).unwrap_or_default())
     }
 }
 
@@ -60,7 +60,7 @@ impl Bound {
         match self {
             Self::Scalar(x) => Ok((vec![*x; space.low().len()], false)),
             Self::Array(array) if array.shape() == space.shape() => {
-                let mut numbers = Array::zeros(space.dtype(), space.shape());
+                let mut numbers = Array::zeros(space.dtype(), space.shape())?;
                 numbers.assign_cast(array)?;
                 Ok((numbers.iter_f64().collect(), space.dtype() == DType::F32))
             }

@@ -33,7 +33,7 @@ impl ActionMap for Clip {
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
         let space = BoxSpace::uniform(low, high, bounds.shape(), bounds.dtype())?;
         let wide = |bound: &Array| {
-            let mut wide = Array::zeros(DType::F64, bound.shape());
+            let mut wide = Array::zeros(DType::F64, bound.shape())?;
             wide.assign_cast(bound).map(|()| wide)
         };
         let wide = [wide(bounds.low())?, wide(bounds.high())?];

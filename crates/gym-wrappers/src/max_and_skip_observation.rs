@@ -58,7 +58,7 @@ impl<E: Env> MaxAndSkipObservation<E> {
         }
         let zero = match (&space, space.dtype(), space.shape()) {
             (Space::Discrete(_), ..) => Value::Int(0),
-            (_, Some(dtype), Some(shape)) => Value::Array(Array::zeros(dtype, shape)),
+            (_, Some(dtype), Some(shape)) => Value::Array(Array::zeros(dtype, shape)?),
             _ => {
                 let reason = format!("it needs observations with a shape, and the space is {space}");
                 return Err(Config::refuse(reason));

@@ -65,7 +65,7 @@ impl<E: Env> TimeAwareObservation<E> {
         let (dtype, limit) =
             if config.normalize_time { (DType::F32, 1.0) } else { (DType::I32, f64::from(max_timesteps)) };
         let time = Space::from(BoxSpace::uniform(0.0, limit, [1], dtype)?);
-        let zero = Value::Array(Array::zeros(dtype, [1]));
+        let zero = Value::Array(Array::zeros(dtype, [1])?);
         let key = &config.dict_time_key;
         let (full_space, full) = match env.observation_space() {
             Space::Dict(space) => {

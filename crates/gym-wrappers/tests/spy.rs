@@ -99,7 +99,7 @@ impl Env for Spy {
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.note("render_into");
-        *rendered = Rendered::Frame(Frame::new(2, 2));
+        *rendered = Rendered::Frame(Frame::new(2, 2).unwrap());
         Ok(())
     }
 

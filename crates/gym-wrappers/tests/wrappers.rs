@@ -318,3 +318,25 @@ fn final_observations_of_a_vector_are_normalized_too() {
         assert!((y - expected).abs() < 1e-4, "number {i}: {y} for {expected}");
     }
 }
+
+/// Before the first observation of an episode stand as many paddings as there is room for, in the second episode as well.
+#[test]
+fn stacks_are_padded_to_their_size() {
+    let observations: Vec<Value> = (1..9).map(Value::Int).collect();
+    let script = Script::new(Space::discrete(9), observations.clone());
+    for size in 1..=6 {
+        for (name, padding) in [("reset", Value::Int(1)), ("zero", Value::Int(0))] {
+            let config = frame_stack_observation::Config { stack_size: size, padding_type: name.into() };
+            let mut env = FrameStackObservation::new(script.clone(), config).unwrap();
+            let padded = [vec![padding; size - 1], observations.clone()].concat();
+            for episode in 0..2 {
+                let mut shown = env.reset(()).unwrap();
+                for (step, last) in padded.windows(size).enumerate().take(7) {
+                    let expected = Space::discrete(9).concatenate(last).unwrap();
+                    assert_eq!(shown, expected, "{size}, {name}, episode {episode}, step {step}");
+                    shown = env.step(&0).unwrap().observation;
+                }
+            }
+        }
+    }
+}

@@ -15,6 +15,7 @@ use gym::{Element, Env, EnvExt, Error, Registration, Result, registry};
 use crate::selection::Selection;
 use serde::{Deserialize, Serialize};
 
+use crate::output::say;
 use crate::policy::Policy;
 
 #[derive(clap::Args)]
@@ -29,7 +30,7 @@ pub(crate) struct Arguments {
     kind: Vec<Kind>,
     /// Seconds for each number: the fastest tenth of that time counts, since others use the machine
     /// too.
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = parse_seconds)]
     seconds: f64,
     /// Also counts instructions, with `valgrind`, which takes much longer.
     #[arg(long)]
@@ -43,6 +44,12 @@ pub(crate) struct Arguments {
     /// Takes this many steps of one environment, kind and number, and nothing else; used for counting.
     #[arg(long, hide = true)]
     only_steps: Option<u64>,
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    const MAX: f64 = 86_400.0; // a day
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=MAX).contains(seconds));
+    seconds.ok_or_else(|| format!("seconds are a number from 0 to {MAX}"))
 }
 
 /// A way to use an environment.
@@ -116,11 +123,14 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
         }
         return Ok(());
     }
+    if let Some(path) = &arguments.json {
+        crate::check_writable(path)?;
+    }
     let registrations = selection.of(&arguments.ids)?;
     let all = matches!(selection, Selection::All) && arguments.ids.is_empty() && arguments.kind.is_empty();
     let kinds = if arguments.kind.is_empty() { Kind::value_variants() } else { &arguments.kind };
 
-    println!("{:36} {:>7} {:>7} {:>14} {:>12}", "environment", "kind", "n", "per second", "instructions");
+    say!("{:36} {:>7} {:>7} {:>14} {:>12}", "environment", "kind", "n", "per second", "instructions")?;
     let mut rows = Vec::new();
     for id in registrations.iter().map(Registration::id) {
         for &kind in kinds {
@@ -131,18 +141,18 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
                 let instructions_per_step =
                     if arguments.instructions { Some(instructions(id, kind, num_envs)?) } else { None };
                 let counted = instructions_per_step.map_or_else(String::new, |count| format!("{count:.1}"));
-                println!("{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}");
+                say!("{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}")?;
                 rows.push(Row { id: id.to_owned(), kind, num_envs, per_second, instructions_per_step });
             }
         }
     }
     let gif = if all || arguments.gif { Some(gif()?) } else { None };
     if let Some(Gif { seconds, bytes }) = &gif {
-        println!("a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes");
+        say!("a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes")?;
     }
     let start = if all { Some(start()?) } else { None };
     if let Some(Start { milliseconds }) = &start {
-        println!("from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms");
+        say!("from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms")?;
     }
     if let Some(path) = &arguments.json {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -4,9 +4,11 @@ use gym::{Error, Result};
 #[cfg(feature = "conform")]
 use gym::{
     Registration,
-    conform::{self, Format},
+    conform::{self, Format, Progress},
 };
 
+#[cfg(feature = "conform")]
+use crate::output::{self, tell};
 use crate::selection::Selection;
 
 #[derive(clap::Args)]
@@ -31,12 +33,12 @@ pub(crate) fn conform(arguments: &Arguments, selection: Selection) -> Result<()>
     let format: Format = arguments.format.parse()?;
     let registrations = selection.of(&arguments.ids)?;
     let ids: Vec<_> = registrations.iter().map(Registration::id).map(str::to_owned).collect();
-    let reports = conform::reports_with(&ids, |id| {
-        if format == Format::Text {
-            eprintln!("checking {id}");
-        }
+    let reports = conform::reports_with(&ids, |progress| match progress {
+        Progress::Begins { id } if format == Format::Text => tell!("checking {id}"),
+        Progress::Slow { id, slow } => tell!("{id}: {slow}"),
+        _ => (),
     })?;
-    print!("{}", format.write(&reports));
+    output::write(format_args!("{}", format.write(&reports)))?;
     match reports.iter().filter(|report| !report.passes()).count() {
         0 => Ok(()),
         broken => Err(Error::custom(format!("{broken} environments break the rules"))),

@@ -12,6 +12,7 @@ use gym::rendering::Recorder;
 use gym::{EnvSpec, Error, Registration, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::output::say;
 use crate::plots;
 use crate::policy::{Episode, Policy};
 use crate::run::summary;
@@ -54,7 +55,7 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
         iter::from_fn(next)
             .map(|(i, registration)| {
                 let row = show(registration.spec()?, arguments, &bar)?;
-                bar.suspend(|| println!("{}", gif_path(registration.id(), arguments).display()));
+                bar.suspend(|| say!("{}", gif_path(registration.id(), arguments).display()))?;
                 Ok((i, row))
             })
             .collect::<Result<Vec<_>>>()
@@ -69,11 +70,11 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     rows.sort_unstable();
     bar.finish_and_clear();
-    println!("Random policy, {} episodes each: mean [min, max]", arguments.episodes);
+    say!("Random policy, {} episodes each: mean [min, max]", arguments.episodes)?;
     for (_, row) in rows {
-        println!("{row}");
+        say!("{row}")?;
     }
-    println!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display());
+    say!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display())?;
     Ok(())
 }
 

@@ -6,6 +6,7 @@ use gym::render::RenderMode;
 use gym::rendering::Recorder;
 use gym::{Kwargs, Result};
 
+use crate::output::say;
 use crate::policy::Policy;
 
 #[derive(clap::Args)]
@@ -40,6 +41,6 @@ pub(crate) fn gif(arguments: &Arguments) -> Result<()> {
     let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
     arguments.policy.play(&mut env, arguments.seed, |env| recorder.capture(env))?;
     let frames = recorder.finish()?;
-    println!("{}: {frames} frames", path.display());
+    say!("{}: {frames} frames", path.display())?;
     Ok(())
 }

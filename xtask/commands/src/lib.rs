@@ -3,6 +3,9 @@
 //! The program `xtask` builds this crate with the features of a command, and runs it; for a plugin it makes a program
 //! that links the plugin and calls [`main_of`].
 
+// they panic where the output cannot be written
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod bench;
 mod conform;
 mod demo;
@@ -13,6 +16,7 @@ mod list;
 #[cfg(feature = "families")]
 mod mjcf;
 mod new;
+mod output;
 mod play;
 mod plots;
 mod policy;
@@ -27,6 +31,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use gym::{Error, Result};
 
+use crate::output::tell;
 use crate::selection::Selection;
 
 #[derive(Parser)]
@@ -87,8 +92,9 @@ fn start(selection: Selection) -> ExitCode {
     log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
     match command(Arguments::parse(), selection) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             ExitCode::FAILURE
         }
     }
@@ -126,7 +132,7 @@ impl log::Log for Stderr {
     fn log(&self, record: &log::Record<'_>) {
         // warnings of other crates are not about environments
         if record.target().starts_with("gym") {
-            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+            tell!("{}: {}", record.level().as_str().to_lowercase(), record.args());
         }
     }
 

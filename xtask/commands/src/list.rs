@@ -2,6 +2,7 @@
 
 use gym::{Result, registry};
 
+use crate::output::{self, say};
 use crate::selection::Selection;
 
 #[derive(clap::Args)]
@@ -13,8 +14,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn list(arguments: &Arguments, selection: Selection) -> Result<()> {
     if !arguments.long {
-        print!("{}", registry::pretty(3));
-        return Ok(());
+        return output::write(format_args!("{}", registry::pretty(3)));
     }
     for registration in selection.of(&[])? {
         use gym::Env;
@@ -22,12 +22,12 @@ pub(crate) fn list(arguments: &Arguments, selection: Selection) -> Result<()> {
         let env = spec.make()?;
         let limit = spec.max_episode_steps.map_or("none".into(), |n| n.to_string());
         let threshold = spec.reward_threshold.map_or("none".into(), |x| x.to_string());
-        println!(
+        say!(
             "{:28} limit {limit:>5}  threshold {threshold:>6}  {} -> {}",
             spec.id,
             env.action_space(),
             env.observation_space()
-        );
+        )?;
     }
     Ok(())
 }

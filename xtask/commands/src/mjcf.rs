@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::output::say;
 use gym::mujoco::Model;
 use gym::{Error, Result};
 
@@ -15,7 +16,7 @@ pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
     let model = Model::from_xml_file(&arguments.file).map_err(|error| Error::custom(error.to_string()))?;
     let figures = model.figures();
     for (name, size) in figures["sizes"].as_object().into_iter().flatten() {
-        println!("{name:9} {size}");
+        say!("{name:9} {size}")?;
     }
     Ok(())
 }

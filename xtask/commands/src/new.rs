@@ -6,6 +6,7 @@ use std::process;
 
 use gym::{Error, Result};
 
+use crate::output::say;
 use crate::root;
 
 #[derive(clap::Args)]
@@ -58,9 +59,9 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
         let _ = fs::remove_dir_all(&unfinished);
         return written;
     }
-    println!("{} has the environment `{name}/{}-v0`. In that folder:", folder.display(), task(*native).0);
-    println!("  cargo test               checks that it keeps the rules");
-    println!("  cargo run --example gif  draws an episode");
+    say!("{} has the environment `{name}/{}-v0`. In that folder:", folder.display(), task(*native).0)?;
+    say!("  cargo test               checks that it keeps the rules")?;
+    say!("  cargo run --example gif  draws an episode")?;
     Ok(())
 }
 

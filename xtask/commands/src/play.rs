@@ -1,6 +1,6 @@
 //! `cargo xtask play ID`
 
-use std::io::{BufRead, Write};
+use std::io::BufRead;
 use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode};
@@ -13,6 +13,7 @@ use serde_json::{Value as Json, json};
 use gym::keys::{Idle, Keys};
 
 use crate::keys;
+use crate::output::{self, say};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -74,12 +75,12 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
     keys::check(&keys, &session.env.action_space())?;
-    println!("{}", keys::describe(&keys));
+    say!("{}", keys::describe(&keys))?;
     if arguments.terminal {
-        println!("write a key's name or the start of it and press Enter; or `restart`, or `q` to quit");
+        say!("write a key's name or the start of it and press Enter; or `restart`, or `q` to quit")?;
         in_terminal(&mut session, &keys)?;
     } else {
-        println!("R = restart, Escape = quit");
+        say!("R = restart, Escape = quit")?;
         #[cfg(feature = "human")]
         window::play(&mut session, &keys, arguments)?;
     }
@@ -107,6 +108,9 @@ impl Session {
         let builder = builder.render_mode(RenderMode::RgbArray);
         let env = builder.render_size(width * arguments.zoom, height * arguments.zoom).build()?;
         let fps = arguments.fps.unwrap_or(env.metadata().render_fps);
+        if let Some(path) = &arguments.trace {
+            crate::check_writable(path)?;
+        }
         let video = arguments.record.as_ref().map(|path| VideoWriter::create(path, fps)).transpose()?;
         let mut session = Self {
             env,
@@ -149,7 +153,7 @@ impl Session {
             ..Event::default()
         })?;
         if done {
-            println!("{}", self.status());
+            say!("{}", self.status())?;
         }
         Ok(done)
     }
@@ -175,12 +179,12 @@ impl Session {
     fn finish(self, arguments: &Arguments) -> Result<()> {
         if let (Some(video), Some(path)) = (self.video, &arguments.record) {
             video.finish()?;
-            println!("{}", path.display());
+            say!("{}", path.display())?;
         }
         if let Some(path) = &arguments.trace {
             let json = serde_json::to_vec(&self.trace).map_err(|error| Error::custom(error.to_string()))?;
             file::write(path, &json)?;
-            println!("{}: {} events", path.display(), self.trace.events.len());
+            say!("{}: {} events", path.display(), self.trace.events.len())?;
         }
         Ok(())
     }
@@ -193,12 +197,10 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
     loop {
         let text = session.env.ansi();
         let text = text.ok_or_else(|| Error::custom("it has no text form: play without --terminal"))?;
-        print!("\n{}\n{}> ", text.trim_end_matches('\n'), session.status());
-        // A prompt that cannot be shown is no reason to stop.
-        let _ = std::io::stdout().flush();
+        output::write(format_args!("\n{}\n{}> ", text.trim_end_matches('\n'), session.status()))?;
         if done {
             if session.is_last() {
-                println!();
+                say!("")?;
                 return Ok(());
             }
             session.reset(Reset::default())?;
@@ -213,7 +215,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => println!("keys: {}, restart, q", keys::describe(keys)),
+                None => say!("keys: {}, restart, q", keys::describe(keys))?,
             },
         }
     }

@@ -7,6 +7,18 @@ use gym::{Error, Result};
 
 use crate::policy::Episode;
 
+/// Fails where the name of a file is none of a plot, before there is anything to draw.
+pub(crate) fn check_name(path: &Path) -> Result<()> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg" | "png") => Ok(()),
+        _ => {
+            let reason =
+                format!("`{}` names no known format: the extensions are .svg and .png", path.display());
+            Err(Error::argument("--plot", reason))
+        }
+    }
+}
+
 /// Writes returns and lengths of some runs, each under its name, to an SVG or PNG file.
 pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -> Result<()> {
     let values = runs.iter().map(|(name, episodes)| {
@@ -18,12 +30,9 @@ pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -
     let longest = values.iter().map(|(_, returns, _)| returns.len()).max().unwrap_or(0);
     let runs = values.iter().map(|(name, returns, lengths)| (*name, &returns[..], &lengths[..]));
     let plot = Plot::episodes(title, (longest / 5).clamp(1, 100), runs);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg") => plot.write_svg(path),
-        Some("png") => plot.write_png(path),
-        _ => {
-            let reason = format!("`{}` has no known extension: use .svg or .png", path.display());
-            Err(Error::argument("--plot", reason))
-        }
+    if path.extension().is_some_and(|extension| extension == "png") {
+        plot.write_png(path)
+    } else {
+        plot.write_svg(path)
     }
 }

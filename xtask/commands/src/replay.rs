@@ -1,7 +1,11 @@
 //! `cargo xtask replay TRACE...`
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::output::{say, tell};
 use gym::rendering::file;
 use gym::trace::Trace;
 use gym::{BoxEnv, Error, Result};
@@ -19,24 +23,56 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
+    let mut written = BTreeMap::new();
     if let Some(out) = &arguments.out {
         std::fs::create_dir_all(out).map_err(|error| Error::io(out, error))?;
+        written = destinations(&arguments.traces, out)?;
     }
     let mut failed = 0;
     for path in &arguments.traces {
-        let outcome = match &arguments.out {
-            Some(out) => write_answers(path, out),
-            None => compare(path),
+        let outcome = match written.get(path) {
+            Some(to) => write_answers(path, to).map(|()| None),
+            None => compare(path).map(Some),
         };
-        if let Err(error) = outcome {
-            eprintln!("{}: {error}", path.display());
-            failed += 1;
+        match outcome {
+            Ok(None) => {}
+            Ok(Some(equal)) => say!("{}: {equal}, equal", path.display())?,
+            Err(error) => {
+                tell!("{}: {error}", path.display());
+                failed += 1;
+            }
         }
     }
     match failed {
         0 => Ok(()),
         _ => Err(Error::custom(format!("{failed} of {} traces failed", arguments.traces.len()))),
     }
+}
+
+/// Where the answer to each recording goes: to a file of its name in the folder.
+///
+/// # Errors
+/// Two recordings of one name; a recording in the folder itself, which its answer would replace.
+fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, PathBuf>> {
+    let refuse = |reason: String| Err(Error::argument("--out", reason));
+    let recordings: BTreeSet<PathBuf> = traces.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    let mut taken = BTreeMap::new();
+    for path in traces {
+        let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
+        let to = out.join(name);
+        if to.canonicalize().is_ok_and(|to| recordings.contains(&to)) {
+            return refuse(format!("`{}` is a recording to replay: choose another folder", to.display()));
+        }
+        if let Some(other) = taken.insert(to.clone(), path)
+            && other != path
+        {
+            let [to, path, other] = [&to, path, other].map(|path| path.display());
+            return refuse(format!(
+                "`{other}` and `{path}` would both be written to `{to}`: replay one at a time"
+            ));
+        }
+    }
+    Ok(taken.into_iter().map(|(to, path)| (path.clone(), to)).collect())
 }
 
 /// What a trace pins down beside the observation: of CarRacing the bodies, of the MuJoCo tasks positions and velocities.
@@ -56,50 +92,61 @@ fn state(_: &BoxEnv) -> Option<Json> {
 }
 
 fn read(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).map_err(|error| Error::io(path, error))
+    /// Larger than any recording, and small enough for every memory.
+    const LIMIT: u64 = 256 << 20; // bytes
+    let mut text = String::new();
+    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    file.take(LIMIT + 1).read_to_string(&mut text).map_err(|error| Error::io(path, error))?;
+    if text.len() as u64 > LIMIT {
+        return Err(Error::custom(format!(
+            "it is larger than a recording can be, which is {} MiB",
+            LIMIT >> 20
+        )));
+    }
+    Ok(text)
 }
 
 fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
-fn compare(path: &Path) -> Result<()> {
+/// What was compared.
+fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
     #[cfg(feature = "families")]
     if let Some(recorded) = frames::parse(&text) {
-        return frames::compare(path, &recorded);
+        return frames::compare(&recorded);
     }
     let recorded = parse(&text)?;
+    if recorded.events.is_empty() {
+        return Err(Error::custom("it has no events, so there is nothing to compare"));
+    }
     match recorded.first_difference(&recorded.replay(state)?) {
         Some(difference) => Err(Error::custom(difference)),
-        None => {
-            println!("{}: {} events, equal", path.display(), recorded.events.len());
-            Ok(())
-        }
+        None => Ok(format!("{} events", recorded.events.len())),
     }
 }
 
-/// Keeps the other parts of the file, such as its policy, and replaces the answers.
-fn write_answers(path: &Path, out: &Path) -> Result<()> {
+/// Keeps what else the file says, such as its policy, and replaces the answers.
+fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
     let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
-    let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
     #[cfg(feature = "families")]
     if let Some(recorded) = frames::parse(&text) {
         let answers = frames::replay(&recorded)?;
         let json = serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
-        return file::write(out.join(name), &json);
+        return file::write(to, &json);
     }
     let json = match of_engine(&rest, path)? {
         Some(answer) => serde_json::to_vec(&answer),
         None => {
             let answers = parse(&text)?.replay(state)?;
             rest.remove("events");
-            serde_json::to_vec(&File { rest, events: &answers.events })
+            serde_json::to_vec(&Answers { rest, events: &answers.events })
         }
     };
-    file::write(out.join(name), &json.map_err(not_json)?)
+    file::write(to, &json.map_err(not_json)?)
 }
 
 /// The answer to a recording of the MuJoCo engine alone: steps, forward calls, figures of a model.
@@ -121,7 +168,7 @@ fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>
 
 /// A trace and the other parts of its file.
 #[derive(serde::Serialize)]
-struct File<'a> {
+struct Answers<'a> {
     #[serde(flatten)]
     rest: Map<String, Json>,
     events: &'a [gym::trace::Event],
@@ -130,8 +177,6 @@ struct File<'a> {
 /// Recordings of games of the Atari 2600, frame by frame.
 #[cfg(feature = "families")]
 mod frames {
-    use std::path::Path;
-
     use gym::atari::games::by_md5;
     use gym::atari::recording::Recording;
     use gym::atari::rom;
@@ -148,13 +193,13 @@ mod frames {
         recorded.replay(&rom::load(game, None)?)
     }
 
-    pub(super) fn compare(path: &Path, recorded: &Recording) -> Result<()> {
+    pub(super) fn compare(recorded: &Recording) -> Result<String> {
+        if recorded.ops.is_empty() {
+            return Err(Error::custom("it has no frames, so there is nothing to compare"));
+        }
         match recorded.first_difference(&replay(recorded)?) {
             Some(difference) => Err(Error::custom(difference)),
-            None => {
-                println!("{}: {} frames, equal", path.display(), recorded.ops.len());
-                Ok(())
-            }
+            None => Ok(format!("{} frames", recorded.ops.len())),
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use gym::rendering::file;
 use gym::{EnvSpec, Error, Kwargs, Result};
 
+use crate::output::say;
 use crate::plots;
 use crate::policy::{Episode, Policy};
 
@@ -39,16 +40,22 @@ fn parse_range(text: &str) -> Result<Range<u64>, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
+    if let Some(path) = &arguments.plot {
+        plots::check_name(path)?;
+    }
+    if arguments.json.is_some() && arguments.json == arguments.plot {
+        return Err(Error::custom("`--json` and `--plot` name one file: the second would replace the first"));
+    }
     for path in arguments.json.iter().chain(&arguments.plot) {
         crate::check_writable(path)?;
     }
     let mut runs = Vec::new();
     for policy in &arguments.policy {
         if arguments.policy.len() > 1 {
-            println!("{}", policy.name());
+            say!("{}", policy.name())?;
         }
         let episodes = play(&spec, *policy, arguments.seeds.clone())?;
-        println!("{}", summary(&episodes));
+        say!("{}", summary(&episodes))?;
         runs.push((policy.name(), episodes));
     }
     if let Some(path) = &arguments.json {
@@ -63,13 +70,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode>> {
-    println!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length");
+    say!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length")?;
     let mut episodes = Vec::new();
     for seed in seeds {
         let mut env = spec.make()?;
         let episode = policy.play(&mut env, seed, |_| Ok(()))?;
         let ended = ending(episode.terminated, episode.truncated);
-        println!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length);
+        say!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length)?;
         episodes.push(episode);
     }
     Ok(episodes)

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use crate::output::tell;
 use gym::{Registration, Result, registry};
 
 /// The environments of a command that names none.
@@ -44,7 +45,7 @@ impl Selection {
             all.into_iter().partition(|registration| registration.needs.is_some());
         needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
         for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
-            eprintln!("{}", left_out(group));
+            tell!("{}", left_out(group));
         }
         Ok(all)
     }
@@ -53,7 +54,7 @@ impl Selection {
 /// Reports the environments of one crate that are left out because of external requirements.
 fn left_out(group: &[Registration]) -> String {
     let needed = group[0].needs.map_or("", |need| need.what);
-    let there = if group[0].needs.is_some_and(|need| !need.is_met()) { " (not found here)" } else { "" };
+    let there = if group[0].needs.is_some_and(|need| !need.is_met()) { " (none here)" } else { "" };
     match group {
         [one] => format!("left out {}: it needs {needed}{there}; name the id to use it", one.id()),
         _ => {

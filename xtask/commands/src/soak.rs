@@ -2,6 +2,7 @@
 
 use gym::{Env, Error, Registration, Reset, Result, Value};
 
+use crate::output::say;
 use crate::selection::Selection;
 
 #[derive(clap::Args)]
@@ -28,12 +29,12 @@ pub(crate) fn soak(arguments: &Arguments, selection: Selection) -> Result<()> {
         let (episodes, growth) = soak_one(registration, each, arguments.seed)?;
         total += each;
         let id = registration.id();
-        println!("{id:34} {each} steps, {episodes} episodes, {} kB more memory", growth / 1024);
+        say!("{id:34} {each} steps, {episodes} episodes, {} kB more memory", growth / 1024)?;
         if growth > MAX_GROWTH {
             return Err(Error::custom(format!("`{id}` grows: {growth} bytes more after {each} steps")));
         }
     }
-    println!("{total} steps of {} environments with flat memory", registrations.len());
+    say!("{total} steps of {} environments with flat memory", registrations.len())?;
     Ok(())
 }
 

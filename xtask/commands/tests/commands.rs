@@ -332,3 +332,114 @@ fn replay_fails_if_one_trace_does() {
     assert!(fails(&["replay", bad, good, bad]).contains("2 of 3 traces failed"));
     prints(&["replay", good]);
 }
+
+/// A reader that has seen enough ends a command; a full disk is an error. `println!` panics at both.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_cannot_be_written_is_no_panic() {
+    use std::process::Stdio;
+
+    let full = || Stdio::from(std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+    let run = |arguments: &[&str], stdout: Stdio, stderr: Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_xtask-commands"));
+        let output =
+            command.args(arguments).stdout(stdout).stderr(stderr).spawn().unwrap().wait_with_output();
+        let output = output.unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    for arguments in [
+        &["list"][..],
+        &["list", "--long"],
+        &["run", "CartPole-v1", "--seeds", "0..2"],
+        &["soak", "CartPole-v1", "--steps", "100"],
+        &["mjcf", "../../crates/gym-mujoco/models/ant.xml"],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let (code, said) = run(arguments, writer.into(), Stdio::piped());
+        assert!(
+            code == Some(0) && !said.contains("error") && !said.contains("panic"),
+            "{arguments:?}: {said}"
+        );
+        let (code, said) = run(arguments, full(), Stdio::piped());
+        assert!(
+            code == Some(1) && said.contains("error: standard output: No space left"),
+            "{arguments:?}: {said}"
+        );
+    }
+    assert_eq!(run(&["run", "CartPoleee-v1"], Stdio::null(), full()).0, Some(1));
+}
+
+#[test]
+fn seconds_of_a_benchmark_are_a_time() {
+    for seconds in ["1e300", "nan", "inf", "-1", "x"] {
+        let error = fails(&["bench", "CartPole-v1", "--kind", "make", "--seconds", seconds]);
+        assert!(error.contains("seconds are a number from 0 to"), "{seconds}: {error}");
+    }
+    prints(&["bench", "CartPole-v1", "--kind", "make", "--seconds", "0"]);
+}
+
+#[test]
+fn replay_loses_no_recording() {
+    let out = folder("replay-names");
+    let recorded =
+        r#"{"id": "FrozenLake-v1", "events": [{"reset": {"seed": 1, "options": null}, "observation": 0}]}"#;
+    let path = |name: &str| {
+        let path = out.join(name).join("c.json");
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, recorded).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let [a, b] = ["a", "b"].map(path);
+    let answers = out.join("d");
+    let error = fails(&["replay", &a, &b, "--out", answers.to_str().unwrap()]);
+    assert!(error.contains("would both be written to"), "{error}");
+    assert!(!answers.join("c.json").exists(), "nothing is written before");
+    for out in [out.join("a"), out.join("b/../a")] {
+        let error = fails(&["replay", &a, "--out", out.to_str().unwrap()]);
+        assert!(error.contains("is a recording to replay: choose another folder"), "{error}");
+    }
+    assert_eq!(std::fs::read_to_string(&a).unwrap(), recorded);
+    prints(&["replay", &a, &a, "--out", answers.to_str().unwrap()]);
+}
+
+#[test]
+fn a_trace_without_events_is_not_equal() {
+    let trace = folder("replay-empty").join("trace.json");
+    std::fs::write(&trace, r#"{"id": "FrozenLake-v1", "events": []}"#).unwrap();
+    assert!(fails(&["replay", trace.to_str().unwrap()]).contains("nothing to compare"));
+}
+
+/// A file without end is read up to a limit.
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_refused() {
+    assert!(fails(&["replay", "/dev/zero"]).contains("larger than a recording can be"));
+    assert!(fails(&["mjcf", "/dev/zero"]).contains("the limit is"));
+}
+
+#[test]
+fn run_refuses_names_before_it_plays() {
+    let out = folder("run-names");
+    let [bmp, svg] = ["a.bmp", "a.svg"].map(|name| out.join(name).to_str().unwrap().to_owned());
+    for (options, message) in [
+        (&["--plot", &bmp][..], "the extensions are .svg and .png"),
+        (&["--plot", &svg, "--json", &svg], "name one file"),
+    ] {
+        let output = xtask(&[&["run", "CartPole-v1"], options].concat());
+        assert!(!output.status.success() && output.stdout.is_empty(), "{options:?}: it plays first");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(message), "{options:?}");
+    }
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
+}
+
+/// Results can go to the standard output, which is no file to replace.
+#[cfg(target_os = "linux")]
+#[test]
+fn json_goes_to_the_standard_output() {
+    let text = prints(&["run", "CartPole-v1", "--seeds", "0..1", "--json", "/dev/stdout"]);
+    let (table, json) = text.split_at(text.find("[{").expect("a list"));
+    assert!(table.starts_with("    seed"), "{table}");
+    let episodes: Json = serde_json::from_str(json).expect("JSON");
+    assert_eq!(episodes[0]["seed"], 0);
+}

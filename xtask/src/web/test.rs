@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value as Json;
 
 use super::serve::{Site, listen, serve};
-use crate::root;
+use crate::{root, say};
 
 /// Longer than that the tests take on no machine.
 const LONGEST: Duration = Duration::from_secs(1800);
@@ -34,18 +34,17 @@ pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
                 let result: Json = serde_json::from_str(&text).map_err(|error| format!("{text}: {error}"))?;
                 if let Some(count) = result["done"].as_u64() {
                     break match failed {
-                        0 => {
-                            println!("{count} tests passed");
-                            Ok(())
-                        }
+                        0 => say(format_args!("{count} tests passed")),
                         _ => Err(format!("{failed} of {count} tests of the page failed")),
                     };
                 }
                 let name = result["name"].as_str().unwrap_or_default();
                 match result["error"].as_str() {
-                    None => println!("ok      {name} {}", result["note"].as_str().unwrap_or_default()),
+                    None => {
+                        say(format_args!("ok      {name} {}", result["note"].as_str().unwrap_or_default()))?;
+                    }
                     Some(error) => {
-                        println!("FAILED  {name}: {error}");
+                        say(format_args!("FAILED  {name}: {error}"))?;
                         failed += 1;
                     }
                 }

@@ -222,7 +222,7 @@ impl AtariEnv {
 /// The bytes of an array of a shape, which is replaced if it has another shape.
 pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] {
     if array.shape() != shape || array.dtype() != DType::U8 {
-        *array = Array::zeros(DType::U8, shape);
+        *array = Array::zeros(DType::U8, shape).unwrap_or_default();
     }
     array.as_mut_slice::<u8>().unwrap_or_default()
 }

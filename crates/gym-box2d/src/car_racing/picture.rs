@@ -51,14 +51,14 @@ impl Camera {
     /// Writes an image of the episode to `observation`.
     pub(super) fn take(&mut self, episode: &Episode, glyphs: Option<&ScoreGlyphs>, observation: &mut Array) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
-            *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]);
+            *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]).unwrap_or_default();
         }
         #[cfg(feature = "picture")]
         {
             use gym_core::render::{Frame, Painter};
 
             if self.frame.width() == 0 {
-                self.frame = Frame::new(STATE_W as u32, STATE_H as u32);
+                self.frame = Frame::new(STATE_W as u32, STATE_H as u32).unwrap_or_default();
             }
             let size = (STATE_W as u32, STATE_H as u32);
             self.raster.paint(

@@ -130,10 +130,10 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
             .filter(|name| !name.is_empty())
             .collect();
         match names.len() {
-            0 => "no crate with environments is linked: add `use gym_classic as _;`".to_owned(),
+            0 => "no crate with environments is linked: add `use gym_classic as _;`, or to the crate `gym` its feature `classic`".to_owned(),
             _ => {
                 let names: Vec<_> = names.into_iter().collect();
-                format!("linked crates: {}; link another with `use its_name as _;`", names.join(", "))
+                format!("linked crates: {}; link another with `use its_name as _;`, or through the crate `gym` with its feature", names.join(", "))
             }
         }
     };

@@ -60,10 +60,10 @@ impl WrapperRegistration {
     }
 }
 
-/// Every wrapper that is linked, by name.
+/// Every wrapper that is linked, by name; of one name, that of environments before that of vectors.
 pub fn wrappers() -> Vec<&'static WrapperRegistration> {
     let mut wrappers: Vec<_> = inventory::iter::<WrapperRegistration>.into_iter().collect();
-    wrappers.sort_by_key(|wrapper| wrapper.name);
+    wrappers.sort_by_key(|wrapper| (wrapper.name, wrapper.env.is_none()));
     wrappers
 }
 

@@ -233,8 +233,11 @@ mod tests {
         assert!(iterate(&space, &Value::Array([1.0f64].into())).is_err());
         assert!(iterate(&space, &Value::Tuple(vec![])).is_err());
         let square = Space::boxed([0.0; 2], [1.0; 2]);
-        assert!(iterate(&square, &Value::Array(Array::zeros(DType::F32, [4]))).is_err());
-        assert_eq!(iterate(&square, &Value::Array(Array::zeros(DType::F32, [3, 2]))).unwrap().len(), 3);
+        assert!(iterate(&square, &Value::Array(Array::zeros(DType::F32, [4]).unwrap())).is_err());
+        assert_eq!(
+            iterate(&square, &Value::Array(Array::zeros(DType::F32, [3, 2]).unwrap())).unwrap().len(),
+            3
+        );
     }
 
     #[test]

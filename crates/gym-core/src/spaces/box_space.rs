@@ -436,7 +436,7 @@ mod tests {
                 && !contains([0.0f32, f32::NAN].into())
                 && !contains([4i16, 0].into())
         );
-        assert!(!contains([0.0f32].into()) && !contains(Array::zeros(DType::F32, [2, 1])));
+        assert!(!contains([0.0f32].into()) && !contains(Array::zeros(DType::F32, [2, 1]).unwrap()));
         assert!(!space.contains(&Value::Float(0.0)));
 
         let unbounded = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [], DType::F64).unwrap();
@@ -455,7 +455,7 @@ mod tests {
         assert_eq!(fault(values.clone()), "the shape is (4,) and should be (2, 2)");
         assert_eq!(fault(values.reshape([2, 2]).unwrap()), "[1, 0]: 2.5 is not between 0.0 and 1.0");
         assert_eq!(
-            fault(Array::zeros(DType::F64, [2, 2])),
+            fault(Array::zeros(DType::F64, [2, 2]).unwrap()),
             "the numbers are float64 and should be float32: convert them first"
         );
         assert_eq!(

@@ -34,7 +34,7 @@ impl Space {
         if !self.is_flattenable() {
             return self.convert(value, self, &self.flatten_space()?, Self::flatten);
         }
-        let mut array = Array::zeros(self.flat_dtype()?, [self.flatdim()?]);
+        let mut array = Array::zeros(self.flat_dtype()?, [self.flatdim()?])?;
         self.flatten_into(value, &mut array)?;
         Ok(Value::Array(array))
     }

@@ -226,7 +226,10 @@ mod tests {
     fn faults_name_the_place() {
         let fault = |value: Value| space().check(&value).unwrap_err().to_string();
         assert_eq!(fault(graph(&[0, 5], &[2], &[0, 1])), ".nodes[1]: 5 is not between 0 and 4");
-        assert_eq!(fault(graph(&[0, 1], &[2], &[0, 2])), ".edge_links[0, 1]: 2 is none of the 2 nodes");
+        assert_eq!(
+            fault(graph(&[0, 1], &[2], &[0, 2])),
+            ".edge_links[0, 1]: 2 is not the index of one of the 2 nodes"
+        );
     }
 
     #[test]

@@ -250,7 +250,7 @@ mod tests {
         let rounded = Space::from(float()).from_json(&json!([0.1])).unwrap();
         assert_eq!(rounded, Value::Array([0.1f32].into()));
         assert!(Space::from(float()).from_json(&json!([7])).is_ok());
-        assert!(refused(float(), json!([1e39])).starts_with("[0]: 1e39 is no number of type float32"));
+        assert!(refused(float(), json!([1e39])).starts_with("[0]: 1e39 is not a number of type float32"));
         assert!(refused(float(), json!([null])).contains("expected a number"));
         assert!(refused(float(), json!([0.0, 0.0])).starts_with("the list has 2 items and should have 1"));
         assert!(refused(float(), json!(0.0)).starts_with("expected a list"));
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(json.to_string(), r#"[-0.0,"NaN"]"#);
         assert_eq!(format!("{:?}", space.from_json(&json).unwrap().as_slice::<f32>()), "Some([-0.0, NaN])");
         let whole = BoxSpace::uniform(0.0, 9.0, [1], DType::U8).unwrap();
-        assert!(refused(whole, json!(["NaN"])).contains("is no number of type uint8"));
+        assert!(refused(whole, json!(["NaN"])).contains("is not a number of type uint8"));
     }
 
     #[test]

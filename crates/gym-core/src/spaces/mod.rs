@@ -287,7 +287,8 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
 pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {
-        *out = Value::Array(Array::zeros(dtype, shape));
+        // the shape is that of a space, which `MAX_ELEMENTS` bounds, or of an array that is there
+        *out = Value::Array(Array::zeros(dtype, shape).unwrap_or_default());
     }
     match out {
         Value::Array(array) => array,

@@ -145,7 +145,7 @@ impl Space {
                 Value::Dict(columns.collect::<Result<_>>()?)
             }
             _ => match (self.shape(), self.dtype()) {
-                (Some(shape), Some(dtype)) => Value::Array(Array::zeros(dtype, [&[n], shape].concat())),
+                (Some(shape), Some(dtype)) => Value::Array(Array::zeros(dtype, [&[n], shape].concat())?),
                 _ => Value::Tuple(vec![self.zero()?; n]),
             },
         })
@@ -449,5 +449,29 @@ mod tests {
             error,
             "the numbers are float32 and should be int64: [0.0] is not an element of a batch of Discrete(3)"
         );
+    }
+
+    /// A batch has its columns under the names of the space, in their order.
+    #[test]
+    fn columns_of_other_names_are_no_batch() {
+        let space: Space =
+            DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(2))]).unwrap().into();
+        let named = |keys: [&str; 2], value: &Value| {
+            Value::Dict(keys.map(|key| (key.to_owned(), value.clone())).into())
+        };
+        let column = Space::discrete(2).empty_batch(3).unwrap();
+        let element = named(["a", "b"], &Value::Int(1));
+        let mut batch = named(["a", "b"], &column);
+        assert!(space.is_batch(&batch, 3));
+        space.write_row(&mut batch, 1, &element).unwrap();
+        for keys in [["a", "c"], ["b", "a"]] {
+            let mut other = named(keys, &column);
+            assert!(!space.is_batch(&other, 3), "{keys:?}");
+            assert!(space.write_row(&mut other, 1, &element).is_err(), "{keys:?}");
+            // a buffer under other names is made anew
+            let mut read = named(keys, &Value::Int(0));
+            space.read_row(&batch, 1, &mut read).unwrap();
+            assert_eq!(read, element, "{keys:?}");
+        }
     }
 }

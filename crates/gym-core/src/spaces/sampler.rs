@@ -223,7 +223,7 @@ fn corner(space: &Space, high: bool) -> Value {
             Value::Array(space.array(&space.ranges().map(pick).collect::<Vec<_>>()))
         }
         Space::MultiBinary(space) => {
-            let mut zeros = Array::zeros(MultiBinary::DTYPE, space.shape());
+            let mut zeros = Array::zeros(MultiBinary::DTYPE, space.shape()).unwrap_or_default();
             zeros.as_mut_slice::<i8>().into_iter().flatten().for_each(|x| *x = high.into());
             Value::Array(zeros)
         }
@@ -244,7 +244,7 @@ fn corner(space: &Space, high: bool) -> Value {
             let row = |space: &Space| batch_space(space, 1).ok().map(|batch| corner(&batch, high));
             let row = |space: &Space| row(space).and_then(|row| row.as_array().cloned());
             let edges = space.edge_space().filter(|_| high).and_then(row);
-            let edge_links = edges.as_ref().map(|_| Array::zeros(DType::I32, [1, 2]));
+            let edge_links = edges.as_ref().and_then(|_| Array::zeros(DType::I32, [1, 2]).ok());
             let nodes = row(space.node_space()).unwrap_or_default();
             Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links }))
         }

@@ -16,7 +16,7 @@ impl Space {
     pub fn zero(&self) -> Result<Value> {
         Ok(match self {
             Self::Box(space) => {
-                let mut array = Array::zeros(space.dtype(), space.shape());
+                let mut array = Array::zeros(space.dtype(), space.shape())?;
                 with_type!(space.dtype(), T => {
                     let bounds = space.low().as_slice::<T>().zip(space.high().as_slice::<T>());
                     if let (Some(values), Some((low, high))) = (array.as_mut_slice::<T>(), bounds) {
@@ -27,7 +27,7 @@ impl Space {
             }
             Self::Discrete(space) => Value::Int(space.start()),
             Self::MultiDiscrete(space) => Value::Array(space.array(space.start())),
-            Self::MultiBinary(space) => Value::Array(Array::zeros(MultiBinary::DTYPE, space.shape())),
+            Self::MultiBinary(space) => Value::Array(Array::zeros(MultiBinary::DTYPE, space.shape())?),
             Self::Text(space) => {
                 let first = space.charset().first().copied().unwrap_or_default();
                 Value::Text(std::iter::repeat_n(first, space.min_length()).collect())
@@ -45,7 +45,8 @@ impl Space {
                     Ok(zero.as_array().cloned().unwrap_or_default())
                 };
                 let edges = space.edge_space().map(row).transpose()?;
-                let edge_links = edges.as_ref().map(|_| Array::zeros(crate::DType::I32, [1, 2]));
+                let edge_links =
+                    edges.as_ref().map(|_| Array::zeros(crate::DType::I32, [1, 2])).transpose()?;
                 let nodes = row(space.node_space())?;
                 Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links }))
             }

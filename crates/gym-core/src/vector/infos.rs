@@ -96,12 +96,18 @@ impl Values {
     fn for_value(n: usize, value: &Value) -> Self {
         match value {
             Value::Bool(_) => Self::Flags(vec![false; n]),
-            Value::Int(_) => Self::Numbers(Array::zeros(DType::I64, [n])),
-            Value::Float(_) => Self::Numbers(Array::zeros(DType::F64, [n])),
-            Value::Array(array) => Self::Numbers(Array::zeros(array.dtype(), [&[n], array.shape()].concat())),
+            Value::Int(_) => Self::numbers(n, DType::I64, &[]),
+            Value::Float(_) => Self::numbers(n, DType::F64, &[]),
+            Value::Array(array) => Self::numbers(n, array.dtype(), array.shape()),
             Value::Dict(_) => Self::Group(Group::new(n)),
             _ => Self::Objects(vec![Value::Null; n]),
         }
+    }
+
+    /// A column of zeros; of objects where so many numbers do not fit in memory.
+    fn numbers(n: usize, dtype: DType, shape: &[usize]) -> Self {
+        let column = Array::zeros(dtype, [&[n], shape].concat());
+        column.map_or_else(|_| Self::Objects(vec![Value::Null; n]), Self::Numbers)
     }
 
     /// Sets one value, cast to the type of the column as numpy casts; `false` if the column cannot hold

@@ -81,7 +81,7 @@ struct Record {
 /// The episode of one environment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Running {
-    /// Snapshots do not contain wall-clock time.
+    /// Wall-clock time is no part of a snapshot: see `without_time`.
     #[serde(skip, default = "Instant::now")]
     started: Instant,
     episode_return: f64,
@@ -148,7 +148,15 @@ impl Record {
         }
     }
 
-    /// A record of `n` environments from a snapshot, and the inner snapshot.
+    /// What a snapshot holds: equal episodes give equal bytes, however long they took.
+    fn without_time(&self) -> Self {
+        let mut record = self.clone();
+        let ended = record.running.iter_mut().filter_map(|running| running.ended.as_mut());
+        ended.chain(&mut record.episodes).for_each(|episode| episode.seconds = 0.0);
+        record
+    }
+
+    /// A record of `n` environments from a snapshot, and the snapshot of what is within.
     fn read(snapshot: &Snapshot, n: usize, buffer_length: usize) -> Result<(Snapshot, Self)> {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();
@@ -226,7 +234,7 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, &self.record))
+        Snapshot::of(&(self.inner.snapshot()?, self.record.without_time()))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -295,7 +303,7 @@ impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, &self.record))
+        Snapshot::of(&(self.inner.snapshot()?, self.record.without_time()))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -98,7 +98,7 @@ impl<E: Env> Render<E> {
         {
             let title = self.inner.spec().map_or_else(|| self.inner.describe(), |spec| spec.id);
             let screen = open(&title, self.size, self.inner.metadata().render_fps)?;
-            self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1));
+            self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1)?);
         }
         Ok(())
     }
@@ -151,7 +151,7 @@ impl<E: Env> crate::Wrapper for Render<E> {
         };
         let mut frame = match used {
             Rendered::Frame(frame) if (frame.width(), frame.height()) == self.size => frame,
-            _ => Frame::new(self.size.0, self.size.1),
+            _ => Frame::new(self.size.0, self.size.1)?,
         };
         let size = self.inner.metadata().render_size;
         painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), &mut frame);

@@ -10,13 +10,15 @@ use crate::Result;
 use crate::model::{CompiledModel, GeomType, JointType};
 use crate::physics::spatial::normalize_quat;
 
-/// The most bodies, the most geoms, and the most degrees of freedom: the engine's matrices are dense.
-const MOST: usize = 1000;
+/// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most of everything that is
+/// looked up by its name.
+pub(super) const MOST: usize = 1000;
 
 /// The figures, but for those that follow from the inertia matrix in the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
     let mut m =
         CompiledModel { model: spec.name.clone(), opt: spec.option.clone(), ..CompiledModel::default() };
+    check_counts(spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
         add_body(&mut m, spec, id, body)?;
     }
@@ -475,6 +477,25 @@ fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
         let start = m.jnt_qposadr[j] + 3;
         let quat = std::array::from_fn(|k| qpos[start + k]);
         qpos[start..start + 4].copy_from_slice(&normalize_quat(unit(quat).0));
+    }
+}
+
+/// Refuses more of a kind than can be looked up in a moment.
+fn check_counts(spec: &Spec) -> Result<()> {
+    let sections = [
+        ("materials", spec.materials.len()),
+        ("excludes", spec.excludes.len()),
+        ("tendons", spec.tendons.len()),
+        ("motors", spec.motors.len()),
+        ("keys", spec.keys.len()),
+        ("terms of tendons", spec.tendons.iter().map(|tendon| tendon.terms.len()).sum()),
+    ];
+    match sections.iter().find(|(_, count)| *count > MOST) {
+        Some((kind, count)) => {
+            let reason = format!("{count} {kind}: more than {MOST} are not supported");
+            Err(spec.bodies[0].place.error(reason))
+        }
+        None => Ok(()),
     }
 }
 

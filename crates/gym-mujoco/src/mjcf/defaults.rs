@@ -1,5 +1,6 @@
 //! Classes of default values.
 
+use super::compile::MOST;
 use super::spec::{Geom, Joint, Motor, Site};
 use super::xml::Element;
 use crate::Result;
@@ -33,12 +34,44 @@ impl Classes {
             Some(name) if name != MAIN => Err(section
                 .place()
                 .attribute("class", format!("the outermost class is {MAIN:?}, not {name:?}"))),
-            _ => self.read_class(section, 0),
+            _ => self.read_classes(section),
         }
     }
 
-    /// Reads what a class changes, then the classes within it, which start from it.
-    fn read_class(&mut self, section: Element<'_, '_>, class: usize) -> Result<()> {
+    /// Reads what each class changes, then the classes within it, which start from it. Not by recursion, which deep nesting
+    /// would lead beyond the end of the stack.
+    fn read_classes(&mut self, main: Element<'_, '_>) -> Result<()> {
+        let mut waiting = vec![(main, None)];
+        while let Some((mut section, parent)) = waiting.pop() {
+            let class = match parent {
+                None => 0,
+                Some(parent) => self.add(&mut section, parent)?,
+            };
+            let within = self.read_class(section, class)?;
+            waiting.extend(within.into_iter().rev().map(|child| (child, Some(class))));
+        }
+        Ok(())
+    }
+
+    /// Adds a class within another.
+    fn add(&mut self, section: &mut Element<'_, '_>, parent: usize) -> Result<usize> {
+        let name = section.required_text("class")?;
+        if self.0.iter().any(|class| class.name == name) {
+            return Err(section.place().attribute("class", format!("there is a class {name:?} already")));
+        }
+        if self.0.len() == MOST {
+            return Err(section.error(format!("more than {MOST} classes are not supported")));
+        }
+        self.0.push(Class { name, ..self.0[parent].clone() });
+        Ok(self.0.len() - 1)
+    }
+
+    /// Reads what a class changes, and returns the classes within it.
+    fn read_class<'a, 'input>(
+        &mut self,
+        section: Element<'a, 'input>,
+        class: usize,
+    ) -> Result<Vec<Element<'a, 'input>>> {
         let (within, own): (Vec<_>, Vec<_>) =
             section.children()?.into_iter().partition(|child| child.name() == "default");
         for mut child in own {
@@ -52,15 +85,8 @@ impl Classes {
             }
             child.finish_without_children()?;
         }
-        for mut child in within {
-            let name = child.required_text("class")?;
-            if self.0.iter().any(|class| class.name == name) {
-                return Err(child.place().attribute("class", format!("there is a class {name:?} already")));
-            }
-            self.0.push(Class { name, ..self.0[class].clone() });
-            self.read_class(child, self.0.len() - 1)?;
-        }
-        section.finish()
+        section.finish()?;
+        Ok(within)
     }
 
     /// The class that an attribute names, else `inherited`.

@@ -6,14 +6,17 @@ use super::defaults::Classes;
 use super::spec::{
     Body, Camera, Exclude, Geom, Inertial, Joint, Key, Light, Material, Motor, Site, Spec, Tendon,
 };
-use super::xml::Element;
+use super::xml::{Element, Lines};
 use crate::model::{Integrator, Solver};
 use crate::{Error, Result};
 
 /// The longest text that is read, in bytes.
-const MAX_LEN: usize = 8 << 20;
+pub(super) const MAX_LEN: usize = 8 << 20;
 /// The most nodes (elements, texts and comments) that are read.
 const MAX_NODES: u32 = 200_000;
+/// The most attributes of an element, and the most namespaces: the parser compares each with all others.
+const MAX_ATTRIBUTES: usize = 1000;
+const MAX_NAMESPACES: usize = 10;
 
 const SECTIONS: [&str; 13] = [
     "compiler",
@@ -36,12 +39,14 @@ pub(super) fn read(text: &str) -> Result<Spec> {
     let not_xml =
         |line: u32, reason: String| Error::Mjcf { line, element: "mujoco".into(), attribute: None, reason };
     if text.len() > MAX_LEN {
-        return Err(not_xml(1, format!("the text has {} bytes, the limit is {MAX_LEN}", text.len())));
+        return Err(not_xml(1, format!("the text is too long: the limit is {MAX_LEN} bytes")));
     }
+    check_tags(text).map_err(|(line, reason)| not_xml(line, reason))?;
     let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options)
         .map_err(|error| not_xml(error.pos().row, format!("the text is not XML: {error}")))?;
-    let mut root = Element::new(document.root_element());
+    let lines = Lines::of(text);
+    let mut root = Element::new(document.root_element(), &lines);
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
@@ -52,9 +57,43 @@ pub(super) fn read(text: &str) -> Result<Spec> {
     Ok(spec)
 }
 
+/// Refuses what the parser would take long to read, with the line.
+fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
+    let mut rest = text;
+    let mut namespaces = 0;
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start + 1..];
+        if let Some(comment) = rest.strip_prefix("!--") {
+            rest = comment.find("-->").map_or("", |end| &comment[end..]);
+            continue;
+        }
+        let tag = &rest[..rest.find('<').unwrap_or(rest.len())];
+        namespaces += tag.matches("xmlns").count();
+        let reason = if tag.matches('=').count() > MAX_ATTRIBUTES {
+            format!("an element has more than {MAX_ATTRIBUTES} attributes")
+        } else if namespaces > MAX_NAMESPACES {
+            format!("the text has more than {MAX_NAMESPACES} namespaces")
+        } else {
+            continue;
+        };
+        let before = &text[..text.len() - rest.len()];
+        return Err((before.matches('\n').count() as u32 + 1, reason));
+    }
+    Ok(())
+}
+
 struct Reader<'s> {
     spec: &'s mut Spec,
     classes: Classes,
+}
+
+/// A body whose parts are being read.
+struct OpenBody<'a, 'input> {
+    element: Element<'a, 'input>,
+    children: std::vec::IntoIter<Element<'a, 'input>>,
+    id: usize,
+    /// The class of the parts that name none.
+    class: usize,
 }
 
 impl Reader<'_> {
@@ -79,7 +118,7 @@ impl Reader<'_> {
         for section in root.children()? {
             match section.name() {
                 "asset" => self.read_asset(section)?,
-                "worldbody" => self.read_body_parts(section, 0, 0)?,
+                "worldbody" => self.read_bodies(section)?,
                 "contact" => self.read_contact(section)?,
                 "tendon" => self.read_tendons(section)?,
                 "actuator" => self.read_actuators(section)?,
@@ -186,8 +225,35 @@ impl Reader<'_> {
         section.finish()
     }
 
-    /// Reads a body, after its parent and before its children.
-    fn read_body(&mut self, mut element: Element<'_, '_>, parent: usize, class: usize) -> Result<()> {
+    /// Reads the bodies of the world, each after its parent and before its children. Not by recursion, which deep nesting
+    /// would lead beyond the end of the stack.
+    fn read_bodies(&mut self, world: Element<'_, '_>) -> Result<()> {
+        let children = world.children()?.into_iter();
+        let mut open = vec![OpenBody { element: world, children, id: 0, class: 0 }];
+        while let Some(body) = open.last_mut() {
+            match body.children.next() {
+                Some(child) if child.name() == "body" => {
+                    let (parent, class) = (body.id, body.class);
+                    open.push(self.open_body(child, parent, class)?);
+                }
+                Some(child) => self.read_part(child, body)?,
+                None => {
+                    if let Some(body) = open.pop() {
+                        body.element.finish()?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the attributes of a body.
+    fn open_body<'a, 'input>(
+        &mut self,
+        mut element: Element<'a, 'input>,
+        parent: usize,
+        class: usize,
+    ) -> Result<OpenBody<'a, 'input>> {
         let mut body = Body { place: element.place(), name: element.text("name"), parent, ..Body::default() };
         if let Some(pos) = element.numbers("pos")? {
             body.pos = pos;
@@ -196,60 +262,54 @@ impl Reader<'_> {
         let class = self.classes.named(&mut element, "childclass", class)?;
         element.ignore(&["user"]);
         self.spec.bodies.push(body);
-        self.read_body_parts(element, self.spec.bodies.len() - 1, class)
+        Ok(OpenBody {
+            children: element.children()?.into_iter(),
+            element,
+            id: self.spec.bodies.len() - 1,
+            class,
+        })
     }
 
-    fn read_body_parts(&mut self, element: Element<'_, '_>, id: usize, class: usize) -> Result<()> {
+    /// Reads what a body has beside other bodies.
+    fn read_part(&mut self, mut child: Element<'_, '_>, body: &OpenBody<'_, '_>) -> Result<()> {
         const IN_BODIES: [&str; 8] =
             ["body", "geom", "joint", "freejoint", "inertial", "site", "camera", "light"];
         const IN_THE_WORLD: [&str; 5] = ["body", "geom", "site", "camera", "light"];
+        let OpenBody { ref element, id, class, .. } = *body;
         let supported = if id == 0 { &IN_THE_WORLD[..] } else { &IN_BODIES };
-        for mut child in element.children()? {
-            if !supported.contains(&child.name()) {
-                return Err(element.unsupported(&child, supported));
-            }
-            let inertial = &self.spec.bodies[id].inertial;
-            match child.name() {
-                "body" => self.read_body(child, id, class)?,
-                "geom" => {
-                    let class = self.classes.named(&mut child, "class", class)?;
-                    let mut geom = Geom { name: child.text("name"), ..self.classes.get(class).geom.clone() };
-                    geom.read(&mut child)?;
-                    child.finish_without_children()?;
-                    self.spec.bodies[id].geoms.push(geom);
-                }
-                "joint" => {
-                    let class = self.classes.named(&mut child, "class", class)?;
-                    let mut joint =
-                        Joint { name: child.text("name"), ..self.classes.get(class).joint.clone() };
-                    joint.read(&mut child)?;
-                    child.finish_without_children()?;
-                    self.spec.bodies[id].joints.push(joint);
-                }
-                "freejoint" => {
-                    let joint = Joint::read_free(child)?;
-                    self.spec.bodies[id].joints.push(joint);
-                }
-                "inertial" if inertial.is_some() => return Err(child.error("the body has one already")),
-                "inertial" => self.spec.bodies[id].inertial = Some(Inertial::read(child)?),
-                "site" => {
-                    let class = self.classes.named(&mut child, "class", class)?;
-                    let mut site = Site { name: child.text("name"), ..self.classes.get(class).site.clone() };
-                    site.read(&mut child)?;
-                    child.finish_without_children()?;
-                    self.spec.bodies[id].sites.push(site);
-                }
-                "camera" => {
-                    let camera = Camera::read(child)?;
-                    self.spec.bodies[id].cameras.push(camera);
-                }
-                _ => {
-                    let light = Light::read(child)?;
-                    self.spec.bodies[id].lights.push(light);
-                }
-            }
+        if !supported.contains(&child.name()) {
+            return Err(element.unsupported(&child, supported));
         }
-        element.finish()
+        let parts = &mut self.spec.bodies[id];
+        match child.name() {
+            "geom" => {
+                let class = self.classes.named(&mut child, "class", class)?;
+                let mut geom = Geom { name: child.text("name"), ..self.classes.get(class).geom.clone() };
+                geom.read(&mut child)?;
+                child.finish_without_children()?;
+                parts.geoms.push(geom);
+            }
+            "joint" => {
+                let class = self.classes.named(&mut child, "class", class)?;
+                let mut joint = Joint { name: child.text("name"), ..self.classes.get(class).joint.clone() };
+                joint.read(&mut child)?;
+                child.finish_without_children()?;
+                parts.joints.push(joint);
+            }
+            "freejoint" => parts.joints.push(Joint::read_free(child)?),
+            "inertial" if parts.inertial.is_some() => return Err(child.error("the body has one already")),
+            "inertial" => parts.inertial = Some(Inertial::read(child)?),
+            "site" => {
+                let class = self.classes.named(&mut child, "class", class)?;
+                let mut site = Site { name: child.text("name"), ..self.classes.get(class).site.clone() };
+                site.read(&mut child)?;
+                child.finish_without_children()?;
+                parts.sites.push(site);
+            }
+            "camera" => parts.cameras.push(Camera::read(child)?),
+            _ => parts.lights.push(Light::read(child)?),
+        }
+        Ok(())
     }
 
     fn read_contact(&mut self, section: Element<'_, '_>) -> Result<()> {

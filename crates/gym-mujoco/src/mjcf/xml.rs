@@ -9,8 +9,23 @@ pub(super) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,
     known: Vec<&'static str>,
+    lines: &'a Lines,
     line: u32,
     depth: usize,
+}
+
+/// Where the lines of a text begin: `roxmltree` counts them from the start of the text for each position.
+pub(super) struct Lines(Vec<usize>);
+
+impl Lines {
+    pub(super) fn of(text: &str) -> Self {
+        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+    }
+
+    /// The line of a position in the text, counted from 1.
+    fn at(&self, position: usize) -> u32 {
+        self.0.partition_point(|start| *start <= position) as u32
+    }
 }
 
 /// How deep elements may be nested.
@@ -37,9 +52,9 @@ impl Place {
 }
 
 impl<'a, 'input> Element<'a, 'input> {
-    pub(super) fn new(node: Node<'a, 'input>) -> Self {
-        let line = node.document().text_pos_at(node.range().start).row;
-        Self { node, unread: node.attributes().collect(), known: Vec::new(), line, depth: 0 }
+    pub(super) fn new(node: Node<'a, 'input>, lines: &'a Lines) -> Self {
+        let line = lines.at(node.range().start);
+        Self { node, unread: node.attributes().collect(), known: Vec::new(), lines, line, depth: 0 }
     }
 
     /// The element's name.
@@ -60,7 +75,7 @@ impl<'a, 'input> Element<'a, 'input> {
         let mut children = Vec::new();
         for node in self.node.children() {
             if node.is_element() {
-                let child = Self { depth: self.depth + 1, ..Self::new(node) };
+                let child = Self { depth: self.depth + 1, ..Self::new(node, self.lines) };
                 if child.depth > MAX_DEPTH {
                     return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
                 }
@@ -103,7 +118,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     fn at(&self, attribute: &Attribute<'_, '_>, reason: impl Into<String>) -> Error {
-        let line = self.node.document().text_pos_at(attribute.range().start).row;
+        let line = self.lines.at(attribute.range().start);
         Place { line, ..self.place() }.attribute(attribute.name(), reason)
     }
 

@@ -264,10 +264,14 @@ impl Plan {
 
     /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the pairs' geoms.
     fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        let mut pairs = Vec::new();
+        /// Of all pairs together: a model with more takes gigabytes.
+        const MOST_COLUMNS: usize = 4_000_000;
+        let mut excluded = m.exclude_signature.clone();
+        excluded.sort_unstable();
+        let (mut pairs, mut columns) = (Vec::new(), 0);
         for b1 in 0..m.nbody() {
             for b2 in b1 + 1..m.nbody() {
-                if !bodies_collide(m, b1, b2) {
+                if !bodies_collide(m, &excluded, b1, b2) {
                     continue;
                 }
                 let first = pairs.len();
@@ -276,7 +280,15 @@ impl Plan {
                         let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
                             | m.geom_contype[g2] & m.geom_conaffinity[g1];
                         if meet != 0 {
-                            pairs.extend(self.pair(m, g1, g2)?);
+                            let pair = self.pair(m, g1, g2)?;
+                            columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
+                            if columns > MOST_COLUMNS {
+                                return Err(Error::Model(format!(
+                                    "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
+                                     pairs together more than {MOST_COLUMNS} are not supported"
+                                )));
+                            }
+                            pairs.extend(pair);
                         }
                     }
                 }
@@ -379,12 +391,12 @@ fn mix(s1: f64, s2: f64) -> f64 {
     }
 }
 
-fn bodies_collide(m: &CompiledModel, b1: usize, b2: usize) -> bool {
+/// `excluded` is sorted.
+fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
     let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
     let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
-    let excluded = m.exclude_signature.iter().any(|&s| s as usize == (b1 << 16) + b2);
-    w1 != w2 && !related && !excluded
+    w1 != w2 && !related && excluded.binary_search(&(((b1 as u32) << 16) + b2 as u32)).is_err()
 }
 
 fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {

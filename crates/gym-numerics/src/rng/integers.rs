@@ -329,6 +329,11 @@ mod tests {
             assert_eq!(rng.geometric(1e-300), i64::MAX);
             assert_eq!(rng.random(), next[i]);
         }
+        // from a third on the probabilities are summed up
+        let third = [[3, 1, 1, 1, 5, 7, 3, 4, 2, 7, 5, 1], [2, 8, 1, 8, 1, 2, 5, 2, 2, 1, 4, 2]];
+        for (seed, expected) in third.into_iter().enumerate() {
+            assert_eq!(draw(seed as u64, |rng| rng.geometric(1.0 / 3.0)), expected);
+        }
     }
 
     #[test]

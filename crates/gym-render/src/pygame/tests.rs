@@ -59,7 +59,7 @@ struct Case {
 
 impl Case {
     fn picture(&self) -> Frame {
-        let mut frame = Frame::new(self.size.0, self.size.1);
+        let mut frame = Frame::new(self.size.0, self.size.1).unwrap();
         match &self.background {
             Json::String(name) => {
                 let seed = name.strip_prefix("noise:").unwrap().parse().unwrap();
@@ -193,7 +193,7 @@ fn smoothscale_shrinks_as_pygame_did() {
 /// The whole picture made smaller.
 fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
     let [w, h, w2, h2] = [frame.width(), frame.height(), width, height].map(|side| side as usize);
-    let mut scaled = Frame::new(width, height);
+    let mut scaled = Frame::new(width, height).unwrap();
     for channel in 0..3 {
         let at = |x: usize, y: usize| frame.pixels()[(y * w + x) * 3 + channel];
         let narrow: Vec<Vec<u8>> = (0..h).map(|y| shrink(|x| at(x, y), w, w2)).collect();
@@ -260,9 +260,9 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     }
                 }
             };
-            let mut whole = Frame::new(from.0, from.1);
+            let mut whole = Frame::new(from.0, from.1).unwrap();
             draw(&mut |primitive, color| paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color));
-            let mut frame = Frame::new(to.0, to.1);
+            let mut frame = Frame::new(to.0, to.1).unwrap();
             let mut draw_in = |canvas: &mut dyn Canvas| {
                 canvas.push_smoothscaled(from, to);
                 canvas.push(flipped(f64::from(from.1)));

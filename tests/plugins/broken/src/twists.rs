@@ -10,8 +10,8 @@ use gym_core::canvas::{Align, Canvas, Color, Segment, Shape, Transform};
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::spaces::{DictSpace, TextSpace, TupleSpace};
 use gym_core::{
-    Array, DType, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Snapshot, Space,
-    Value,
+    Array, DType, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Seed, Snapshot,
+    Space, Value,
 };
 use serde_json::Value as Json;
 
@@ -185,6 +185,106 @@ twists! {
         }
     }
 
+    // lends numbers that it draws itself as well
+    "generator-lent.copy" LendsACopy {
+        fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
+            env.mind.other = env.walk.generator().cloned();
+            env.mind.other.as_mut()
+        }
+    }
+
+    "other-seed-other-episode.cut-at-48-bits" CutsSeeds {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let cut = |seed: &Seed| Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 48)));
+            env.walk.reset_into(&Reset { seed: reset.seed.as_ref().map(cut), ..reset.clone() }, observation)
+        }
+    }
+
+    // counts over all episodes
+    "reset-forgets.late" PaysFromAnEpisodeOn {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            env.mind.own = env.mind.own.saturating_add(outcome.done().into());
+            let carried = if env.mind.own > 40 { 0.5 } else { 0.0 };
+            Ok(Outcome { reward: outcome.reward + carried, ..outcome })
+        }
+
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.own))
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let (walk, own) = snapshot.get::<(Json, u64)>()?;
+            env.walk.restore(&Snapshot::of(&walk)?)?;
+            env.mind.own = own;
+            Ok(())
+        }
+    }
+
+    "reset-forgets.seed" IgnoresALateSeed {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.mind.own += 1;
+            let seed = reset.seed.clone().filter(|_| env.mind.own <= 60);
+            env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
+        }
+    }
+
+    // the operating system's chance, seldom
+    "same-seed-same-episode.seldom" SeldomByChance {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            let is_time = env.mind.age % 900 == 899;
+            let chance = if is_time { Generator::from_os()?.random() } else { 0.0 };
+            Ok(Outcome { reward: outcome.reward + chance, ..outcome })
+        }
+    }
+
+    "info-without-nan" TellsNaN {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            visit("mean", Value::Float(if env.walk.steps() > 3 { f64::NAN } else { 0.0 }));
+        }
+    }
+
+    "info-constant.seldom" TellsSeldom {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            env.snapshot_with_age()
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.restore_with_age(snapshot)
+        }
+
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            env.walk.info(visit);
+            if env.mind.age % 333 == 332 {
+                visit("round", Value::Bool(true));
+            }
+        }
+    }
+
+    "options-accepted.anything" TakesAnyOption, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut reset = reset.clone();
+            reset.options.retain(|name, value| name != "start" || value.is_number());
+            env.walk.reset_into(&reset, observation)
+        }
+    }
+
+    "options-matter.beyond" IgnoresWhatIsBeyond, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut reset = reset.clone();
+            reset.options.retain(|_, value| value.as_f64().is_none_or(|start| start.abs() <= 1.0));
+            env.walk.reset_into(&reset, observation)
+        }
+    }
+
+    "time-limit.within" TruncatesWithin {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { truncated: env.walk.steps() == 6, ..outcome })
+        }
+    }
+
     "info-consistent.again" TellsOtherwise {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             visit("looks", Value::Int(env.look() as i64));
@@ -193,7 +293,7 @@ twists! {
 
     "info-constant.shape" OtherShape {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
-            visit("steps", Value::Array(Array::zeros(DType::F64, [1 + env.walk.steps() as usize / 4])));
+            visit("steps", Value::Array(Array::zeros(DType::F64, [1 + env.walk.steps() as usize / 4]).unwrap_or_default()));
         }
     }
 

@@ -270,7 +270,8 @@ impl<C: 'static> Env for Walk<C> {
             (Fault::OptionsAccepted, Some(_)) => {
                 return Err(Error::argument("reset", "there are no options"));
             }
-            (Fault::OptionsMatter, _) | (_, None) => None,
+            (_, None) => None,
+            (Fault::OptionsMatter, Some(start)) if start.is_number() => None,
             (_, Some(start)) => match start.as_f64() {
                 Some(start) if (-1.0..=1.0).contains(&start) => Some(start),
                 _ => return Err(Error::argument("reset", "`start` must be a number from -1 to 1")),

@@ -58,7 +58,7 @@ pub(super) fn sheet() -> Result<Document> {
         frame(&mut env)
     });
     let frames = frames.collect::<Result<Vec<_>>>()?;
-    drawn("docs/images/environments.png", |path| write_png(path, &contact_sheet(&frames, 3)))
+    drawn("docs/images/environments.png", |path| write_png(path, &contact_sheet(&frames, 3)?))
 }
 
 fn make(id: &str, (width, height): (u32, u32)) -> Result<BoxEnv> {

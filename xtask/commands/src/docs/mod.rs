@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use gym::rendering::file;
 use gym::{Error, Result};
 
+use crate::output::say;
 use crate::selection::Selection;
 
 #[derive(clap::Args)]
@@ -67,7 +68,7 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
             let folder = path.parent().unwrap_or(&folder);
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             file::write(&path, &content)?;
-            println!("wrote {}", path.display());
+            say!("wrote {}", path.display())?;
         }
     }
     let book = folder.join("docs");

@@ -7,6 +7,7 @@ use gym::{EnvSpec, Error, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Document;
+use crate::output::tell;
 use crate::policy::Policy;
 use crate::selection::Selection;
 
@@ -56,7 +57,7 @@ pub(super) fn measure(selection: Selection) -> Result<Returns> {
                 good: Policy::good(&spec.make()?)?.map(|_| summary(&spec, Policy::Good)).transpose()?,
             };
             let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
-            eprintln!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
+            tell!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
             Ok((spec.id, measured))
         })
         .collect()

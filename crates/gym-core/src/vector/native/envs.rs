@@ -15,7 +15,7 @@ use crate::rng::Stream;
 use crate::spaces::array_of;
 use crate::vector::slot::{describe, episode_over};
 use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
-use crate::{DType, Error, Generator, Result, Snapshot, Space, Value};
+use crate::{DType, Element, Error, Generator, Result, Snapshot, Space, Value};
 
 /// Environments stepped by one SIMD loop: the vector of [`entry_point`](super::entry_point).
 ///
@@ -164,6 +164,11 @@ impl<D: Native> NativeVectorEnv<D> {
     #[cold]
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
         self.action_space.check_actions(actions, self.num_envs)?;
+        if let Value::Tuple(items) = actions
+            && let Some(i) = items.iter().position(|item| D::Action::from_value(item).is_none())
+        {
+            return Err(self.action_space.refuse_action(&items[i]).at_env(i));
+        }
         let (Some(array), Some(dtype)) = (actions.as_array(), self.action_space.dtype()) else {
             return Err(self.action_space.refuse_action(actions));
         };

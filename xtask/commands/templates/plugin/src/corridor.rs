@@ -99,7 +99,7 @@ impl Task for CorridorDynamics {
     }
 
     fn metadata(&self) -> Metadata {
-        Metadata::drawn(5, (400, 100))
+        Metadata::drawn_and_text(5, (400, 100))
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
@@ -113,6 +113,17 @@ impl Task for CorridorDynamics {
         let color = if state.slipped { SLIPPED } else { AGENT };
         canvas.circle([left(state.cell) + width / 2.0, 50.0], width.min(40.0) * 0.35, color);
         canvas.text("Corridor", [8.0, 14.0], 8.0, Align::Left, Color::WHITE);
+    }
+
+    /// `A` is the agent, `>` the way out: what `cargo xtask play --terminal` shows.
+    fn ansi(&self, state: &State) -> Option<String> {
+        let last = self.config.length - 1;
+        let cell = |cell| match cell {
+            _ if cell == state.cell => 'A',
+            _ if cell == last => '>',
+            _ => '.',
+        };
+        Some((0..=last).map(cell).collect())
     }
 }
 
@@ -159,6 +170,14 @@ mod tests {
             let step = env.step(&Action::Right)?;
             assert_eq!((step.observation, step.reward, step.terminated), (cell, -1.0, cell == 3));
         }
+        Ok(())
+    }
+
+    #[test]
+    fn its_text_shows_agent_and_way_out() -> Result<()> {
+        let mut env = Corridor::new(Config { length: 4, slip: 0.0 })?;
+        env.reset(Reset::seed(0))?;
+        assert!(["A..>", ".A.>"].map(|text| Some(text.to_owned())).contains(&env.ansi()));
         Ok(())
     }
 

@@ -1,0 +1,47 @@
+//! Environments fit small stacks. A thread that Rust starts has 2 MiB, and whoever depends on these crates compiles them
+//! without optimisation, where each move of a value takes its size of the stack: `.ci/run` runs this test so.
+
+use gym::render::RenderMode;
+use gym::{Env, EnvExt, Reset, Result, registry};
+
+/// A quarter of what a thread has.
+const STACK: usize = 512 << 10;
+
+/// What a program does with an environment.
+fn use_all(id: &str) -> Result<()> {
+    let mut env = gym::builder(id).render_mode(RenderMode::RgbArray).build().or_else(|_| gym::make(id))?;
+    env.reset(0)?;
+    let mut actions = env.action_sampler(0)?;
+    env.step(&actions.sample())?;
+    let mut clone = env.clone();
+    clone.restore(&env.snapshot()?)?;
+    clone.step(&actions.sample())?;
+    if env.render_mode().is_some() {
+        env.render()?;
+    }
+    drop((env, clone));
+    gym::make(id)?.reset(Reset::default()).map(drop)
+}
+
+/// The end of a stack aborts the process: so this is run as another one, by the test below.
+#[test]
+#[ignore = "run by every_environment_fits_a_small_stack"]
+fn in_a_small_stack() {
+    for registration in registry::self_contained() {
+        let id = registration.id().to_owned();
+        println!("{id}");
+        let thread = std::thread::Builder::new().stack_size(STACK);
+        let used = thread.spawn(move || use_all(&id)).expect("a thread").join();
+        used.expect("no panic").expect("no error");
+    }
+}
+
+#[test]
+fn every_environment_fits_a_small_stack() {
+    let mut this = std::process::Command::new(std::env::current_exe().expect("this program"));
+    let output =
+        this.args(["in_a_small_stack", "--exact", "--ignored", "--nocapture"]).output().expect("it runs");
+    let [text, said] = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    assert!(output.status.success(), "the last of these needs more stack than {STACK} bytes: {text}\n{said}");
+    assert!(text.lines().count() > 40, "all were tried: {text}");
+}

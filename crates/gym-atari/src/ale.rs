@@ -127,22 +127,25 @@ impl Ale {
 
     /// Starts the first episode after loading the ROM, with the generator of sticky actions reseeded.
     pub fn reload(&mut self, seed: u32) {
+        self.load(seed);
+        self.reset();
+    }
+
+    /// Loads the ROM again, with the generator of sticky actions reseeded, for the episode that [`reset`](Self::reset) starts.
+    /// Until then the picture and the lives are those of before.
+    pub fn load(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
         for _ in 0..self.game.idle {
             self.progress.generator.random();
         }
         self.progress.frame_number = self.loaded.frame_number;
-        self.restart(self.loaded.ram);
+        *self.console.ram_mut() = self.loaded.ram;
     }
 
     /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
     pub fn reset(&mut self) {
-        self.restart(*self.console.ram());
-    }
-
-    /// As [`reset`](Self::reset), with this content of RAM at power-on.
-    fn restart(&mut self, ram: [u8; 128]) {
+        let ram = *self.console.ram(); // outlasts it
         let cartridge = self.console.cartridge().clone();
         let timer = POWER_ON_TIMER[self.progress.power_ons % POWER_ON_TIMER.len()];
         self.console = Console::new(cartridge, self.game.display, ram, timer);

@@ -1,6 +1,6 @@
 //! Details of the machine that no recorded game depends on, on programs of our own.
 
-use gym_atari::{Action, Ale, games};
+use gym_atari::{Ale, games};
 
 mod common {
     pub(crate) mod rom;
@@ -36,28 +36,4 @@ fn an_indirect_jump_stays_within_its_page() {
         code[at..at + marked.len()].copy_from_slice(&marked);
     }
     assert_eq!(played(&rom(&code)).ram().0[0x10], 1);
-}
-
-/// Bit 6 of VBLANK latches the triggers; a 0 there lets go of them.
-#[test]
-fn latched_triggers_are_released() {
-    let program = |latch: &[u8]| {
-        let begin = [0x78, 0xd8, 0xa2, 0xff, 0x9a]; // 5 bytes
-        // lda INPT4; sta $90
-        [&begin, latch, &[0xa5, 0x0c, 0x85, 0x90], &frame(0xf005)].concat()
-    };
-    let on = [0xa9, 0x40, 0x85, 0x01]; // lda #$40; sta VBLANK
-    let off_and_on = [&[0xa9, 0x00, 0x85, 0x01], &on[..]].concat();
-    for (latch, after) in [(&on[..], 0), (&off_and_on, 0x80)] {
-        let mut ale = played(&rom(&program(latch)));
-        let mut trigger = |action| {
-            for _ in 0..3 {
-                ale.act(action, 0.0);
-            }
-            ale.ram().0[0x10] & 0x80
-        };
-        assert_eq!(trigger(Action::Noop), 0x80);
-        assert_eq!(trigger(Action::Fire), 0);
-        assert_eq!(trigger(Action::Noop), after, "{latch:x?}");
-    }
 }

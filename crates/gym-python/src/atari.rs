@@ -65,8 +65,8 @@ impl Ale {
     }
 
     /// Plays a frame: its reward.
-    fn act(&self, py: Python<'_>, action: usize, paddle_strength: f32, sticky: f64) -> PyResult<i32> {
-        let Some(&action) = Action::ALL.get(action) else {
+    fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32, sticky: f64) -> PyResult<i32> {
+        let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
             let reason =
                 format!("{action} is no action of the Atari 2600: there are 0 to {}", Action::ALL.len() - 1);
             return Err(Error::argument("act", reason)).or_raise();
@@ -82,10 +82,10 @@ impl Ale {
         })
     }
 
-    /// Loads the ROM again and starts an episode.
-    fn reload(&self, py: Python<'_>, seed: u32) -> PyResult<()> {
+    /// Loads the ROM again, for the episode that `reset` starts.
+    fn load(&self, py: Python<'_>, seed: u32) -> PyResult<()> {
         self.with(py, |game| {
-            game.reload(seed);
+            game.load(seed);
             Ok(())
         })
     }
@@ -106,8 +106,9 @@ impl Ale {
                 |actions: &[Action]| actions.iter().map(|action| *action as usize).collect::<Vec<_>>();
             let modes: Vec<u16> = game.modes.iter().map(|(mode, _)| *mode).collect();
             let (legal, minimal) = (indices(game.legal), indices(game.minimal));
-            (game.name, game.display.rows, legal, minimal, modes, game.difficulties.to_vec())
-                .into_pyobject(py)
+            // (Python would get bytes for `u8`)
+            let difficulties: Vec<u16> = game.difficulties.iter().copied().map(u16::from).collect();
+            (game.name, game.display.rows, legal, minimal, modes, difficulties).into_pyobject(py)
         })
     }
 

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use crate::error::{OrRaise, guard};
 
-/// Every id with all that its spec says, as a JSON list.
+/// Every id that this build can make, with all that its spec says, as a JSON list.
 #[pyfunction]
 pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
@@ -34,7 +34,11 @@ pub(crate) fn specs() -> PyResult<String> {
             "native_vector": registration.vector_entry_point.is_some(),
         }))
     };
-    guard(|| Ok(Json::Array(all().into_iter().map(row).collect::<Result<_>>().or_raise()?).to_string()))
+    let is_built = |row: &gym::Registration| cfg!(feature = "rapier") || !row.id().starts_with("rapier/");
+    guard(|| {
+        let rows = all().into_iter().filter(is_built).map(row).collect::<Result<Vec<_>>>().or_raise()?;
+        Ok(Json::Array(rows).to_string())
+    })
 }
 
 /// Spaces and metadata of an id with its default arguments, as JSON.

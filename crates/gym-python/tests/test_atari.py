@@ -102,6 +102,26 @@ def test_states_are_stored(game: str) -> None:
     assert twin.ale.getFrameNumber() == env.ale.getFrameNumber() + 4
 
 
+def test_seeding_loading_and_settings(game: str) -> None:
+    kwargs = {"difficulty": 0, "max_num_frames_per_episode": 300}
+    ours, theirs = (env.unwrapped for env in both(game, **kwargs))
+    mode = ours.ale.getAvailableModes()[-1]
+    answers = []
+    for env in (ours, theirs):
+        env.reset(seed=1)
+        env.ale.setMode(mode)
+        answer = [env.reset(), env.reset(seed=2), env.seed_game(3), env.load_game(), env.reset(), env.np_random.integers(1000)]
+        env.ale.reset_game()
+        rewards = [env.ale.act(action % 18) for action in range(320)]
+        answer += [rewards, env.ale.getRAM(), env.ale.game_over(), env.ale.game_over(False), env.ale.getEpisodeFrameNumber()]
+        answer += [env.ale.getInt(name) for name in ("random_seed", "max_num_frames_per_episode", "nothing")]
+        answers.append([*answer, env.ale.getFloat("repeat_action_probability"), env.ale.getFloat("nothing")])
+    assert_same(*answers)
+    ours.seed_game(3)
+    ours.load_game()
+    assert_same(ours.reset()[0], rustgym.make(game, **kwargs).reset(seed=3)[0])
+
+
 def test_bad_input() -> None:
     env = rustgym.make("ALE/Breakout-v5").unwrapped
     ale = env.ale
@@ -115,8 +135,9 @@ def test_bad_input() -> None:
             call()
     with pytest.raises(TypeError):
         ale.getRAM(np.zeros(128, np.int8))
-    with pytest.raises(ValueError, match="no action"):
-        ale.act(18)
+    for action in (18, -1):
+        with pytest.raises(ValueError, match="no action"):
+            ale.act(action)
     with pytest.raises(gymnasium.error.Error, match="sound"):
         ale.getAudio()
     with pytest.raises(ValueError, match="/nowhere"):

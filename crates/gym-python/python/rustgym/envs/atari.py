@@ -1,372 +1,283 @@
-"""The games of the Atari 2600, with what ale-py's users read of them: ``ale``, ``get_action_meanings()``, ``clone_state()``, ...
-
-Nothing here needs ale-py, but for the ROMs that its package brings.
-"""
+"""The games of Atari: what ale-py's users read of an environment, and the usual preprocessing in Rust."""
 
 from __future__ import annotations
 
-import enum
-import json
 from collections.abc import Mapping
+from enum import IntEnum
 from typing import Any
 
 import gymnasium
 import numpy as np
 import numpy.typing as npt
+from gymnasium.utils import seeding
 
-from rustgym._native import Ale, AleState
+from rustgym import _native
+from rustgym._json import to_json
+from rustgym._native import AleState
 from rustgym.env import ClassEnv, entropy, spec_of
 
-__all__ = ["ALEInterface", "Action", "AleState", "AtariEnv"]
+__all__ = ["Action", "Ale", "AleState", "AtariEnv", "preprocessed"]
+
+Buffer = npt.NDArray[np.uint8]
 
 
-class Action(enum.Enum):
-    """What a player does in a frame."""
+# with ale-py's names and numbers
+Action = IntEnum(
+    "Action",
+    "NOOP FIRE UP RIGHT LEFT DOWN UPRIGHT UPLEFT DOWNRIGHT DOWNLEFT UPFIRE RIGHTFIRE LEFTFIRE DOWNFIRE "
+    "UPRIGHTFIRE UPLEFTFIRE DOWNRIGHTFIRE DOWNLEFTFIRE",
+    start=0,
+)
 
-    NOOP = 0
-    FIRE = 1
-    UP = 2
-    RIGHT = 3
-    LEFT = 4
-    DOWN = 5
-    UPRIGHT = 6
-    UPLEFT = 7
-    DOWNRIGHT = 8
-    DOWNLEFT = 9
-    UPFIRE = 10
-    RIGHTFIRE = 11
-    LEFTFIRE = 12
-    DOWNFIRE = 13
-    UPRIGHTFIRE = 14
-    UPLEFTFIRE = 15
-    DOWNRIGHTFIRE = 16
-    DOWNLEFTFIRE = 17
+# the keys of `gymnasium.utils.play`, in the order in which ale-py lists those of an action
+_KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
 
 
-# the keys of each part of an action's name, in the order in which ale-py gives them
-_KEYS = {"UP": "w", "DOWN": "s", "LEFT": "a", "RIGHT": "d", "FIRE": " "}
+class Ale:
+    """The game of an environment, to be played and looked at past it, with the methods of ale-py's ``ALEInterface``.
 
-#: What ``preprocessing`` is where it is only turned on.
-PREPROCESSING: dict[str, Any] = {
-    "noop_max": 30,
-    "frame_skip": 4,
-    "screen_size": 84,
-    "terminal_on_life_loss": False,
-    "clip_reward": False,
-    "frame_stack": 4,
-}
-
-
-def preprocessed(env_id: str, how: bool | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """The arguments of a game whose pictures are preprocessed, and the wrappers of the Rust side that do it."""
-    if "frameskip" not in spec_of(env_id)["defaults"]:
-        raise TypeError(f"preprocessing is for the games of Atari: {env_id} is none")
-    given = {} if isinstance(how, bool) else dict(how)
-    for name in given:
-        if name not in PREPROCESSING:
-            raise TypeError(f"preprocessing has no {name!r}: it has {', '.join(PREPROCESSING)}")
-    asked = PREPROCESSING | given
-    size = asked["screen_size"]
-    width, height = (size, size) if isinstance(size, int) else size
-    names = ("noop_max", "frame_skip", "terminal_on_life_loss")
-    arguments = {name: asked[name] for name in names} | {"screen_size": [height, width]}
-    wrappers: list[dict[str, Any]] = [{"name": "AtariPreprocessing", "kwargs": arguments}]
-    if asked["clip_reward"]:
-        wrappers.append({"name": "ClipReward", "kwargs": {"min_reward": -1, "max_reward": 1}})
-    if asked["frame_stack"]:
-        wrappers.append({"name": "FrameStackObservation", "kwargs": {"stack_size": asked["frame_stack"]}})
-    return {**kwargs, "frameskip": 1, "obs_type": "rgb"}, json.dumps(wrappers)
-
-
-class ALEInterface:
-    """The game that an environment plays, with the methods of ale-py's ``ALEInterface``.
-
-    What it does, it does to the environment. Pictures and RAM are new arrays, or go to a buffer that is given.
+    Unlike ale-py's it plays the ROM of its environment and no other, and has no sound. The arguments of ``make`` settle what
+    the getters of settings tell. Pictures and RAM come as new arrays or are written to a ``uint8`` buffer of their shape.
     """
 
     def __init__(self, env: AtariEnv) -> None:
         self._env = env
-        self._settings: dict[str, Any] = {
-            "repeat_action_probability": env.arguments["repeat_action_probability"],
-            "random_seed": 0,
-            "frame_skip": 1,
-            "color_averaging": False,
-            "sound_obs": False,
-            "display_screen": False,
-            "sound": False,
-        }
-        # whether the game stands where loading the ROM leaves it
-        self._is_loaded = False
+        self._native = _native.Ale(env._native)
 
-    @property
-    def _game(self) -> Ale:
-        return Ale(self._env._native)
+    # -- playing
 
-    def act(self, action: int | enum.Enum, paddle_strength: float = 1.0) -> int:
-        """Plays a frame with an action, by number or name, and gives its reward."""
-        self._is_loaded = False
-        number = action.value if isinstance(action, enum.Enum) else getattr(action, "value", action)
-        return self._game.act(number, paddle_strength, float(self._settings["repeat_action_probability"]))
+    def act(self, action: int, paddle_strength: float = 1.0) -> int:
+        """Plays a frame, in which the action before may stick, and gives the reward; ``ValueError`` for no ``Action``."""
+        return self._native.act(action, paddle_strength, self._env.arguments["repeat_action_probability"])
 
     def reset_game(self) -> None:
-        """Starts an episode."""
-        if not self._is_loaded:
-            self._game.reset()
-        self._is_loaded = False
-
-    def loadROM(self, rom_file: Any = None) -> None:  # noqa: N802 - ale-py's names, here and below
-        """Loads the game again, with the seed ``random_seed``; it stays the game that the environment plays."""
-        self._game.reload(int(self._settings["random_seed"]) & 0xFFFF_FFFF)
-        self._is_loaded = True
+        self._native.reset()
 
     def lives(self) -> int:
-        """The lives that are left; 0 where a game has none."""
-        return self._game.progress()[0]
+        """The lives that are left; 0 in games without any."""
+        return self._native.progress()[0]
 
     def game_over(self, with_truncation: bool = True) -> bool:
-        """Whether the game is over, or with ``with_truncation`` the episode has as many frames as it may."""
-        _, over, truncated, _, _ = self._game.progress()
-        return over or (with_truncation and truncated)
+        """Whether the episode has ended: with the game, or by as many frames as it may have."""
+        _, is_over, is_truncated, _, _ = self._native.progress()
+        return is_over or (with_truncation and is_truncated)
 
     def game_truncated(self) -> bool:
-        """Whether the episode has as many frames as it may, and the game is not over."""
-        _, over, truncated, _, _ = self._game.progress()
-        return truncated and not over
+        return self._native.progress()[2]
 
-    def getFrameNumber(self) -> int:  # noqa: N802
-        """The frames since the game was made."""
-        return self._game.progress()[3]
+    def getFrameNumber(self) -> int:
+        return self._native.progress()[3]
 
-    def getEpisodeFrameNumber(self) -> int:  # noqa: N802
-        """The frames of this episode."""
-        return self._game.progress()[4]
+    def getEpisodeFrameNumber(self) -> int:
+        return self._native.progress()[4]
 
-    def getScreenDims(self) -> tuple[int, int]:  # noqa: N802
-        """Height and width of the picture."""
-        return self._game.facts()[1], 160
+    # -- looking
 
-    def getScreen(self, buffer: npt.NDArray[np.uint8] | None = None) -> Any:  # noqa: N802
-        """The picture as indices of colours, ``uint8`` of shape ``(height, 160)``."""
-        return self._game.screen("index", buffer)
+    def getScreen(self, buffer: Buffer | None = None) -> Any:
+        """The picture as indices of colours, shape ``(rows, 160)``."""
+        return self._native.screen("index", buffer)
 
-    def getScreenRGB(self, buffer: npt.NDArray[np.uint8] | None = None) -> Any:  # noqa: N802
-        """The picture in red, green and blue, ``uint8`` of shape ``(height, 160, 3)``."""
-        return self._game.screen("rgb", buffer)
+    def getScreenRGB(self, buffer: Buffer | None = None) -> Any:
+        """The picture in colours, shape ``(rows, 160, 3)``."""
+        return self._native.screen("rgb", buffer)
 
-    def getScreenGrayscale(self, buffer: npt.NDArray[np.uint8] | None = None) -> Any:  # noqa: N802
-        """The picture in shades of gray, ``uint8`` of shape ``(height, 160)``."""
-        return self._game.screen("gray", buffer)
+    def getScreenGrayscale(self, buffer: Buffer | None = None) -> Any:
+        """The picture in gray, shape ``(rows, 160)``."""
+        return self._native.screen("gray", buffer)
 
-    def getRAM(self, buffer: npt.NDArray[np.uint8] | None = None) -> Any:  # noqa: N802
-        """The RAM, ``uint8`` of shape ``(128,)``."""
-        return self._game.ram(buffer)
+    def getScreenDims(self) -> tuple[int, int]:
+        """Rows and columns of the picture."""
+        return self._native.facts()[1], 160
 
-    def getRAMSize(self) -> int:  # noqa: N802
-        """128."""
+    def getRAM(self, buffer: Buffer | None = None) -> Any:
+        """The RAM, shape ``(128,)``."""
+        return self._native.ram(buffer)
+
+    def getRAMSize(self) -> int:
         return 128
 
-    def setRAM(self, index: int, value: int) -> None:  # noqa: N802
-        """Changes a byte of the RAM. Score and lives follow with the next frame."""
-        self._is_loaded = False
-        self._game.set_ram(index, value)
+    def setRAM(self, index: int, value: int) -> None:
+        self._native.set_ram(index, value)
 
-    def getAudio(self, buffer: Any = None) -> Any:  # noqa: N802
-        """Refused: sound is not emulated."""
-        raise gymnasium.error.Error("sound is not emulated, so there is no audio")
+    def getAudio(self, buffer: Buffer | None = None) -> Any:
+        """Raises ``gymnasium.error.Error``: there is no sound."""
+        raise gymnasium.error.Error("sound is not emulated, so there is none to return")
 
-    def getLegalActionSet(self) -> list[Action]:  # noqa: N802
-        """All actions."""
-        return [Action(number) for number in self._game.facts()[2]]
+    # -- the game and its settings
 
-    def getMinimalActionSet(self) -> list[Action]:  # noqa: N802
-        """The actions that make a difference in the game."""
-        return [Action(number) for number in self._game.facts()[3]]
+    def getLegalActionSet(self) -> list[Action]:
+        """The actions that the game accepts."""
+        return [Action(number) for number in self._native.facts()[2]]
 
-    def getAvailableModes(self) -> list[int]:  # noqa: N802
-        """The game's modes."""
-        return sorted(self._game.facts()[4])
+    def getMinimalActionSet(self) -> list[Action]:
+        """The actions that have an effect in the game."""
+        return [Action(number) for number in self._native.facts()[3]]
 
-    def getAvailableDifficulties(self) -> list[int]:  # noqa: N802
-        """The game's difficulties."""
-        return sorted(self._game.facts()[5])
+    def getAvailableModes(self) -> list[int]:
+        return self._native.facts()[4]
 
-    def setMode(self, mode: int) -> None:  # noqa: N802
-        """Chooses the mode of the episodes that follow."""
-        _, difficulty, frames = self._game.settings()
-        self._game.configure(mode, difficulty, frames)
+    def getAvailableDifficulties(self) -> list[int]:
+        return self._native.facts()[5]
 
-    def setDifficulty(self, difficulty: int) -> None:  # noqa: N802
-        """Chooses the difficulty of the episodes that follow."""
-        mode, _, frames = self._game.settings()
-        self._game.configure(mode, difficulty, frames)
+    def setMode(self, mode: int) -> None:
+        """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` for one that the game does not have."""
+        _, difficulty, max_frames = self._native.settings()
+        self._native.configure(mode, difficulty, max_frames)
 
-    def cloneState(self, include_rng: bool = False) -> AleState:  # noqa: N802
-        """Where the game stands; with ``include_rng`` sticky actions will stick again as they do now."""
-        return self._game.state(include_rng)
+    def setDifficulty(self, difficulty: int) -> None:
+        """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` for one that there is not."""
+        mode, _, max_frames = self._native.settings()
+        self._native.configure(mode, difficulty, max_frames)
 
-    def cloneSystemState(self) -> AleState:  # noqa: N802
-        """Where the game stands, random numbers included."""
-        return self._game.state(True)
+    def getInt(self, name: str) -> int:
+        """The setting ``random_seed`` or ``max_num_frames_per_episode`` (0 for no limit); -1 for others."""
+        if name == "random_seed":
+            return int(self._env._seeds()[1].astype(np.int32))
+        return self._native.settings()[2] or 0 if name == "max_num_frames_per_episode" else -1
 
-    def restoreState(self, state: AleState) -> None:  # noqa: N802
-        """Goes on from where the game stood."""
-        self._is_loaded = False
-        self._game.set_state(state)
+    def getFloat(self, name: str) -> float:
+        """The setting ``repeat_action_probability``; -1 for others."""
+        return float(self._env.arguments[name]) if name == "repeat_action_probability" else -1.0
 
-    restoreSystemState = restoreState  # noqa: N815
+    # -- states
 
-    def saveScreenPNG(self, path: Any) -> None:  # noqa: N802
-        """Writes the picture to a file; needs Pillow."""
-        from PIL import Image
+    def cloneState(self, include_rng: bool = False) -> AleState:
+        """Where the game stands: to be compared, pickled and restored, in a game of the same ROM."""
+        return self._native.state(include_rng)
 
-        Image.fromarray(self.getScreenRGB()).save(path)
+    def restoreState(self, state: AleState) -> None:
+        """Goes on from a state. The action that may stick is the last that was done, as in ale-py.
 
-    # -- settings by name
+        Without ``include_rng`` in ``cloneState`` the random numbers go on as well, instead of back to those of the state.
+        """
+        self._native.set_state(state)
 
-    def _get(self, name: str) -> Any:
-        if name == "max_num_frames_per_episode":
-            return self._game.settings()[2] or 0
-        return self._settings.get(name)
+    def cloneSystemState(self) -> AleState:
+        """The state with its random numbers."""
+        return self.cloneState(include_rng=True)
 
-    def _set(self, name: str, value: Any) -> None:
-        if name == "max_num_frames_per_episode":
-            mode, difficulty, _ = self._game.settings()
-            self._game.configure(mode, difficulty, int(value) or None)
-        elif name in ("sound_obs", "sound", "display_screen") and value:
-            raise gymnasium.error.Error(f"{name} cannot be turned on: the game has neither sound nor a window here")
-        elif name in self._settings:
-            self._settings[name] = value
-        else:
-            raise gymnasium.error.Error(f"there is no setting {name!r}: there are {', '.join(self._settings)}")
-
-    def getInt(self, name: str) -> int:  # noqa: N802
-        """A setting as a whole number; -1 for one that is unknown."""
-        value = self._get(name)
-        return -1 if value is None else int(value)
-
-    def getFloat(self, name: str) -> float:  # noqa: N802
-        """A setting as a number; -1 for one that is unknown."""
-        value = self._get(name)
-        return -1.0 if value is None else float(value)
-
-    def getBool(self, name: str) -> bool:  # noqa: N802
-        """A setting as a truth value."""
-        return self._get(name) == 1
-
-    def getString(self, name: str) -> str:  # noqa: N802
-        """A setting as text; empty for one that is unknown."""
-        value = self._get(name)
-        return "" if value is None else str(int(value) if isinstance(value, bool) else value)
-
-    setInt = setFloat = setBool = setString = _set  # noqa: N815
-
-    def setLoggerMode(self, mode: Any) -> None:  # noqa: N802
-        """Accepted: nothing is logged."""
+    restoreSystemState = restoreState
 
 
 class AtariEnv(ClassEnv):
-    """A game of the Atari 2600.
+    """A game of the Atari 2600, with what ale-py's ``AtariEnv`` tells of it.
+
+    Unlike ale-py's it needs a ``reset`` before the first ``step``.
 
     Args:
-        preprocessing: ``True``, or a dict with some of ``noop_max=30``, ``frame_skip=4``, ``screen_size=84``,
-            ``terminal_on_life_loss=False``, ``clip_reward=False``, ``frame_stack=4`` (0 for none): observations are then those of
-            Gymnasium's ``AtariPreprocessing`` and ``FrameStackObservation``, made in Rust: ``uint8`` of shape ``(4, 84, 84)``.
-            The game's own ``frameskip`` is 1 then.
-        rom_dir: A folder with ROMs. Without one they are looked for in ``ALE_ROMS_DIR``, then in an installed ale-py.
-        kwargs: The other arguments of ale-py's ``AtariEnv``.
+        render_mode: As of ``rustgym.Env``.
+        preprocessing: ``True`` or a dict of settings for what Gymnasium's ``AtariPreprocessing`` and ``FrameStackObservation``
+            do, here in Rust; a step then has ``frame_skip`` frames, and ``frameskip`` is 1. The settings: ``noop_max`` (30),
+            ``frame_skip`` (4), ``screen_size`` (84, or width and height), ``terminal_on_life_loss`` (``False``),
+            ``clip_reward`` (``False``) to -1 and 1, ``frame_stack`` (4; 0 for one picture without an axis for them).
+        kwargs: The arguments of ale-py's ``AtariEnv``, and ``rom_dir``.
     """
 
-    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
-
-    _interface: ALEInterface | None = None
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
 
     def __init__(
-        self,
-        render_mode: str | None = None,
-        *,
-        preprocessing: bool | Mapping[str, Any] | None = None,
-        **kwargs: Any,
+        self, render_mode: str | None = None, preprocessing: bool | Mapping[str, Any] | None = None, **kwargs: Any
     ) -> None:
         if preprocessing:
             kwargs, self._wrappers = preprocessed(self._id, preprocessing, kwargs)
         super().__init__(render_mode, **kwargs)
-
-    @property
-    def ale(self) -> ALEInterface:
-        """The game."""
-        if self._interface is None or self._interface._env is not self:
-            self._interface = ALEInterface(self)
-        return self._interface
-
-    @property
-    def _frameskip(self) -> int | tuple[int, int]:
+        if preprocessing:
+            self._given = {**kwargs, "preprocessing": preprocessing}
         skip = self.arguments["frameskip"]
-        return skip if isinstance(skip, int) else tuple(skip)
+        self._frameskip = skip if isinstance(skip, int) else tuple(skip)
+        self._game, self._obs_type = self.arguments["game"], self.arguments["obs_type"]
+        self._game_mode, self._game_difficulty = self.arguments["mode"], self.arguments["difficulty"]
 
     @property
-    def _game(self) -> str:
-        return str(self.arguments["game"])
-
-    @property
-    def _game_mode(self) -> int | None:
-        mode: int | None = self.arguments["mode"]
-        return mode
-
-    @property
-    def _game_difficulty(self) -> int | None:
-        difficulty: int | None = self.arguments["difficulty"]
-        return difficulty
-
-    @property
-    def _obs_type(self) -> str:
-        return str(self.arguments["obs_type"])
+    def ale(self) -> Ale:
+        """The game."""
+        return Ale(self)
 
     @property
     def _action_set(self) -> list[Action]:
-        whole = self.arguments["full_action_space"] or self.arguments["continuous"]
-        return self.ale.getLegalActionSet() if whole else self.ale.getMinimalActionSet()
+        if self.arguments["continuous"]:
+            return list(Action)
+        return self.ale.getLegalActionSet() if self.arguments["full_action_space"] else self.ale.getMinimalActionSet()
 
     def get_action_meanings(self) -> list[str]:
-        """The name of each action, such as ``"RIGHTFIRE"``."""
+        """The names of the actions."""
         return [action.name for action in self._action_set]
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
-        """The action that each combination of keys stands for: w, a, s, d, the space bar, and e for nothing."""
+        """The keys for each action, as ``gymnasium.utils.play`` takes them; ``AttributeError`` with ``continuous``."""
         if self.arguments["continuous"]:
-            raise AttributeError("get_keys_to_action: keys do not stand for continuous actions")
-        keys = {}
-        for number, action in enumerate(self._action_set):
-            pressed = tuple(key for part, key in _KEYS.items() if part in action.name)
-            keys[pressed or ("e",)] = number
-        return keys
+            raise AttributeError("there are no keys for continuous actions: get_keys_to_action needs continuous=False")
+        names = enumerate(self.get_action_meanings())
+        return {tuple(key for word, key in _KEYS.items() if word in name) or ("e",): index for index, name in names}
 
-    def clone_state(self, include_rng: bool = False) -> AleState:
-        """Where the game stands; with ``include_rng`` sticky actions will stick again as they do now."""
-        return self.ale.cloneState(include_rng=include_rng)
-
-    def restore_state(self, state: AleState) -> None:
-        """Goes on from where the game stood."""
-        self.ale.restoreState(state)
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """As ``Env.reset``; with a seed the ROM is loaded again, and mode and difficulty are those of ``make``."""
+        if seed is not None:
+            self._configure()
+        observation, info = super().reset(seed=seed, options=options)
+        if seed is None:
+            info.pop("seeds", None)
+        return observation, info
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
-        """Seeds ``np_random`` and, from the next ``load_game`` on, the game: the two words that were used."""
-        first, second = np.random.SeedSequence(entropy() if seed is None else seed).generate_state(2)
-        self.np_random = np.random.default_rng(int(first))
-        self.ale.setInt("random_seed", int(second))
+        """Seeds ``np_random``, and from the next ``load_game`` on the game: gives the seeds of both."""
+        if seed is None:
+            seed = entropy()
+        if not self._native.is_running():
+            super().reset(seed=seed)
+        self._np_random_seed = seed
+        first, second = self._seeds()
+        self._np_random, _ = seeding.np_random(int(first))
         return first, second
 
     def load_game(self) -> None:
-        """Loads the ROM again."""
-        self.ale.loadROM()
+        """Loads the ROM again, for an episode with mode and difficulty of ``make``, which the next reset starts."""
+        if self._np_random_seed in (None, -1):
+            self.seed_game()
+        self._configure()
+        self.ale._native.load(int(self._seeds()[1]))
 
-    def render(self) -> Any:
-        """As ``Env.render``: the game's own picture, ``uint8`` of shape ``(height, 160, 3)``."""
-        return self.ale.getScreenRGB() if self.render_mode == "rgb_array" else super().render()
+    def _configure(self) -> None:
+        self.ale._native.configure(self._game_mode, self._game_difficulty, self.arguments["max_num_frames_per_episode"])
 
-    def __copy__(self) -> Any:
-        twin = super().__copy__()
-        twin.__dict__.pop("_interface", None)
-        return twin
+    def _seeds(self) -> npt.NDArray[np.uint32]:
+        """The seeds of ``np_random`` and of the game."""
+        return np.random.SeedSequence(self._np_random_seed).generate_state(2).astype(np.uint32)
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name != "_interface"}
+    def clone_state(self, include_rng: bool = False) -> AleState:
+        """As ``Ale.cloneState``."""
+        return self.ale.cloneState(include_rng)
+
+    def restore_state(self, state: AleState) -> None:
+        """As ``Ale.restoreState``."""
+        self.ale.restoreState(state)
+
+
+def preprocessed(
+    env_id: str, preprocessing: bool | Mapping[str, Any], kwargs: dict[str, Any]
+) -> tuple[dict[str, Any], str]:
+    """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
+
+    Raises:
+        TypeError: for an environment that is no game of Atari, and for a setting that there is not.
+    """
+    if spec_of(env_id)["crate"] != "gym-atari":
+        raise TypeError(f"preprocessing is for the games of Atari, and {env_id} is none")
+    if not isinstance(preprocessing, bool | Mapping):
+        raise TypeError(f"preprocessing must be True or a dict of settings, not {preprocessing!r}")
+    settings: dict[str, Any] = {"noop_max": 30, "frame_skip": 4, "screen_size": 84, "terminal_on_life_loss": False}
+    settings |= {"clip_reward": False, "frame_stack": 4}
+    for name, value in {} if isinstance(preprocessing, bool) else preprocessing.items():
+        if name not in settings:
+            raise TypeError(f"preprocessing has no {name!r}: its settings are {', '.join(settings)}")
+        settings[name] = value
+    clip, stack, size = settings.pop("clip_reward"), settings.pop("frame_stack"), settings["screen_size"]
+    # in Rust the height comes first
+    settings["screen_size"] = [size, size] if np.ndim(size) == 0 else list(size)[::-1]
+    wrappers = [("AtariPreprocessing", settings)]
+    if clip:
+        wrappers.append(("ClipReward", {"min_reward": -1.0, "max_reward": 1.0}))
+    if stack:
+        wrappers.append(("FrameStackObservation", {"stack_size": stack}))
+    listed = ", ".join(to_json({"name": name, "kwargs": arguments}) for name, arguments in wrappers)
+    return {**kwargs, "frameskip": 1}, f"[{listed}]"

@@ -256,8 +256,8 @@ mod tests {
         assert!(refused(float(), json!(0.0)).starts_with("expected a list"));
 
         let whole = || BoxSpace::uniform(0.0, 9.0, [], DType::U8).unwrap();
-        assert!(refused(whole(), json!(1.5)).starts_with("1.5 is no number of type uint8"));
-        assert!(refused(whole(), json!(256)).starts_with("256 is no number of type uint8"));
+        assert!(refused(whole(), json!(1.5)).starts_with("1.5 is not a number of type uint8"));
+        assert!(refused(whole(), json!(256)).starts_with("256 is not a number of type uint8"));
         assert!(Space::from(whole()).from_json(&json!(3.0)).is_ok());
         let largest = BoxSpace::new([0], [u64::MAX]).unwrap();
         let json = json!([u64::MAX]);
@@ -265,7 +265,7 @@ mod tests {
         assert_eq!(value, Value::Array([u64::MAX].into()));
         assert_eq!(Space::from(largest).to_json(&value).unwrap(), json);
 
-        assert!(refused(Space::discrete(3), json!(1.5)).starts_with("1.5 is no number of type int64"));
+        assert!(refused(Space::discrete(3), json!(1.5)).starts_with("1.5 is not a number of type int64"));
         assert_eq!(Space::discrete(3).from_json(&json!(7)).unwrap(), Value::Int(7));
         assert!(
             refused(Discrete::new(3).unwrap().with_dtype(DType::I8).unwrap(), json!(200)).contains("int8")

@@ -55,11 +55,14 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         Value::Float(f64::NAN),
         Value::Text("left".into()),
         Value::Array(Array::default()),
-        Value::Array([0.5f64, 0.5].into()),
         Value::Tuple(vec![]),
         Value::Dict(vec![("a".into(), Value::Int(0))]),
         Value::OneOf(usize::MAX, Box::new(Value::Null)),
     ];
+    // a box may take numbers of another precision
+    if !matches!(space, Space::Box(_)) {
+        actions.push(Value::Array([0.5f64, 0.5].into()));
+    }
     if let Space::Discrete(space) = space {
         actions.extend(space.start().checked_sub(1).map(Value::Int));
         actions.extend(space.last().checked_add(1).map(Value::Int));
@@ -67,8 +70,8 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
     if let Value::Array(array) = valid {
         let (dtype, shape) = (array.dtype(), array.shape());
         actions.extend(wrong_elements(space, array));
-        if dtype.is_float() {
-            let not_a_number = Data::from_f64(dtype, vec![f64::NAN; array.len()]);
+        for float in [DType::F32, DType::F64] {
+            let not_a_number = Data::from_f64(float, vec![f64::NAN; array.len()]);
             actions.extend(Array::new(shape, not_a_number).map(Value::Array));
         }
         let others = [

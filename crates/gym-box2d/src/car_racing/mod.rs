@@ -251,16 +251,14 @@ impl CarRacing {
     /// As [`Env::reset_into`].
     pub fn reset_state(&mut self, reset: &Reset) -> Result<()> {
         let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
-        let mut colors = Colors::DEFAULT;
-        if self.config.domain_randomize {
-            let Options { randomize } = reset.options("CarRacing")?;
-            colors = match &self.episode {
-                _ if randomize => Colors::random(&mut rng),
-                Some(episode) => episode.colors,
-                // those of the constructor, drawn from its own generator
-                None => Colors::random(&mut rng.clone()),
-            };
-        }
+        let Options { randomize } = reset.options("CarRacing")?;
+        let colors = match &self.episode {
+            _ if !self.config.domain_randomize => Colors::DEFAULT,
+            _ if randomize => Colors::random(&mut rng),
+            Some(episode) => episode.colors,
+            // those of the constructor, drawn from its own generator
+            None => Colors::random(&mut rng.clone()),
+        };
         let mut episode = Episode::new(self.config.physics, rng, colors);
         episode.advance(&self.config, self.version, None);
         self.episode = Some(episode);

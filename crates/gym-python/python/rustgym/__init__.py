@@ -50,7 +50,6 @@ from rustgym import envs as envs
 from rustgym._native import PanicError
 from rustgym.env import Env
 from rustgym.registration import ids, make, make_vec, register, spec
-from rustgym.registration import _classes as _make_classes
 from rustgym.vector_env import VectorEnv
 
 __version__ = _native.__version__
@@ -93,7 +92,7 @@ for _name in ("error", "logger", "spaces", "utils", "vector", "wrappers"):
     sys.modules[f"rustgym.{_name}"] = getattr(gymnasium, _name)
 
 #: What stands in for the classes and functions that programs import from ``gymnasium.envs``.
-CLASSES: dict[str, Any] = _make_classes()
+CLASSES: dict[str, Any] = envs.stand_ins()
 
 
 def __getattr__(name: str) -> Any:

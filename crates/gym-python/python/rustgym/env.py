@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json
 import operator
-import os
-from collections.abc import Mapping
-from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import gymnasium
@@ -14,46 +11,11 @@ import numpy as np
 from gymnasium import logger
 
 from rustgym import _native as native
-from rustgym._json import to_json
 from rustgym._spaces import space_from
+from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
 
 __all__ = ["Env"]
-
-_SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
-
-
-def spec_of(env_id: str) -> dict[str, Any]:
-    """What the registry of the Rust side says about an id."""
-    try:
-        return _SPECS[env_id]
-    except KeyError:
-        native.describe(env_id)  # raises, and says what is near the name
-        raise
-
-
-def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
-    """Arguments in the form of the Rust side, with what depends on this Python: where its games are."""
-    defaults = spec_of(env_id)["defaults"]
-    if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
-        package = find_spec("ale_py")
-        folders = [os.path.join(place, "roms") for place in (package and package.submodule_search_locations) or ()]
-        arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
-    return to_json(arguments)
-
-
-def native_options(env_id: str, options: Any) -> str | None:
-    """Reset options in the form of the Rust side: those that the environment has; others are ignored, as in Gymnasium.
-
-    Raises:
-        TypeError: for what is no dict.
-    """
-    if options is None:
-        return None
-    if not isinstance(options, Mapping):
-        raise TypeError(f"options must be a dict or None, not {options!r} of type {type(options).__name__}")
-    known = spec_of(env_id)["reset_options"]
-    return to_json({name: value for name, value in options.items() if name in known}) if options else None
 
 
 class _Kind(type):
@@ -62,13 +24,11 @@ class _Kind(type):
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         if cls is not Env or not (args or "env_id" in kwargs):
             return super().__call__(*args, **kwargs)
-        import rustgym.envs as envs
-
         env_id = kwargs.pop("env_id") if "env_id" in kwargs else args[0]
         spec_of(env_id)
         if len(args) > 1:
             raise TypeError("rustgym.Env takes an id; its other arguments have names")
-        return getattr(envs, envs.class_name(env_id))(**kwargs)
+        return class_of(env_id)(**kwargs)
 
 
 class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
@@ -157,9 +117,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     @staticmethod
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
         """The environment around a native one, which may have wrappers of the Rust side."""
-        import rustgym.envs as envs
-
-        env: Env = getattr(envs, envs.class_name(env_id))(render_mode=render_mode, **json.loads(inner.arguments()))
+        env: Env = class_of(env_id)(render_mode=render_mode, **json.loads(inner.arguments()))
         env._native = inner
         env._take_spaces()
         env._np_random_seed = -1
@@ -394,11 +352,6 @@ class ClassEnv(Env):
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         super().__init__(self._id, render_mode=render_mode, **kwargs)
-
-
-def metadata_from(description: dict[str, Any]) -> dict[str, Any]:
-    """Gymnasium's metadata."""
-    return {"render_modes": list(description["render_modes"]), "render_fps": description["render_fps"]}
 
 
 def entropy() -> int:

@@ -12,8 +12,7 @@ from gymnasium import VectorizeMode
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.envs.registration import registry as gymnasium_registry
 
-from rustgym.env import _SPECS
-from rustgym.envs import class_name
+from rustgym._specs import SPECS, entry_point
 
 __all__ = ["ids", "make", "make_vec", "namespaced", "register", "registry", "spec"]
 
@@ -27,7 +26,7 @@ _NOT_OURS = ("GymV21Environment", "GymV26Environment")
 
 def ids() -> list[str]:
     """The ids of the Rust registry, in order: those that ``rustgym.make`` knows."""
-    return [env_id for env_id in _SPECS if not env_id.startswith(_NOT_OURS)]
+    return [env_id for env_id in SPECS if not env_id.startswith(_NOT_OURS)]
 
 
 def namespaced(env_id: str) -> str:
@@ -36,15 +35,15 @@ def namespaced(env_id: str) -> str:
 
 
 def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
-    row = _SPECS[env_id]
+    row = SPECS[env_id]
     return EnvSpec(
         name,
-        entry_point=f"rustgym.envs:{class_name(env_id)}",
+        entry_point=entry_point(env_id),
         reward_threshold=row["reward_threshold"],
         nondeterministic=row["nondeterministic"],
         max_episode_steps=row["max_episode_steps"],
         kwargs=dict(row["kwargs"]),
-        vector_entry_point=f"rustgym.envs:{class_name(env_id)}_Vector" if has_vector else None,
+        vector_entry_point=entry_point(env_id) + "_Vector" if has_vector else None,
     )
 
 
@@ -127,37 +126,3 @@ def spec(env_id: str) -> EnvSpec:
 def registry() -> dict[str, EnvSpec]:
     """Gymnasium's registry as ``rustgym.make`` sees it: with our environments under their own ids."""
     return {**gymnasium_registry, **{env_id: spec(env_id) for env_id in ids() if namespaced(env_id) in gymnasium_registry}}
-
-
-def _classes() -> dict[str, Any]:
-    import rustgym.envs as envs
-
-    where = {
-        "classic_control": ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"],
-        "box2d": ["BipedalWalker", "CarRacing", "LunarLander"],
-        "toy_text": ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv"],
-    }
-    files = {
-        "AcrobotEnv": "acrobot",
-        "CartPoleEnv": "cartpole",
-        "Continuous_MountainCarEnv": "continuous_mountain_car",
-        "MountainCarEnv": "mountain_car",
-        "PendulumEnv": "pendulum",
-        "BipedalWalker": "bipedal_walker",
-        "CarRacing": "car_racing",
-        "LunarLander": "lunar_lander",
-        "BlackjackEnv": "blackjack",
-        "CliffWalkingEnv": "cliffwalking",
-        "FrozenLakeEnv": "frozen_lake",
-        "TaxiEnv": "taxi",
-    }
-    classes: dict[str, Any] = {}
-    for family, names in where.items():
-        for name in names:
-            classes[f"gymnasium.envs.{family}:{name}"] = getattr(envs, name)
-            classes[f"gymnasium.envs.{family}.{files[name]}:{name}"] = getattr(envs, name)
-    classes["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = envs.__getattr__("CartPole_v1_Vector")
-    if find_spec("mujoco"):  # without it Gymnasium's module cannot be imported
-        classes["gymnasium.envs.mujoco.mujoco_env:MujocoEnv"] = envs.MujocoEnv
-    classes["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = envs.generate_random_map
-    return classes

@@ -15,8 +15,10 @@ from gymnasium.vector.utils import batch_space
 
 from rustgym import _native
 from rustgym._json import to_json
+from rustgym._preprocessing import preprocessed
 from rustgym._spaces import space_from
-from rustgym.env import Env, metadata_from, native_arguments, native_options, spec_of
+from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
+from rustgym.env import Env
 
 __all__ = ["VectorEnv"]
 
@@ -101,8 +103,6 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             each[name] = {"low": values[0], "high": values[1]} if is_range else list(values)
         self._wrappers = "[]"
         if preprocessing:
-            from rustgym.envs.atari import preprocessed
-
             kwargs, self._wrappers = preprocessed(env_id, preprocessing, kwargs)
             max_episode_steps = -1 if max_episode_steps is None else max_episode_steps
         self.env_id = env_id
@@ -267,9 +267,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     @property
     def state(self) -> npt.NDArray[np.float64]:
         """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
-        import rustgym.envs as envs
-
-        names: tuple[str, ...] = getattr(getattr(envs, envs.class_name(self.env_id)), "state_names", ())
+        names: tuple[str, ...] = getattr(class_of(self.env_id), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
             raise AttributeError(f"{self.env_id} has no state of a few numbers, or was not reset yet")

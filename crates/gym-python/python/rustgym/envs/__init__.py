@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import json
 import re
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
 import gymnasium.envs
 
 from rustgym import _native
-from rustgym.env import _SPECS, ClassEnv, Env, metadata_from
+from rustgym._specs import SPECS, class_name, metadata_from
+from rustgym.env import ClassEnv, Env
 from rustgym.envs.atari import AtariEnv
 from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
 from rustgym.envs.classic_control import (
@@ -26,6 +28,7 @@ from rustgym.envs.classic_control import (
 )
 from rustgym.envs.mujoco import MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
+from rustgym.registration import registry as _registry
 from rustgym.vector_env import VectorEnv
 
 __all__ = [
@@ -43,7 +46,6 @@ __all__ = [
     "MujocoEnv",
     "PendulumEnv",
     "TaxiEnv",
-    "class_name",
     "generate_random_map",
 ]
 
@@ -86,12 +88,7 @@ _BASES: dict[str, type[Env]] = {
 _MORE_MODES = {"CarRacing": ["state_pixels"]}
 
 
-def class_name(env_id: str) -> str:
-    """The name of an id's class: ``CartPole_v1`` for ``CartPole-v1``."""
-    return re.sub(r"\W", "_", env_id)
-
-
-_IDS = {class_name(env_id): env_id for env_id in _SPECS}
+_IDS = {class_name(env_id): env_id for env_id in SPECS}
 
 
 def _task(env_id: str) -> str:
@@ -106,7 +103,7 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 
 
 def _env_class(name: str, env_id: str) -> type[Env]:
-    spec = _SPECS[env_id]
+    spec = SPECS[env_id]
     base = AtariEnv if spec["crate"] == "gym-atari" else _BASES.get(_task(env_id), ClassEnv)
     # a game cannot be made, and so be described, without its ROM
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
@@ -128,9 +125,7 @@ def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
 
 def __getattr__(name: str) -> Any:
     if name == "registry":
-        from rustgym.registration import registry
-
-        return registry()
+        return _registry()
     made: Any
     if name in _IDS:
         made = _env_class(name, _IDS[name])
@@ -146,3 +141,31 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *_IDS, *(f"{name}_Vector" for name in _IDS)})
+
+
+def stand_ins() -> dict[str, Any]:
+    """What stands in for the classes and functions that programs import from ``gymnasium.envs``."""
+    modules = {
+        "classic_control.acrobot": AcrobotEnv,
+        "classic_control.cartpole": CartPoleEnv,
+        "classic_control.continuous_mountain_car": Continuous_MountainCarEnv,
+        "classic_control.mountain_car": MountainCarEnv,
+        "classic_control.pendulum": PendulumEnv,
+        "box2d.bipedal_walker": BipedalWalker,
+        "box2d.car_racing": CarRacing,
+        "box2d.lunar_lander": LunarLander,
+        "toy_text.blackjack": BlackjackEnv,
+        "toy_text.cliffwalking": CliffWalkingEnv,
+        "toy_text.frozen_lake": FrozenLakeEnv,
+        "toy_text.taxi": TaxiEnv,
+    }
+    found: dict[str, Any] = {}
+    for module, made in modules.items():
+        family = module.partition(".")[0]
+        found[f"gymnasium.envs.{family}:{made.__name__}"] = made
+        found[f"gymnasium.envs.{module}:{made.__name__}"] = made
+    found["gymnasium.envs.classic_control.cartpole:CartPoleVectorEnv"] = __getattr__("CartPole_v1_Vector")
+    if find_spec("mujoco"):  # without it Gymnasium's module cannot be imported
+        found["gymnasium.envs.mujoco.mujoco_env:MujocoEnv"] = MujocoEnv
+    found["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = generate_random_map
+    return found

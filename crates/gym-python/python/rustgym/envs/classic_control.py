@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rustgym._json import to_json
-from rustgym.env import ClassEnv, entropy, spec_of
+from rustgym._specs import spec_of
+from rustgym.env import ClassEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 

@@ -1,0 +1,41 @@
+"""Atari's common preprocessing by wrappers of the Rust side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from rustgym._json import to_json
+from rustgym._specs import spec_of
+
+
+def preprocessed(
+    env_id: str, preprocessing: bool | Mapping[str, Any], kwargs: dict[str, Any]
+) -> tuple[dict[str, Any], str]:
+    """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
+
+    Raises:
+        TypeError: for an environment that is no game of Atari, and for a setting that there is not.
+    """
+    if spec_of(env_id)["crate"] != "gym-atari":
+        raise TypeError(f"preprocessing is for the games of Atari, and {env_id} is none")
+    if not isinstance(preprocessing, bool | Mapping):
+        raise TypeError(f"preprocessing must be True or a dict of settings, not {preprocessing!r}")
+    settings: dict[str, Any] = {"noop_max": 30, "frame_skip": 4, "screen_size": 84, "terminal_on_life_loss": False}
+    settings |= {"clip_reward": False, "frame_stack": 4}
+    for name, value in {} if isinstance(preprocessing, bool) else preprocessing.items():
+        if name not in settings:
+            raise TypeError(f"preprocessing has no {name!r}: its settings are {', '.join(settings)}")
+        settings[name] = value
+    clip, stack, size = settings.pop("clip_reward"), settings.pop("frame_stack"), settings["screen_size"]
+    # in Rust the height comes first
+    settings["screen_size"] = [size, size] if np.ndim(size) == 0 else list(size)[::-1]
+    wrappers = [("AtariPreprocessing", settings)]
+    if clip:
+        wrappers.append(("ClipReward", {"min_reward": -1.0, "max_reward": 1.0}))
+    if stack:
+        wrappers.append(("FrameStackObservation", {"stack_size": stack}))
+    listed = ", ".join(to_json({"name": name, "kwargs": arguments}) for name, arguments in wrappers)
+    return {**kwargs, "frameskip": 1}, f"[{listed}]"

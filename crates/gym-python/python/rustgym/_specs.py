@@ -1,0 +1,70 @@
+"""What the registry of the Rust side says about each id, and how it takes arguments and options."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from importlib.util import find_spec
+from typing import Any
+
+from gymnasium.envs.registration import load_env_creator
+
+from rustgym import _native as native
+from rustgym._json import to_json
+
+SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
+
+
+def spec_of(env_id: str) -> dict[str, Any]:
+    """What the registry of the Rust side says about an id."""
+    try:
+        return SPECS[env_id]
+    except KeyError:
+        native.describe(env_id)  # raises, and says what is near the name
+        raise
+
+
+def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
+    """Arguments in the form of the Rust side, with what depends on this Python: where its games are."""
+    defaults = spec_of(env_id)["defaults"]
+    if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
+        package = find_spec("ale_py")
+        folders = [os.path.join(place, "roms") for place in (package and package.submodule_search_locations) or ()]
+        arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
+    return to_json(arguments)
+
+
+def native_options(env_id: str, options: Any) -> str | None:
+    """Reset options in the form of the Rust side: those that the environment has; others are ignored, as in Gymnasium.
+
+    Raises:
+        TypeError: for what is no dict.
+    """
+    if options is None:
+        return None
+    if not isinstance(options, Mapping):
+        raise TypeError(f"options must be a dict or None, not {options!r} of type {type(options).__name__}")
+    known = spec_of(env_id)["reset_options"]
+    return to_json({name: value for name, value in options.items() if name in known}) if options else None
+
+
+def class_name(env_id: str) -> str:
+    """The name of an id's class: ``CartPole_v1`` for ``CartPole-v1``."""
+    return re.sub(r"\W", "_", env_id)
+
+
+def entry_point(env_id: str) -> str:
+    """Where Gymnasium's registry finds an id's class."""
+    return f"rustgym.envs:{class_name(env_id)}"
+
+
+def class_of(env_id: str) -> Any:
+    """The class that stands for an id, found as Gymnasium's registry finds it."""
+    return load_env_creator(entry_point(env_id))
+
+
+def metadata_from(description: dict[str, Any]) -> dict[str, Any]:
+    """Gymnasium's metadata."""
+    return {"render_modes": list(description["render_modes"]), "render_fps": description["render_fps"]}

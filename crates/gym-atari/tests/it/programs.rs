@@ -5,13 +5,8 @@ use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input, switch};
 use gym_atari::{Action, Ale, Display, games};
 
-mod common {
-    pub(crate) mod lcg;
-    pub(crate) mod rom;
-}
-
-use common::lcg::Lcg;
-use common::rom::rom;
+use crate::lcg::Lcg;
+use crate::rom::rom;
 
 /// As ale-py plays a file named `seaquest.bin`: loaded, and reset once.
 fn played(rom: &[u8]) -> Ale {

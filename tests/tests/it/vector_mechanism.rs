@@ -197,7 +197,7 @@ fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
 
 /// The methods of the trait, read from its source, so that a new one cannot be forgotten here.
 fn methods() -> BTreeSet<String> {
-    let source = include_str!("../../crates/gym-core/src/vector/mod.rs");
+    let source = include_str!("../../../crates/gym-core/src/vector/mod.rs");
     let (_, body) = source.split_once("pub trait VectorEnv").expect("the trait");
     let (body, _) = body.split_once("\n}\n").expect("its end");
     let names = body.lines().filter_map(|line| line.strip_prefix("    fn "));

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use gym_mujoco::recording;
 use serde_json::{Map, Value};
 
-mod common;
-use common::same;
+use crate::common::same;
 
 /// All recordings of a kind.
 fn recordings(kind: &str) -> Vec<PathBuf> {

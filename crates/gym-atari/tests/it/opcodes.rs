@@ -2,11 +2,7 @@
 
 use gym_atari::{Ale, games};
 
-mod common {
-    pub(crate) mod lcg;
-}
-
-use common::lcg::Lcg;
+use crate::lcg::Lcg;
 
 /// The modes by opcode: `i` none, `#` immediate, `z` zero page, with `x` and `y` added, `a` absolute, with `X` and `Y` added,
 /// `(` and `)` indirect, before and behind the index, `*` indirect, `r` relative; `P`, `Q` and `R` are `X`, `Y` and `)` that write.

@@ -2,11 +2,7 @@
 
 use gym_atari::{Ale, games};
 
-mod common {
-    pub(crate) mod rom;
-}
-
-use common::rom::rom;
+use crate::rom::rom;
 
 /// Lines until the next frame, then back to an address.
 fn frame(back: u16) -> Vec<u8> {

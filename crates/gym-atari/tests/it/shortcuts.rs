@@ -4,13 +4,8 @@ use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 
-mod common {
-    pub(crate) mod lcg;
-    pub(crate) mod rom;
-}
-
-use common::lcg::Lcg;
-use common::rom::rom;
+use crate::lcg::Lcg;
+use crate::rom::rom;
 
 const BRANCHES: [u8; 8] = [0xd0, 0x10, 0x30, 0xf0, 0x90, 0xb0, 0x50, 0x70];
 

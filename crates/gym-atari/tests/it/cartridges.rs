@@ -5,11 +5,7 @@ use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 
-mod common {
-    pub(crate) mod lcg;
-}
-
-use common::lcg::Lcg;
+use crate::lcg::Lcg;
 
 /// Selects banks at random, by every kind of access, and stores bytes of them from `$80` on. Banks of 4K hold the same program each;
 /// that of `E0` is in the last slice, which stays.

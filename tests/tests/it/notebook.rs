@@ -9,7 +9,7 @@ fn its_cells_run() {
 
 #[test]
 fn it_was_run_and_shows_pictures() {
-    let text = include_str!("../../docs/notebook.ipynb");
+    let text = include_str!("../../../docs/notebook.ipynb");
     let notebook: serde_json::Value = serde_json::from_str(text).unwrap();
     let cells = notebook["cells"].as_array().unwrap();
     let code = || cells.iter().filter(|cell| cell["cell_type"] == "code");

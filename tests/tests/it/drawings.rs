@@ -1,6 +1,6 @@
 //! The drawing calls of each environment, compared with those in `tests/drawings`.
 //!
-//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test drawings` keeps the new
+//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it drawings` keeps the new
 //! ones: look at the pictures (`cargo xtask gif ID`) before that.
 
 use std::path::Path;

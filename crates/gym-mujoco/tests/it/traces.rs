@@ -9,8 +9,7 @@ use gym_core::registry;
 use gym_mujoco::simulated;
 use serde_json::{Value, json};
 
-mod common;
-use common::same;
+use crate::common::same;
 
 /// Compares a file: how many events, or what is not the same to the last bit.
 fn compare(path: &Path) -> Result<usize, String> {

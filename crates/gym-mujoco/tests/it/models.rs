@@ -7,8 +7,7 @@ use gym_mujoco::Model;
 use gym_mujoco::tasks::load;
 use serde_json::Value;
 
-mod common;
-use common::same;
+use crate::common::same;
 
 /// Collects what differs, numbers by their last bit.
 fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<String>) {

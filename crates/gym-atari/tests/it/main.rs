@@ -1,0 +1,12 @@
+//! Tests of the crate from outside: one program, which is linked once.
+
+mod cartridges;
+mod details;
+mod environment;
+mod games;
+mod lcg;
+mod opcodes;
+mod programs;
+mod recordings;
+mod rom;
+mod shortcuts;

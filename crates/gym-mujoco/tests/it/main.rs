@@ -1,0 +1,12 @@
+//! Tests of the crate from outside: one program, which is linked once.
+
+mod adversarial;
+mod common;
+mod episodes;
+mod mjcf;
+mod models;
+mod recorded;
+mod simulation;
+mod tasks;
+mod traces;
+mod vectors;

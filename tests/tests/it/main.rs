@@ -1,0 +1,21 @@
+//! Tests across the crates: one program, which is linked once.
+
+mod bad_input;
+mod book;
+mod drawings;
+mod main_job;
+mod native;
+mod notebook;
+mod parity;
+mod parity_box2d;
+mod properties;
+mod sizes;
+mod vector;
+mod vector_maps;
+mod vector_mechanism;
+mod vector_snapshots;
+mod vector_specs;
+mod vector_wrappers;
+mod wrappers;
+mod wrappers_rebuild;
+mod wrappers_render;

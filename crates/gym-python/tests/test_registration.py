@@ -42,7 +42,11 @@ for id in ("CartPole-v1", "LunarLander-v2", "Taxi-v3", "LunarLander-v3", "CarRac
 assert type(gymnasium.make_vec("CartPole-v1", 2)).__module__ == "rustgym.envs"
 assert type(gymnasium.make_vec("Pendulum-v1", 2)) is gymnasium.vector.SyncVectorEnv
 assert gymnasium.registry["GymV26Environment-v0"] is old["GymV26Environment-v0"]
-print("done")
+try:
+    gymnasium.make("Taxi-v40")
+except gymnasium.error.VersionNotFound as error:
+    assert "[ `v4` ]" in str(error), error
+    print("done")
 """
     assert run(code) == "done\n"
 

@@ -213,7 +213,7 @@ fn another_process_continues() {
     }
     std::fs::write(folder.path().join("run.json"), serde_json::to_string(&runs).unwrap()).unwrap();
     let child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "child"])
+        .args(["--exact", "vector_snapshots::child"])
         .env(CHILD, folder.path())
         .output()
         .unwrap();

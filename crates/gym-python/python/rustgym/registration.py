@@ -53,8 +53,9 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
     Args:
         id: The id of an environment of yours: with it this is ``gymnasium.register``, with the arguments of that.
         replace: With ``True`` also under Gymnasium's own ids, such as ``CartPole-v1``, for all that ``gymnasium.make`` and
-            libraries on top of it do from then on; and under those that this version of Gymnasium lacks. ``make_vec`` then
-            gives the numbers of ``SyncVectorEnv``: sub-environment ``i`` is seeded with ``seed + i``.
+            libraries on top of it do from then on; and under those that this version of Gymnasium lacks, whose specs keep
+            ids such as ``rustgym/Taxi-v3``. ``make_vec`` then gives the numbers of ``SyncVectorEnv``: sub-environment ``i``
+            is seeded with ``seed + i``.
     """
     if id is not None:
         gymnasium.register(id, *args, **kwargs)
@@ -72,7 +73,9 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
             old = gymnasium_registry.get(env_id)
             # an id without a vector of its own keeps none: `make_vec` then makes Gymnasium's SyncVectorEnv of ours
             has_vector = old is not None and old.vector_entry_point is not None
-            gymnasium_registry[env_id] = _spec(env_id, env_id, has_vector)
+            # a wrong version gets suggestions by the specs' ids, and Gymnasium suggests none that it lacks
+            is_theirs = old is not None and old.id == env_id
+            gymnasium_registry[env_id] = _spec(env_id if is_theirs else name, env_id, has_vector)
 
 
 def _ours(env_id: Any) -> Any:

@@ -28,7 +28,7 @@ Options:
       --single        Also writes gallery.html there: the whole page in one file, which a double click opens
       --serve         Shows the page at http://localhost:8000 until it is interrupted
       --port NUMBER   Another port, for --serve
-      --test          Tests the page in a Chromium without display
+      --test          Tests the page in a Chromium without display, and the one file of --single
       --traces FOLDER Replays the recorded traces in that folder too, for --test
       --small         Classic control and toy text alone: quick to build, for work on the page
       --plugin PATH   A gallery of the environments of the crate in that folder
@@ -85,14 +85,14 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     let page = Page::read(&module, plugin.is_none())?;
     page.write(&out)?;
     say(format_args!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000))?;
-    if options.single {
+    let single = if options.single { Some(page.in_one_file()?) } else { None };
+    if let Some(text) = &single {
         let path = out.join("gallery.html");
-        let text = page.in_one_file()?;
         write(&path, text.as_bytes())?;
         say(format_args!("{}: {} kB", path.display(), text.len() / 1000))?;
     }
     if options.test {
-        test::test(&out, options.traces.as_deref())?;
+        test::test(&out, single.as_deref(), options.traces.as_deref())?;
     }
     if options.serve {
         let (listener, port) = serve::listen(options.port.unwrap_or(8000))?;

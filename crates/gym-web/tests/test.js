@@ -52,6 +52,7 @@ function button(label) {
   check(found, `there is no button “${label}”`);
   return found;
 }
+const parameters = new URLSearchParams(location.search);
 const colours = (pixels) => new Set(new Uint32Array(pixels.buffer)).size;
 const shown = (canvas) => new Uint8Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
 
@@ -69,6 +70,13 @@ async function make(id, seed = "0", kwargs = {}, fit = null) {
   const step = (by, count = 1, action = null) => engine.request({ do: "step", env, by, action, learner: null, count });
   const ask = (what, more = {}) => engine.request({ do: what, env, ...more });
   return { env, description, state, step, ask };
+}
+
+if (parameters.has("single")) {
+  await test("the page as one file, opened as a file, shows a picture", async () => {
+    check(parameters.get("single") !== "never", "it shows none");
+    return `after ${parameters.get("single")} ms`;
+  });
 }
 
 await test("every environment of the book is in the list", async () => {
@@ -235,6 +243,25 @@ await testOf("CartPole-v1", "pause, steps forth and back", async () => {
   await until(() => step() === at, "a step");
 });
 
+await test("every part fits a narrow screen, light and dark", async () => {
+  frame.width = 360;
+  const ids = ["CartPole-v1", "Humanoid-v5", "ALE/Pong-v5"].filter(has);
+  const parts = ["#/", ...(ids.length ? ids : [environments[0].id]).map((id) => `#/${id}`), ...(has("FrozenLake-v1") ? ["#/learn/FrozenLake-v1"] : [])];
+  for (const hash of parts) {
+    await open(hash, "main h1");
+    await sleep(300);
+    const { clientWidth, scrollWidth } = frame.contentDocument.documentElement;
+    check(scrollWidth <= clientWidth, `${hash} is ${scrollWidth} pixels wide, of ${clientWidth}`);
+  }
+  const ground = () => frame.contentWindow.getComputedStyle(frame.contentDocument.body).backgroundColor;
+  const before = ground();
+  button("Light or dark").click();
+  check(ground() !== before, `the ground stays ${before}`);
+  button("Light or dark").click();
+  check(ground() === before, `the ground was ${before} and is ${ground()}`);
+  frame.width = 1200;
+});
+
 await testOf("FrozenLake-v1", "Q-learning learns FrozenLake, and its values are drawn", async () => {
   await open("#/learn/FrozenLake-v1", ".lesson .primary");
   const pace = find("select[aria-label=Pace]");
@@ -265,20 +292,24 @@ await test("recorded traces replay equal", async () => {
   if (!response.ok) return "(none were given)";
   const names = await response.json();
   let [replayed, events, other] = [0, 0, 0];
+  const families = new Map();
   for (const name of names) {
     const bytes = new Uint8Array(await (await fetch(`/traces/${encodeURIComponent(name)}`)).arrayBuffer());
     const parsed = JSON.parse(new TextDecoder().decode(bytes));
-    if (!Array.isArray(parsed.events) || typeof parsed.id !== "string" || !has(parsed.id) || environments.find(({ id }) => id === parsed.id).missing) {
+    const environment = environments.find(({ id }) => id === parsed.id);
+    if (!Array.isArray(parsed.events) || !environment || environment.missing) {
       other += 1;
       continue;
     }
     const answer = await engine.request({ do: "replay" }, bytes);
     check(answer.difference === null, `${name}: ${answer.difference}`);
     replayed += 1;
+    families.set(environment.family, (families.get(environment.family) ?? 0) + 1);
     events += answer.events;
     if (replayed % 25 === 0) await post({ name: "…", note: `${replayed} traces so far` });
   }
-  return `${replayed} equal, ${events} events; ${other} of another form or for what is not here`;
+  check(replayed > 0, "no trace is of an environment here");
+  return `${replayed} equal (${[...families].map(([name, n]) => `${name} ${n}`).join(", ")}), ${events} events; ${other} of another form or for what is not here`;
 });
 
 await test("speed", async () => {

@@ -1,5 +1,6 @@
 //! Tests of the page in a real browser, without display.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -15,22 +16,45 @@ use crate::{root, say};
 const LONGEST: Duration = Duration::from_secs(1800);
 /// Longer than that no single test takes.
 const SILENCE: Duration = Duration::from_secs(300);
+/// Added to the page as one file: once it shows a picture, or does not within a minute, the other tests begin.
+const SINGLE: &str = r#"<script>
+const wait = setInterval(() => {
+  const canvas = document.querySelector(".tile canvas");
+  const pixels = canvas?.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  const seen = pixels && new Set(new Uint32Array(pixels.buffer)).size > 1;
+  const now = Math.round(performance.now());
+  if (!seen && now < 60000) return;
+  clearInterval(wait);
+  location = "TESTS?single=" + (seen ? now : "never");
+}, 20);
+</script>
+"#;
 
-/// Opens the test page in Chromium; it posts each result, and `{"done": ...}` at the end.
-pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
+/// Opens the test page in Chromium, after the page as `single` file if there is one; it posts each result, and
+/// `{"done": ...}` at the end.
+pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> Result<(), String> {
     let (posts, results) = mpsc::channel();
     let mut folders = vec![("test", root().join("crates/gym-web/tests"))];
     folders.extend(traces.map(|folder| ("traces", folder.to_owned())));
     let site = Site { page: page.to_owned(), folders, posts: Some(posts) };
     let (listener, port) = listen(0)?;
     thread::spawn(move || serve(&listener, &site));
-    let profile = std::env::temp_dir().join(format!("gym-web-test-{}", std::process::id()));
-    let browser = Browser::start(&format!("http://localhost:{port}/test/test.html"), &profile)?;
-    let end = Instant::now() + LONGEST;
+    let folder = std::env::temp_dir().join(format!("gym-web-test-{}", std::process::id()));
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut url = format!("http://localhost:{port}/test/test.html");
+    if let Some(text) = single {
+        let file = folder.join("gallery.html");
+        super::write(&file, (text.to_owned() + &SINGLE.replace("TESTS", &url)).as_bytes())?;
+        url = format!("file://{}", file.display());
+    }
+    let mut browser = Browser::start(&url, &folder)?;
     let mut failed = 0;
+    let start = Instant::now();
+    let mut heard = start;
     let outcome = loop {
-        match results.recv_timeout(SILENCE) {
+        match results.recv_timeout(Duration::from_secs(2)) {
             Ok(text) => {
+                heard = Instant::now();
                 let result: Json = serde_json::from_str(&text).map_err(|error| format!("{text}: {error}"))?;
                 if let Some(count) = result["done"].as_u64() {
                     break match failed {
@@ -49,15 +73,22 @@ pub(super) fn test(page: &Path, traces: Option<&Path>) -> Result<(), String> {
                     }
                 }
             }
-            Err(RecvTimeoutError::Timeout) => break Err("the page has stopped reporting".into()),
+            // one that cannot be asked has not ended
+            Err(RecvTimeoutError::Timeout) if matches!(browser.0.try_wait(), Ok(Some(_))) => {
+                break Err("the browser ended before the tests".into());
+            }
+            Err(RecvTimeoutError::Timeout) if heard.elapsed() > SILENCE => {
+                break Err("the page has stopped reporting".into());
+            }
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break Err("the server ended".into()),
         }
-        if Instant::now() > end {
+        if start.elapsed() > LONGEST {
             break Err("the tests take too long".into());
         }
     };
     drop(browser);
-    let _ = std::fs::remove_dir_all(profile);
+    let _ = fs::remove_dir_all(folder);
     outcome
 }
 

@@ -108,12 +108,17 @@ impl RomDir {
         &self.0
     }
 
+    /// The file of a game's ROM, whether there is one or not.
+    pub fn file(&self, game: &Game) -> PathBuf {
+        self.0.join(format!("{}.bin", game.name))
+    }
+
     /// The ROM of a game.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if there is none, or if it is not the one that the game was checked with.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
-        let path = self.0.join(format!("{}.bin", game.name));
+        let path = self.file(game);
         let bytes = fs::read(&path).map_err(|error| {
             Error::argument(
                 game.title,

@@ -6,6 +6,8 @@
 // they panic where the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+#[cfg(feature = "families")]
+mod atari;
 mod bench;
 mod conform;
 mod demo;
@@ -66,6 +68,9 @@ enum Command {
     /// Compiles a model in MJCF and prints its sizes.
     #[cfg(feature = "families")]
     Mjcf(mjcf::Arguments),
+    /// Compares your ROMs of the Atari 2600 with what ale-py was recorded to do.
+    #[cfg(feature = "families")]
+    Atari(atari::Arguments),
     /// Writes the pages about the environments, and checks the book.
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
@@ -113,6 +118,8 @@ fn command(arguments: Arguments, selection: Selection) -> Result<()> {
         Command::Replay(arguments) => replay::replay(&arguments),
         #[cfg(feature = "families")]
         Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
+        #[cfg(feature = "families")]
+        Command::Atari(arguments) => atari::atari(arguments),
         Command::Docs(arguments) => docs::docs(&arguments, selection),
         Command::Bench(arguments) => bench::bench(&arguments, selection),
         Command::Conform(arguments) => conform::conform(&arguments, selection),
@@ -194,7 +201,8 @@ mod tests {
                 (Some(flag), Some("web")) if web.contains(&format!("--{flag} ")) => {}
                 (Some(flag), Some(name)) => {
                     let of = program.find_subcommand(name).ok_or(format!("`{name}` has no option"))?;
-                    let mut flags = of.get_arguments().filter_map(clap::Arg::get_long);
+                    let inner = of.get_subcommands().flat_map(clap::Command::get_arguments);
+                    let mut flags = of.get_arguments().chain(inner).filter_map(clap::Arg::get_long);
                     flags.find(|other| *other == flag).ok_or(format!("`{name}` has no option `--{flag}`"))?;
                 }
                 (Some(flag), None) => return Err(format!("`--{flag}` is an option of no command")),

@@ -59,7 +59,8 @@ fn list() {
 fn help_knows_every_command() {
     let help = prints(&["help"]);
     assert!(help.contains("Usage: cargo xtask"), "{help}");
-    for command in ["list", "demo", "gif", "play", "run", "replay", "docs", "bench", "conform", "new", "soak"]
+    for command in
+        ["list", "demo", "gif", "play", "run", "replay", "atari", "docs", "bench", "conform", "new", "soak"]
     {
         let names_it = |line: &str| first_word(line) == command;
         assert!(help.lines().any(names_it), "{command}: {help}");
@@ -143,6 +144,35 @@ fn replay_compares_and_writes() {
 #[test]
 fn the_book_is_up_to_date() {
     prints(&["docs", "--check"]);
+}
+
+#[test]
+fn atari_check_tells_of_every_rom() {
+    let roms = folder("roms");
+    let check = || xtask(&["atari", "check", "--rom-dir", roms.to_str().unwrap()]);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    let output = check();
+    assert!(!output.status.success() && output.stdout.is_empty(), "there is nothing to compare");
+    let error = text(output.stderr);
+    assert!(error.contains("has no ROM of a known game: a file is named as alien.bin"), "{error}");
+
+    let games = gym::atari::games::GAMES.len();
+    let mut equal = 0;
+    if let Some(found) = gym::atari::RomDir::find() {
+        std::fs::copy(found.path().join("pong.bin"), roms.join("pong.bin")).unwrap();
+        let table = prints(&["atari", "check", "--rom-dir", roms.to_str().unwrap()]);
+        let expected = format!("1 of {games} games are as recorded, {} have no ROM here\n", games - 1);
+        assert_eq!(table, format!("{:20} as recorded\n{expected}", "pong"));
+        equal = 1;
+    }
+    std::fs::write(roms.join("seaquest.bin"), "no game").unwrap();
+    let output = check();
+    assert!(!output.status.success());
+    let (table, error) = (text(output.stdout), text(output.stderr));
+    let row = table.lines().find(|line| first_word(line) == "seaquest").expect("a row");
+    assert!(row.contains("seaquest.bin has the MD5") && row.contains("another game or edition"), "{row}");
+    assert!(table.contains(&format!("\n{equal} of {games} games are as recorded")), "{table}");
+    assert!(error.contains(&format!("1 of {} ROMs failed", equal + 1)), "{error}");
 }
 
 /// Each has a controller, and one that is better than chance.

@@ -2,6 +2,8 @@
 
 mod book;
 mod draw;
+#[cfg(feature = "families")]
+mod games;
 mod page;
 mod returns;
 mod wrappers;
@@ -37,6 +39,17 @@ fn read(folder: &Path, path: &str) -> Result<String> {
     std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))
 }
 
+/// The lines around a part of a page that is written here.
+type Marks = [&'static str; 2];
+
+/// A page with this text between its marks.
+fn between(name: &str, page: &str, marks: Marks, text: &str) -> Result<String> {
+    let parts = page.split_once(marks[0]).and_then(|(head, rest)| Some((head, rest.split_once(marks[1])?.1)));
+    let (head, tail) =
+        parts.ok_or_else(|| Error::custom(format!("{name} lacks the marks around its table")))?;
+    Ok(format!("{head}{}\n{text}\n{}{tail}", marks[0], marks[1]))
+}
+
 pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     let folder = selection.folder();
     let returns = if arguments.measure { returns::measure(selection)? } else { returns::read(&folder)? };
@@ -46,6 +59,8 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
         documents.push(returns::document(&returns)?);
     }
     documents.extend(wrappers::document(&folder)?);
+    #[cfg(feature = "families")]
+    documents.extend(games::document(&folder)?);
     if arguments.draw {
         for page in &pages {
             documents.extend(draw::gif(page)?);
@@ -74,4 +89,21 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     let book = folder.join("docs");
     // a plugin need not have a book around its pages
     if book.join("SUMMARY.md").exists() { book::check(&book) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_put_between_its_marks() {
+        let marks = ["<a>\n", "<b>\n"];
+        let page = between("page.md", "head\n<a>\nold\n<b>\ntail\n", marks, "new\n").unwrap();
+        assert_eq!(page, "head\n<a>\n\nnew\n\n<b>\ntail\n");
+        assert_eq!(between("page.md", &page, marks, "new\n").unwrap(), page);
+        for page in ["", "<a>\n", "<b>\n<a>\n"] {
+            let error = between("page.md", page, marks, "new\n").unwrap_err().to_string();
+            assert!(error.contains("page.md lacks the marks"), "{error}");
+        }
+    }
 }

@@ -6,21 +6,17 @@ use std::path::Path;
 use gym::registry::{self, WrapperRegistration};
 use gym::{Argument, Error, Result};
 
-use super::{Document, read};
+use super::{Document, Marks, between, read};
 
 const PAGE: &str = "docs/wrappers.md";
-const MARKS: [&str; 2] = ["<!-- wrappers: written by cargo xtask docs -->\n", "<!-- end of wrappers -->\n"];
+const MARKS: Marks = ["<!-- wrappers: written by cargo xtask docs -->\n", "<!-- end of wrappers -->\n"];
 
 /// The page with its table as the registrations are, if the book has it.
 pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
     if !folder.join(PAGE).exists() {
         return Ok(None);
     }
-    let page = read(folder, PAGE)?;
-    let parts = page.split_once(MARKS[0]).and_then(|(head, rest)| Some((head, rest.split_once(MARKS[1])?.1)));
-    let (head, tail) =
-        parts.ok_or_else(|| Error::custom(format!("{PAGE} lacks the marks around its table")))?;
-    let mut table = String::from("\n| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
+    let mut table = String::from("| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
     let all = registry::wrappers();
     for (i, wrapper) in all.iter().enumerate() {
         // one row where an environment's and a vector's are two types
@@ -46,7 +42,8 @@ pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
         let row = writeln!(table, "| `{name}` | {around} | {what} | {} |", arguments.join("<br>"));
         row.map_err(|error| Error::custom(error.to_string()))?;
     }
-    Ok(Some((PAGE.into(), format!("{head}{}{table}\n{}{tail}", MARKS[0], MARKS[1]).into_bytes())))
+    let page = between(PAGE, &read(folder, PAGE)?, MARKS, &table)?;
+    Ok(Some((PAGE.into(), page.into_bytes())))
 }
 
 /// `` `delay`: integer. By how many steps observations are late ``

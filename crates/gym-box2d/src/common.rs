@@ -5,7 +5,7 @@ use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::vector::lockstep::Together;
 use gym_core::{Error, Registration, Result};
 
-use crate::physics::{FixtureId, LANES, Lanes, Vec2, World};
+use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
 /// Worlds whose velocities are solved together.
 #[derive(Clone, Debug)]
@@ -33,8 +33,7 @@ impl Together for Worlds {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     pub(crate) call: Call,
-    /// The lane in which the world's velocities are solved, if with others.
-    lane: Option<usize>,
+    pub(crate) place: Place,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,18 +42,22 @@ pub(crate) enum Call {
     Step,
 }
 
-impl Ahead {
-    /// A step of the world has begun.
-    pub(crate) fn enter(call: Call, world: &World, Worlds(lanes): &mut Worlds) -> Self {
-        Self { call, lane: world.enter(lanes) }
-    }
-
-    /// Solves the velocities, or takes the solved ones.
-    pub(crate) fn collect(self, world: &mut World, Worlds(lanes): &Worlds) {
-        match self.lane {
-            Some(lane) => world.leave(lanes, lane),
-            None => world.solve(),
+/// A step of the world: all of it, or the first part if others go along.
+pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> Place {
+    let dt = (1.0 / fps) as f32;
+    match worlds {
+        Some(worlds) => world.begin(&mut worlds.0, dt, VELOCITY_ITERATIONS, POSITION_ITERATIONS),
+        None => {
+            world.step(dt, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+            Place::default()
         }
+    }
+}
+
+impl Worlds {
+    /// The rest of a step that has begun.
+    pub(crate) fn finish(&mut self, world: &mut World, place: Place) {
+        world.finish(&mut self.0, place);
     }
 }
 

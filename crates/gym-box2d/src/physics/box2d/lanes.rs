@@ -61,6 +61,29 @@ impl Lanes {
         }
     }
 
+    #[cfg(test)]
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// One for each SIMD level of this CPU.
+    #[cfg(test)]
+    pub(crate) fn of_each_level() -> Vec<Self> {
+        let best = Level::new();
+        #[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), expect(unused_mut))]
+        let mut levels = vec![best, Level::baseline()];
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            levels.extend(best.as_avx512().map(Level::Avx512));
+            levels.extend(best.as_avx2().map(Level::Avx2));
+            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+            levels.extend(best.as_sse2().map(Level::Sse2));
+        }
+        levels.sort_by_key(|level| format!("{level:?}"));
+        levels.dedup_by_key(|level| format!("{level:?}"));
+        levels.into_iter().map(Self::new).collect()
+    }
+
     /// Begins a step of a world, to be solved with others.
     pub(in crate::physics) fn begin(
         &mut self,

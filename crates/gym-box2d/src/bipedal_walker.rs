@@ -46,9 +46,10 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::common::{self, Ahead, Call, POSITION_ITERATIONS, VELOCITY_ITERATIONS, Worlds, points, vec2};
+use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, Place, RevoluteJointDef, Shape, Vec2,
+    World,
 };
 
 use ground::Ground;
@@ -142,12 +143,11 @@ impl BipedalWalker {
         Self { config, episode: None, ahead: None }
     }
 
-    /// Starts an episode, up to the velocities of its first step, in which no motor drives.
-    fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
+    /// Starts an episode with the first part of its first step, in which no motor drives.
+    fn begin_episode(&mut self, reset: &Reset, worlds: Option<&mut Worlds>) -> Result<Place> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(self.config, rng));
-        episode.begin(&Continuous::default());
-        Ok(episode)
+        Ok(episode.begin(&Continuous::default(), worlds))
     }
 
     /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
@@ -233,8 +233,8 @@ impl Episode {
         }
     }
 
-    /// The motors, and the first part of the world's step.
-    fn begin(&mut self, action: &Continuous<4>) {
+    /// The motors, and the world's step: all of it, or the first part if others go along.
+    fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
         for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
             let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
@@ -243,13 +243,12 @@ impl Episode {
             let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
             self.world.set_max_motor_torque(joint, torque as f32);
         }
-        self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.action = *action;
+        common::step(&mut self.world, FPS, worlds)
     }
 
-    /// The rest of a step, once the velocities are solved.
+    /// What follows from the world's step.
     fn finish(&mut self) -> ([f32; 24], Outcome) {
-        self.world.finish();
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.hull);
             for (leg, contact) in [1, 3].into_iter().zip(&mut self.ground_contact) {
@@ -426,7 +425,7 @@ impl Env for BipedalWalker {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
         if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
-            self.begin_episode(reset)?.world.solve();
+            self.begin_episode(reset, None)?;
         }
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
         *observation = episode.finish().0;
@@ -440,8 +439,7 @@ impl Env for BipedalWalker {
             if !action.is_finite() {
                 return Err(Error::action(action, &self.action_space()));
             }
-            episode.begin(action);
-            episode.world.solve();
+            episode.begin(action, None);
         }
         let (observed, outcome) = episode.finish();
         *observation = observed;
@@ -518,22 +516,22 @@ impl Lockstep for BipedalWalker {
     type Group = Worlds;
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(episode) = self.begin_episode(reset) {
-            self.ahead = Some(Ahead::enter(Call::Reset, &episode.world, worlds));
+        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
+            self.ahead = Some(Ahead { call: Call::Reset, place });
         }
     }
 
     fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
         let possible = action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
-            episode.begin(action);
-            self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));
+            let place = episode.begin(action, Some(worlds));
+            self.ahead = Some(Ahead { call: Call::Step, place });
         }
     }
 
-    fn collect(&mut self, worlds: &Worlds) {
+    fn collect(&mut self, worlds: &mut Worlds) {
         if let (Some(ahead), Some(episode)) = (self.ahead, &mut self.episode) {
-            ahead.collect(&mut episode.world, worlds);
+            worlds.finish(&mut episode.world, ahead.place);
         }
     }
 }

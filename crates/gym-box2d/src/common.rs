@@ -5,7 +5,7 @@ use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::vector::lockstep::Together;
 use gym_core::{Error, Registration, Result};
 
-use crate::physics::{FixtureId, LANES, Lanes, Vec2, World};
+use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
 /// Worlds whose velocities are solved together.
 #[derive(Clone, Debug)]
@@ -33,8 +33,7 @@ impl Together for Worlds {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     pub(crate) call: Call,
-    /// The lane in which the world's velocities are solved, if with others.
-    lane: Option<usize>,
+    pub(crate) place: Place,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,18 +42,22 @@ pub(crate) enum Call {
     Step,
 }
 
-impl Ahead {
-    /// A step of the world has begun.
-    pub(crate) fn enter(call: Call, world: &World, Worlds(lanes): &mut Worlds) -> Self {
-        Self { call, lane: world.enter(lanes) }
-    }
-
-    /// Solves the velocities, or takes the solved ones.
-    pub(crate) fn collect(self, world: &mut World, Worlds(lanes): &Worlds) {
-        match self.lane {
-            Some(lane) => world.leave(lanes, lane),
-            None => world.solve(),
+/// A step of the world: all of it, or the first part if others go along.
+pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> Place {
+    let dt = (1.0 / fps) as f32;
+    match worlds {
+        Some(worlds) => world.begin(&mut worlds.0, dt, VELOCITY_ITERATIONS, POSITION_ITERATIONS),
+        None => {
+            world.step(dt, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+            Place::default()
         }
+    }
+}
+
+impl Worlds {
+    /// The rest of a step that has begun.
+    pub(crate) fn finish(&mut self, world: &mut World, place: Place) {
+        world.finish(&mut self.0, place);
     }
 }
 
@@ -135,19 +138,6 @@ mod tests {
     use gym_core::vector::lockstep::Lockstep;
     use gym_core::{Element, Env, Outcome, Reset};
 
-    /// Those of this CPU.
-    fn levels() -> Vec<Level> {
-        #[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), expect(unused_mut))]
-        let mut levels = vec![Level::new(), Level::baseline()];
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
-            levels.extend(Level::new().as_avx2().map(Level::Avx2));
-            levels.extend(Level::new().as_sse4_2().map(Level::Sse4_2));
-            levels.extend(Level::new().as_sse2().map(Level::Sse2));
-        }
-        levels
-    }
-
     /// What environments answer to `policy`, of their numbers and last observations, episode after episode; side by
     /// side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
     fn run<E, const N: usize>(
@@ -218,15 +208,16 @@ mod tests {
             run(make, 35, 250, worlds, policy)
         };
         let alone = run(None);
-        for level in levels() {
-            assert!(run(Some(Worlds(Lanes::new(level)))) == alone, "{level:?}");
+        for lanes in Lanes::of_each_level() {
+            let level = lanes.level();
+            assert!(run(Some(Worlds(lanes))) == alone, "{level:?}");
         }
     }
 
     #[test]
     fn walkers_side_by_side_keep_the_bits() {
         let make = |i: usize| {
-            BipedalWalker::new(bipedal_walker::Config { hardcore: i % 4 == 3, ..Default::default() })
+            BipedalWalker::new(bipedal_walker::Config { hardcore: i % 2 == 1, ..Default::default() })
         };
         let run = |worlds| {
             let (mut state, mut pilots) = (3, [(); 9].map(|()| Heuristic::default()));
@@ -237,8 +228,9 @@ mod tests {
             run(make, 9, 150, worlds, policy)
         };
         let alone = run(None);
-        for level in levels() {
-            assert!(run(Some(Worlds(Lanes::new(level)))) == alone, "{level:?}");
+        for lanes in Lanes::of_each_level() {
+            let level = lanes.level();
+            assert!(run(Some(Worlds(lanes))) == alone, "{level:?}");
         }
     }
 }

@@ -41,9 +41,9 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::common::{self, Ahead, Call, POSITION_ITERATIONS, VELOCITY_ITERATIONS, Worlds, points, vec2};
+use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, RevoluteJointDef, Shape, Vec2, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, Place, RevoluteJointDef, Shape, Vec2, World,
 };
 use exhaust::Exhaust;
 
@@ -225,8 +225,8 @@ impl LunarLander {
         Ok(Self { config, version, episode: None, renders: false, ahead: None })
     }
 
-    /// Starts an episode, up to the velocities of its first step, in which no engine fires.
-    fn begin_episode(&mut self, reset: &Reset) -> Result<&mut Episode> {
+    /// Starts an episode with the first part of its first step, in which no engine fires.
+    fn begin_episode(&mut self, reset: &Reset, worlds: Option<&mut Worlds>) -> Result<Place> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(&self.config, self.version, rng));
         episode.render(&self.config, self.renders);
@@ -235,8 +235,7 @@ impl LunarLander {
         } else {
             Action::Fire(Engine::Off)
         };
-        episode.begin(&self.config, &idle);
-        Ok(episode)
+        Ok(episode.begin(&self.config, &idle, worlds))
     }
 
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
@@ -350,8 +349,8 @@ impl Episode {
         }
     }
 
-    /// Wind and engines, and the first part of the world's step.
-    fn begin(&mut self, config: &Config, action: &Action) {
+    /// Wind and engines, and the world's step: all of it, or the first part if others go along.
+    fn begin(&mut self, config: &Config, action: &Action, worlds: Option<&mut Worlds>) -> Place {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);
         }
@@ -390,14 +389,13 @@ impl Episode {
             self.fire([ox, oy], at, SIDE_ENGINE_POWER, s_power, 0.7);
         }
 
-        self.world.begin((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.throttles = [m_power, s_power];
+        common::step(&mut self.world, FPS, worlds)
     }
 
-    /// The rest of a step, once the velocities are solved.
+    /// What follows from the world's step.
     fn finish(&mut self) -> ([f32; 8], Outcome) {
         let [m_power, s_power] = self.throttles;
-        self.world.finish();
         if let Some(exhaust) = &mut self.exhaust {
             exhaust.step();
         }
@@ -505,7 +503,7 @@ impl Env for LunarLander {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
         if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
-            self.begin_episode(reset)?.world.solve();
+            self.begin_episode(reset, None)?;
         }
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
         *observation = episode.finish().0;
@@ -519,8 +517,7 @@ impl Env for LunarLander {
             if !self.config.takes(action) {
                 return Err(Error::action(action, &self.action_space()));
             }
-            episode.begin(&self.config, action);
-            episode.world.solve();
+            episode.begin(&self.config, action, None);
         }
         let (observed, outcome) = episode.finish();
         *observation = observed;
@@ -596,21 +593,21 @@ impl Lockstep for LunarLander {
     type Group = Worlds;
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(episode) = self.begin_episode(reset) {
-            self.ahead = Some(Ahead::enter(Call::Reset, &episode.world, worlds));
+        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
+            self.ahead = Some(Ahead { call: Call::Reset, place });
         }
     }
 
     fn begin_step(&mut self, action: &Action, worlds: &mut Worlds) {
         if let Some(episode) = self.episode.as_mut().filter(|_| self.config.takes(action)) {
-            episode.begin(&self.config, action);
-            self.ahead = Some(Ahead::enter(Call::Step, &episode.world, worlds));
+            let place = episode.begin(&self.config, action, Some(worlds));
+            self.ahead = Some(Ahead { call: Call::Step, place });
         }
     }
 
-    fn collect(&mut self, worlds: &Worlds) {
+    fn collect(&mut self, worlds: &mut Worlds) {
         if let (Some(ahead), Some(episode)) = (self.ahead, &mut self.episode) {
-            ahead.collect(&mut episode.world, worlds);
+            worlds.finish(&mut episode.world, ahead.place);
         }
     }
 }

@@ -26,7 +26,7 @@ mod def;
 mod rapier;
 mod world;
 
-pub(crate) use box2d::lanes::Lanes;
+pub(crate) use box2d::lanes::{Lanes, Place};
 pub(crate) use box2d::wide::LANES;
 pub use def::{
     BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,

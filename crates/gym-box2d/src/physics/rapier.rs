@@ -243,7 +243,7 @@ impl Rapier {
     pub(super) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
         self.scene.events.clear();
         if self.scene.new_fixture {
-            self.scene.find_new_contacts();
+            self.scene.find_new_contacts(&mut Vec::new());
             self.scene.new_fixture = false;
         }
         self.scene.update_contacts();
@@ -360,10 +360,10 @@ impl Rapier {
             }
             island.move_on(scene, step);
         }
-        scene.synchronize_islands();
-        let mut island = std::mem::take(&mut scene.island);
+        let mut island = work.spare.pop().unwrap_or_else(Island::new);
+        scene.synchronize_islands(&mut island.pairs);
         scene.solve_toi(&mut island, step);
-        scene.island = island;
+        work.spare.push(island);
         for id in &scene.dynamic {
             sets.bodies[bodies[*id as usize]].set_position(rapier_pose(&scene.bodies[*id].xf), false);
         }

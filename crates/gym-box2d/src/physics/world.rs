@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 #[cfg(feature = "rapier")]
 use super::Shape;
 use super::box2d::Box2d;
-use super::box2d::lanes::Lanes;
+use super::box2d::island::Island;
+use super::box2d::lanes::{Lanes, Place};
 #[cfg(feature = "rapier")]
 use super::rapier::Rapier;
 use super::{
@@ -60,9 +61,18 @@ impl gym_core::ArgumentType for Physics {
 ///
 /// # Panics
 /// Methods that take an id panic, as indexing does, if its object was destroyed.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct World {
     engine: Engine,
+    /// For steps that it makes by itself.
+    #[serde(skip)]
+    island: Option<Box<Island>>,
+}
+
+impl Clone for World {
+    fn clone(&self) -> Self {
+        Self { engine: self.engine.clone(), island: None }
+    }
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -96,7 +106,7 @@ impl World {
             #[cfg(feature = "rapier")]
             Physics::Rapier => Engine::Rapier(Box::new(Rapier::new(gravity))),
         };
-        Self { engine }
+        Self { engine, island: None }
     }
 
     /// Adds a body.
@@ -138,54 +148,41 @@ impl World {
 
     /// Lets `dt` seconds pass. More iterations make joints and contacts stiffer.
     pub fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
-        engine!(&mut self.engine, world => world.step(dt, velocity_iterations, position_iterations));
+        match &mut self.engine {
+            Engine::Box2d(world) => {
+                let island = self.island.get_or_insert_with(|| Box::new(Island::new()));
+                world.begin(island, dt, velocity_iterations, position_iterations);
+                island.sweep();
+                world.finish(island);
+            }
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(world) => world.step(dt, velocity_iterations, position_iterations),
+        }
     }
 
-    /// The first part of a step, up to its velocity sweeps; returns whether there are any. Then a [`Lanes`]
-    /// [computes](Self::enter) them, or this world [itself](Self::solve).
-    pub(crate) fn begin(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) -> bool {
+    /// Begins a step that is solved with those of other worlds, and must be [finished](Self::finish).
+    pub(crate) fn begin(
+        &mut self,
+        lanes: &mut Lanes,
+        dt: f32,
+        velocity_iterations: u32,
+        position_iterations: u32,
+    ) -> Place {
+        self.island = None;
         match &mut self.engine {
-            Engine::Box2d(world) => world.begin(dt, velocity_iterations, position_iterations),
+            Engine::Box2d(world) => lanes.begin(world, dt, velocity_iterations, position_iterations),
             #[cfg(feature = "rapier")]
             Engine::Rapier(world) => {
                 world.step(dt, velocity_iterations, position_iterations);
-                false
+                Place::default()
             }
         }
     }
 
-    /// Makes the velocity sweeps of the step that has begun.
-    pub(crate) fn solve(&mut self) {
+    /// Finishes the step that has begun there, once it is solved.
+    pub(crate) fn finish(&mut self, lanes: &mut Lanes, place: Place) {
         match &mut self.engine {
-            Engine::Box2d(world) => world.sweep(),
-            #[cfg(feature = "rapier")]
-            Engine::Rapier(_) => {}
-        }
-    }
-
-    /// Enters the velocity sweeps of the begun step into the lanes of other worlds. Returns the lane, if the worlds
-    /// are alike and there is room.
-    pub(crate) fn enter(&self, lanes: &mut Lanes) -> Option<usize> {
-        match &self.engine {
-            Engine::Box2d(world) => lanes.load(world),
-            #[cfg(feature = "rapier")]
-            Engine::Rapier(_) => None,
-        }
-    }
-
-    /// Takes the result of the sweeps from a lane.
-    pub(crate) fn leave(&mut self, lanes: &Lanes, lane: usize) {
-        match &mut self.engine {
-            Engine::Box2d(world) => lanes.collect(lane, world),
-            #[cfg(feature = "rapier")]
-            Engine::Rapier(_) => {}
-        }
-    }
-
-    /// The last part of a step that has begun.
-    pub(crate) fn finish(&mut self) {
-        match &mut self.engine {
-            Engine::Box2d(world) => world.finish(),
+            Engine::Box2d(world) => lanes.finish(place, world),
             #[cfg(feature = "rapier")]
             Engine::Rapier(_) => {}
         }

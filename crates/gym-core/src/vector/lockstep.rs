@@ -41,8 +41,8 @@ pub trait Lockstep: Env {
     /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`].
-    fn collect(&mut self, group: &Self::Group);
+    /// Takes the result of [`Together::solve`], and gives back what it holds of the group.
+    fn collect(&mut self, group: &mut Self::Group);
 }
 
 /// Begins the next calls of a group of sub-environments.
@@ -111,7 +111,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
     fn collect(&mut self, slot: &mut Slot<W>) {
         if let Some(env) = slot.env.unwrapped_mut::<E>() {
-            env.collect(&self.group);
+            env.collect(&mut self.group);
         }
     }
 }

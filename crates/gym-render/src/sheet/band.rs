@@ -4,11 +4,8 @@ use std::ops::Range;
 
 use gym_core::canvas::Color;
 
-use super::shrink::{Layout, Window};
+use super::shrink::{Layout, WRITTEN_OUT, Window};
 use crate::pygame::Pixels;
-
-/// Stands for the colour of a window that is written out in pixels; no colour is like it.
-pub(super) const WRITTEN_OUT: u32 = u32::MAX;
 
 /// Some rows of the surface, with room for `N` pixels in each window.
 ///

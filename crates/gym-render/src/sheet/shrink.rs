@@ -2,9 +2,11 @@
 
 use gym_core::render::Frame;
 
-use super::band::WRITTEN_OUT;
 use crate::pixels::{self, RGB};
 use crate::pygame::{Phase, part, phases};
+
+/// Stands for the colour of a window that is written out in pixels; no colour is like it.
+pub(super) const WRITTEN_OUT: u32 = u32::MAX;
 
 /// The first and the last pixel that a pixel of the narrow row is made of.
 #[derive(Clone, Copy, Debug)]

@@ -139,7 +139,7 @@ impl Box2d {
                 contact.island = false;
             }
         }
-        self.find_new_contacts();
+        self.find_new_contacts(&mut island.pairs);
     }
 
     /// Adds what a body also touches at that time, static bodies alone.

@@ -11,7 +11,16 @@ use super::settings::{
 use super::sweeps::{Sweeps, sweep};
 use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
 
-/// The members of an island in the order in which they are solved, and working memory.
+/// A step whose velocities are yet to be solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Begun {
+    pub(super) step: TimeStep,
+    /// Which of the dynamic bodies the first island was found from, if there is an island.
+    pub(super) seed: Option<usize>,
+}
+
+/// The members of an island in the order in which they are solved, and all working memory of a step. It belongs to
+/// no world: between steps it holds nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<u32>,
@@ -24,6 +33,9 @@ pub(crate) struct Island {
     pub(super) contact_constraints: Vec<ContactConstraint>,
     pub(crate) joint_constraints: Vec<JointConstraint>,
     sweeps: Sweeps,
+    pub(crate) pairs: Vec<(u32, u32)>,
+    /// The step that has begun.
+    pub(super) begun: Option<Begun>,
     /// Makes every sweep in full: what the shortcut is tested against.
     pub(crate) plain: bool,
 }
@@ -40,6 +52,8 @@ impl Island {
             contact_constraints: Vec::with_capacity(CONTACTS),
             joint_constraints: Vec::with_capacity(JOINTS),
             sweeps: Sweeps::new(),
+            pairs: Vec::with_capacity(CONTACTS),
+            begun: None,
             plain: false,
         }
     }
@@ -141,6 +155,13 @@ impl Island {
             self.write_back(world, i, id);
         }
         self.update_sleep(world, step.dt, solved);
+    }
+
+    /// The velocity sweeps of the step that has begun.
+    pub(in crate::physics) fn sweep(&mut self) {
+        if let Some(Begun { step, seed: Some(_) }) = self.begun {
+            self.sweep_velocities(step.velocity_iterations);
+        }
     }
 
     pub(crate) fn sweep_velocities(&mut self, sweeps: u32) {

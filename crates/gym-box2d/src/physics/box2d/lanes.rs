@@ -9,64 +9,18 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use super::Box2d;
 use super::contact_solver::lanes::Touch;
+use super::island::{Begun, Island};
 use super::joint::Constraint as Joint;
 use super::joint::lanes::Hinge;
-use super::motion::Velocity;
-use super::wide::{LANES, Pair, Strip, Wide, rows};
+use super::lane_bodies::Bodies;
+use super::wide::{LANES, Strip};
 
 /// Fewer worlds are solved faster one by one, as their sweeps repeat (see [`sweeps`](super::sweeps)).
 const FEWEST: usize = 4;
 /// Contacts of one body that find room.
 const TOUCHES: usize = 8;
 
-rows! {
-    /// A body.
-    struct BodyRows { inv_mass, inv_inertia, v_x, v_y, w }
-}
-
-/// The bodies that move.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Bodies(Vec<BodyRows>);
-
-impl Bodies {
-    /// Reciprocal mass and moment of inertia.
-    #[inline(always)]
-    pub(super) fn masses<S: Simd, const R: usize>(
-        &self,
-        strip: Strip<S, R>,
-        body: usize,
-    ) -> (Wide<S, R>, Wide<S, R>) {
-        let rows = &self.0[body];
-        (strip.load(&rows.inv_mass), strip.load(&rows.inv_inertia))
-    }
-
-    /// Velocity and angular velocity.
-    #[inline(always)]
-    pub(super) fn load<S: Simd, const R: usize>(
-        &self,
-        strip: Strip<S, R>,
-        body: usize,
-    ) -> (Pair<S, R>, Wide<S, R>) {
-        let rows = &self.0[body];
-        (strip.pair(&rows.v_x, &rows.v_y), strip.load(&rows.w))
-    }
-
-    #[inline(always)]
-    pub(super) fn store<S: Simd, const R: usize>(
-        &mut self,
-        strip: Strip<S, R>,
-        body: usize,
-        v: Pair<S, R>,
-        w: Wide<S, R>,
-    ) {
-        let rows = &mut self.0[body];
-        strip.store(&mut rows.v_x, v.x);
-        strip.store(&mut rows.v_y, v.y);
-        strip.store(&mut rows.w, w);
-    }
-}
-
-/// Working memory for the islands of up to [`LANES`] worlds.
+/// Working memory for the steps of some worlds, of which up to [`LANES`] are solved together.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     level: Level,
@@ -79,25 +33,86 @@ pub(crate) struct Lanes {
     hinges: Vec<Hinge>,
     /// Those of each body.
     touches: Vec<[Touch; TOUCHES]>,
+    /// One for each world whose step has begun, and more.
+    islands: Vec<Island>,
+    begun: usize,
+}
+
+/// What a world whose step has begun holds of [`Lanes`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Place {
+    island: usize,
+    /// Where its velocities are solved, if with others.
+    lane: Option<usize>,
 }
 
 impl Lanes {
     pub(crate) fn new(level: Level) -> Self {
-        let (bodies, hinges, touches) = (Bodies::default(), Vec::new(), Vec::new());
-        Self { level, sweeps: 0, len: 0, ends: Vec::new(), bodies, hinges, touches }
+        Self {
+            level,
+            sweeps: 0,
+            len: 0,
+            ends: Vec::new(),
+            bodies: Bodies::default(),
+            hinges: Vec::new(),
+            touches: Vec::new(),
+            islands: Vec::new(),
+            begun: 0,
+        }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// One for each SIMD level of this CPU.
+    #[cfg(test)]
+    pub(crate) fn of_each_level() -> Vec<Self> {
+        let best = Level::new();
+        #[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), expect(unused_mut))]
+        let mut levels = vec![best, Level::baseline()];
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            levels.extend(best.as_avx512().map(Level::Avx512));
+            levels.extend(best.as_avx2().map(Level::Avx2));
+            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+            levels.extend(best.as_sse2().map(Level::Sse2));
+        }
+        levels.sort_by_key(|level| format!("{level:?}"));
+        levels.dedup_by_key(|level| format!("{level:?}"));
+        levels.into_iter().map(Self::new).collect()
+    }
+
+    /// Begins a step of a world, to be solved with others.
+    pub(in crate::physics) fn begin(
+        &mut self,
+        world: &mut Box2d,
+        dt: f32,
+        velocity_iterations: u32,
+        position_iterations: u32,
+    ) -> Place {
+        if self.begun == self.islands.len() {
+            self.islands.push(Island::new());
+        }
+        let mut island = std::mem::take(&mut self.islands[self.begun]);
+        world.begin(&mut island, dt, velocity_iterations, position_iterations);
+        let place = Place { island: self.begun, lane: self.load(world, &island) };
+        self.islands[self.begun] = island;
+        self.begun += 1;
+        place
     }
 
     /// Takes the island of a step that has begun into the next lane, and gives its number; `None` if it is not like
     /// those that are there, or there are [`LANES`].
-    pub(in crate::physics) fn load(&mut self, world: &Box2d) -> Option<usize> {
-        let island = &world.island;
-        let begun = world.begun.filter(|begun| begun.seed.is_some())?;
-        let sweeps = begun.step.velocity_iterations;
+    fn load(&mut self, world: &Box2d, island: &Island) -> Option<usize> {
+        let Begun { step, seed: Some(_) } = island.begun? else { return None };
+        let sweeps = step.velocity_iterations;
         let bodies = island.bodies.iter().map(|id| &world.bodies[*id]);
         let dynamic = bodies.clone().take_while(|body| body.dynamic).count();
         let joints = &island.joint_constraints;
         let alike = self.len == 0
-            || (sweeps == self.sweeps && dynamic == self.bodies.0.len() && joints.len() == self.ends.len());
+            || (sweeps == self.sweeps && dynamic == self.bodies.len() && joints.len() == self.ends.len());
         let fits = |i: usize, ends: Option<(usize, usize)>| {
             ends.is_some_and(|(a, b)| a < dynamic && b < dynamic && (self.len == 0 || self.ends[i] == (a, b)))
         };
@@ -116,7 +131,7 @@ impl Lanes {
             self.sweeps = sweeps;
             self.ends.clear();
             self.ends.extend(joints.iter().filter_map(Joint::driven_ends));
-            self.bodies.0.resize(dynamic, BodyRows::ZERO);
+            self.bodies.resize(dynamic);
             self.hinges.resize(joints.len(), Hinge::ZERO);
             self.touches.resize(dynamic, [const { Touch::NONE }; TOUCHES]);
             for touch in self.touches.as_flattened_mut() {
@@ -127,13 +142,7 @@ impl Lanes {
         }
         let lane = self.len;
         self.len += 1;
-        for ((rows, body), velocity) in self.bodies.0.iter_mut().zip(bodies).zip(&island.velocities) {
-            rows.inv_mass.0[lane] = body.inv_mass;
-            rows.inv_inertia.0[lane] = body.inv_inertia;
-            rows.v_x.0[lane] = velocity.v.x;
-            rows.v_y.0[lane] = velocity.v.y;
-            rows.w.0[lane] = velocity.w;
-        }
+        self.bodies.enter(lane, bodies, &island.velocities);
         for (rows, joint) in self.hinges.iter_mut().zip(joints) {
             rows.load(lane, joint);
         }
@@ -153,7 +162,7 @@ impl Lanes {
         }
         if len < LANES {
             // what is computed in idle lanes must be finite and not small, which would be slow
-            self.bodies.0.iter_mut().for_each(|rows| rows.pad(len));
+            self.bodies.pad(len);
             self.hinges.iter_mut().for_each(|rows| rows.pad(len));
             let touches = self.touches.as_flattened_mut().iter_mut();
             touches.filter(|touch| !touch.is_none()).for_each(|touch| touch.pad(len));
@@ -198,15 +207,20 @@ impl Lanes {
         }
     }
 
+    /// Finishes the step of a world, once the sweeps are made.
+    pub(in crate::physics) fn finish(&mut self, place: Place, world: &mut Box2d) {
+        let mut island = std::mem::take(&mut self.islands[place.island]);
+        match place.lane.filter(|_| self.len >= FEWEST) {
+            Some(lane) => self.collect(lane, &mut island),
+            None => island.sweep(),
+        }
+        world.finish(&mut island);
+        self.islands[place.island] = island;
+    }
+
     /// Gives an island back what the sweeps have made of it.
-    pub(in crate::physics) fn collect(&self, lane: usize, world: &mut Box2d) {
-        if self.len < FEWEST {
-            return world.sweep();
-        }
-        let island = &mut world.island;
-        for (Velocity { v, w }, rows) in island.velocities.iter_mut().zip(&self.bodies.0) {
-            (v.x, v.y, *w) = (rows.v_x.0[lane], rows.v_y.0[lane], rows.w.0[lane]);
-        }
+    fn collect(&self, lane: usize, island: &mut Island) {
+        self.bodies.collect(lane, &mut island.velocities);
         for (joint, rows) in island.joint_constraints.iter_mut().zip(&self.hinges) {
             rows.collect(lane, joint);
         }
@@ -219,7 +233,7 @@ impl Lanes {
 
     /// Makes room for the next worlds.
     pub(crate) fn clear(&mut self) {
-        self.len = 0;
+        (self.len, self.begun) = (0, 0);
     }
 }
 

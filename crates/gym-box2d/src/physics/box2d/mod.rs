@@ -14,7 +14,7 @@
 //! | `distance`, `time_of_impact`, `apart` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
 //! | `body`, `contact`, `joint` | what the world consists of | `Dynamics` |
 //! | `motion`, `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
-//! | `lanes`, `wide` | the velocities of many worlds at once | |
+//! | `lanes`, `lane_bodies`, `wide` | the velocities of many worlds at once | |
 //! | `step`, `continuous` | a step of the world | `b2World` |
 
 mod apart;
@@ -30,6 +30,7 @@ mod continuous;
 mod distance;
 pub(super) mod island;
 pub(super) mod joint;
+mod lane_bodies;
 pub(super) mod lanes;
 mod manifold;
 pub(super) mod math;
@@ -51,7 +52,6 @@ use arena::Arena;
 use body::{Body, Fixture};
 use broad_phase::BroadPhase;
 use contact::Contact;
-use island::Island;
 use joint::{Joint, LimitState};
 use math::{Vec2, max2, min2};
 use nalgebra::Vector3;
@@ -86,21 +86,6 @@ pub(super) struct Box2d {
     pub(super) inv_dt0: f32,
     #[serde(skip)]
     pub(super) events: Vec<ContactEvent>,
-    #[serde(skip)]
-    pub(super) island: Island,
-    #[serde(skip)]
-    pairs: Vec<(u32, u32)>,
-    /// The step that has begun.
-    #[serde(skip)]
-    begun: Option<Begun>,
-}
-
-/// A step whose velocities are yet to be solved.
-#[derive(Clone, Copy, Debug)]
-struct Begun {
-    step: TimeStep,
-    /// Which of the dynamic bodies the first island was found from, if there is an island.
-    seed: Option<usize>,
 }
 
 /// Length and effort of a step.
@@ -127,9 +112,6 @@ impl Box2d {
             new_fixture: false,
             inv_dt0: 0.0,
             events: Vec::with_capacity(CONTACTS),
-            island: Island::new(),
-            pairs: Vec::with_capacity(CONTACTS),
-            begun: None,
         }
     }
 

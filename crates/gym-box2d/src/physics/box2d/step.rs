@@ -1,38 +1,25 @@
 //! A step of the world: contacts, islands, times of impact.
 
 use super::contact::Contact;
-use super::island::Island;
+use super::island::{Begun, Island};
 use super::math::pose_about;
 use super::shape::Kind;
-use super::{Begun, Box2d, TimeStep};
+use super::{Box2d, TimeStep};
 use crate::physics::Filter;
 
 impl Box2d {
-    pub(in crate::physics) fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
-        if self.begin(dt, velocity_iterations, position_iterations) {
-            self.sweep();
-        }
-        self.finish();
-    }
-
-    /// The velocity sweeps of the step that has begun.
-    pub(in crate::physics) fn sweep(&mut self) {
-        if let Some(Begun { step, seed: Some(_) }) = self.begun {
-            self.island.sweep_velocities(step.velocity_iterations);
-        }
-    }
-
     /// The first part of a step: contacts, and the first island up to its velocity sweeps, if there is one. These are to
-    /// be made before the step is [finished](Self::finish).
+    /// be made before the step is [finished](Self::finish), with the same working memory.
     pub(in crate::physics) fn begin(
         &mut self,
+        island: &mut Island,
         dt: f32,
         velocity_iterations: u32,
         position_iterations: u32,
-    ) -> bool {
+    ) {
         self.events.clear();
         if self.new_fixture {
-            self.find_new_contacts();
+            self.find_new_contacts(&mut island.pairs);
             self.new_fixture = false;
         }
         let step = TimeStep { dt, ratio: self.inv_dt0 * dt, velocity_iterations, position_iterations };
@@ -40,35 +27,30 @@ impl Box2d {
         let mut seed = None;
         if dt > 0.0 {
             self.forget_islands();
-            let mut island = std::mem::take(&mut self.island);
-            seed = (0..self.dynamic.len()).rev().find(|i| self.gather(&mut island, self.dynamic[*i]));
+            seed = (0..self.dynamic.len()).rev().find(|i| self.gather(island, self.dynamic[*i]));
             if seed.is_some() {
                 island.prepare(self, &step);
             }
-            self.island = island;
         }
-        self.begun = Some(Begun { step, seed });
-        seed.is_some()
+        island.begun = Some(Begun { step, seed });
     }
 
-    /// The rest of the step that has begun: positions, further islands, times of impact.
-    pub(in crate::physics) fn finish(&mut self) {
-        let Some(Begun { step, seed }) = self.begun.take() else { return };
+    /// The rest of the step that has begun, if one has: positions, further islands, times of impact.
+    pub(in crate::physics) fn finish(&mut self, island: &mut Island) {
+        let Some(Begun { step, seed }) = island.begun.take() else { return };
         if step.dt > 0.0 {
-            let mut island = std::mem::take(&mut self.island);
             if let Some(seed) = seed {
                 island.conclude(self, &step);
                 for i in (0..seed).rev() {
-                    if self.gather(&mut island, self.dynamic[i]) {
+                    if self.gather(island, self.dynamic[i]) {
                         island.prepare(self, &step);
                         island.sweep_velocities(step.velocity_iterations);
                         island.conclude(self, &step);
                     }
                 }
             }
-            self.synchronize_islands();
-            self.solve_toi(&mut island, &step);
-            self.island = island;
+            self.synchronize_islands(&mut island.pairs);
+            self.solve_toi(island, &step);
             self.inv_dt0 = 1.0 / step.dt;
         }
         for &id in &self.dynamic {
@@ -132,14 +114,13 @@ impl Box2d {
         Some((self.fixture_of_edge(edge, proxy), other))
     }
 
-    /// Makes contacts of pairs of boxes that have come to overlap.
-    pub(crate) fn find_new_contacts(&mut self) {
+    /// Makes contacts of pairs of boxes that have come to overlap. `pairs` is working memory.
+    pub(crate) fn find_new_contacts(&mut self, pairs: &mut Vec<(u32, u32)>) {
         if !self.broad_phase.has_moved() {
             return;
         }
-        let mut pairs = std::mem::take(&mut self.pairs);
-        self.broad_phase.find_pairs(&mut pairs);
-        for &(a, b) in &pairs {
+        self.broad_phase.find_pairs(pairs);
+        for &(a, b) in &*pairs {
             let known = |contact: &Contact| {
                 let [x, y] = [contact.fixture_a, contact.fixture_b].map(|id| self.fixtures[id].proxy);
                 (x, y) == (a, b) || (x, y) == (b, a)
@@ -155,7 +136,6 @@ impl Box2d {
             }
             self.contacts.push(contact);
         }
-        self.pairs = pairs;
     }
 
     pub(crate) fn forget_islands(&mut self) {
@@ -171,14 +151,14 @@ impl Box2d {
     }
 
     /// Tells the broad phase where the bodies of the islands went, and finds what they met there.
-    pub(crate) fn synchronize_islands(&mut self) {
+    pub(crate) fn synchronize_islands(&mut self, pairs: &mut Vec<(u32, u32)>) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
             if self.bodies[id].island {
                 self.synchronize_fixtures(id);
             }
         }
-        self.find_new_contacts();
+        self.find_new_contacts(pairs);
     }
 
     /// All that `seed` touches or is joined to, depth first; static bodies are not passed through. Tells

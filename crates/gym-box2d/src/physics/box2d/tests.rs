@@ -1,7 +1,21 @@
 //! Behaviour of the engine as a whole.
 
+use super::island::Island;
+use super::lanes::Lanes;
 use super::*;
 use crate::physics::{BodyId, Filter, FixtureId, Shape};
+
+impl Box2d {
+    fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+        self.step_in(&mut Island::new(), dt, velocity_iterations, position_iterations);
+    }
+
+    fn step_in(&mut self, island: &mut Island, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+        self.begin(island, dt, velocity_iterations, position_iterations);
+        island.sweep();
+        self.finish(island);
+    }
+}
 
 fn v(x: f32, y: f32) -> Vec2 {
     Vec2::new(x, y)
@@ -115,16 +129,76 @@ fn json(world: &Box2d) -> serde_json::Value {
 #[test]
 fn saved_sweeps_keep_the_bits() {
     let (mut quick, mut plain) = (chain(), chain());
-    plain.island.plain = true;
+    let [mut some_sweeps, mut every_sweep] = [(); 2].map(|()| Island::new());
+    every_sweep.plain = true;
     for step in 0..600 {
         if step % 150 == 149 {
             for world in [&mut quick, &mut plain] {
                 world.body_mut(1).apply_impulse(v(step as f32 * 0.1, 30.0), v(0.3, 2.0));
             }
         }
-        quick.step(0.02, 180, 60);
-        plain.step(0.02, 180, 60);
+        quick.step_in(&mut some_sweeps, 0.02, 180, 60);
+        plain.step_in(&mut every_sweep, 0.02, 180, 60);
         assert!(json(&quick) == json(&plain), "step {step}");
+    }
+}
+
+/// Two hinged boxes that fall on the ground and lie there until they sleep.
+fn falling_pair(height: f32) -> Box2d {
+    let mut world = Box2d::new(v(0.0, -10.0));
+    world.create_terrain(&[v(-9.0, 0.0), v(0.1, 0.0), v(9.0, 0.1)], 0.8);
+    let filter = Filter { category: 2, mask: 1 };
+    let [a, b] = [-0.4, 0.4].map(|x| {
+        let body = world.create_body(&BodyDef::dynamic(v(x, height), 0.1));
+        world.create_fixture(body, &FixtureDef { filter, ..rect(0.4, 0.2) });
+        body
+    });
+    world.create_revolute_joint(&RevoluteJointDef {
+        body_a: BodyId(a),
+        body_b: BodyId(b),
+        local_anchor_a: v(0.4, 0.0),
+        local_anchor_b: v(-0.4, 0.0),
+        limits: Some((-0.5, 0.3)),
+        motor: true,
+        motor_speed: 0.0,
+        max_motor_torque: 0.5,
+        collide_connected: false,
+    });
+    world
+}
+
+/// Some worlds sleep while others fall, one is unlike them, and all wake again.
+#[test]
+fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
+    let worlds = || -> Vec<Box2d> {
+        (0..21).map(|i| if i == 5 { chain() } else { falling_pair(0.5 + 0.4 * i as f32) }).collect()
+    };
+    let awake = |worlds: &[Box2d]| -> usize {
+        worlds.iter().filter(|world| world.dynamic.iter().any(|id| world.body(*id).awake)).count()
+    };
+    for mut lanes in Lanes::of_each_level() {
+        let (mut alone, mut together) = (worlds(), worlds());
+        let mut counts = Vec::new();
+        for step in 0..400 {
+            if step == 300 {
+                for worlds in [&mut alone, &mut together] {
+                    worlds.iter_mut().for_each(|world| world.body_mut(world.dynamic[0]).wake());
+                }
+            }
+            alone.iter_mut().for_each(|world| world.step(0.02, 40, 20));
+            lanes.clear();
+            let places: Vec<_> = together.iter_mut().map(|world| lanes.begin(world, 0.02, 40, 20)).collect();
+            lanes.sweep();
+            together.iter_mut().zip(places).for_each(|(world, place)| lanes.finish(place, world));
+            counts.push(awake(&alone));
+            if step % 20 == 19 {
+                let bits = |worlds: &[Box2d]| worlds.iter().map(json).collect::<Vec<_>>();
+                assert!(bits(&alone) == bits(&together), "step {step}, {:?}", lanes.level());
+            }
+        }
+        // all are awake, then some, then few; in the end all have been woken
+        let some = counts.iter().any(|count| (5..15).contains(count));
+        assert!(counts[0] == 21 && some && counts[299] < 5 && counts[301] == 21, "{counts:?}");
     }
 }
 

@@ -7,7 +7,7 @@
 use fearless_simd::Simd;
 
 use super::{Constraint, Velocity, cross_scalar};
-use crate::physics::box2d::lanes::Bodies;
+use crate::physics::box2d::lane_bodies::Bodies;
 use crate::physics::box2d::wide::{Mask, Pair, Row, Strip, Wide, rows};
 
 rows! {

@@ -4,7 +4,7 @@
 use fearless_simd::Simd;
 
 use super::{Constraint, LimitState};
-use crate::physics::box2d::lanes::Bodies;
+use crate::physics::box2d::lane_bodies::Bodies;
 use crate::physics::box2d::wide::{Mask, Pair, Strip, Wide, rows};
 
 rows! {

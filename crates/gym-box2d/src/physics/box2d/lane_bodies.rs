@@ -1,0 +1,90 @@
+//! The bodies of many worlds: one world in each lane of vector registers.
+
+use fearless_simd::Simd;
+
+use super::body::Body;
+use super::motion::Velocity;
+use super::wide::{Pair, Strip, Wide, rows};
+
+rows! {
+    /// A body.
+    struct BodyRows { inv_mass, inv_inertia, v_x, v_y, w }
+}
+
+/// The bodies that move.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bodies(Vec<BodyRows>);
+
+impl Bodies {
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(super) fn resize(&mut self, len: usize) {
+        self.0.resize(len, BodyRows::ZERO);
+    }
+
+    /// Takes the bodies of a world in.
+    pub(super) fn enter<'a>(
+        &mut self,
+        lane: usize,
+        bodies: impl Iterator<Item = &'a Body>,
+        velocities: &[Velocity],
+    ) {
+        for ((rows, body), velocity) in self.0.iter_mut().zip(bodies).zip(velocities) {
+            rows.inv_mass.0[lane] = body.inv_mass;
+            rows.inv_inertia.0[lane] = body.inv_inertia;
+            rows.v_x.0[lane] = velocity.v.x;
+            rows.v_y.0[lane] = velocity.v.y;
+            rows.w.0[lane] = velocity.w;
+        }
+    }
+
+    /// Gives the velocities back.
+    pub(super) fn collect(&self, lane: usize, velocities: &mut [Velocity]) {
+        for (Velocity { v, w }, rows) in velocities.iter_mut().zip(&self.0) {
+            (v.x, v.y, *w) = (rows.v_x.0[lane], rows.v_y.0[lane], rows.w.0[lane]);
+        }
+    }
+
+    /// Gives the lanes from `len` on the numbers of the first.
+    pub(super) fn pad(&mut self, len: usize) {
+        self.0.iter_mut().for_each(|rows| rows.pad(len));
+    }
+
+    /// Reciprocal mass and moment of inertia.
+    #[inline(always)]
+    pub(super) fn masses<S: Simd, const R: usize>(
+        &self,
+        strip: Strip<S, R>,
+        body: usize,
+    ) -> (Wide<S, R>, Wide<S, R>) {
+        let rows = &self.0[body];
+        (strip.load(&rows.inv_mass), strip.load(&rows.inv_inertia))
+    }
+
+    /// Velocity and angular velocity.
+    #[inline(always)]
+    pub(super) fn load<S: Simd, const R: usize>(
+        &self,
+        strip: Strip<S, R>,
+        body: usize,
+    ) -> (Pair<S, R>, Wide<S, R>) {
+        let rows = &self.0[body];
+        (strip.pair(&rows.v_x, &rows.v_y), strip.load(&rows.w))
+    }
+
+    #[inline(always)]
+    pub(super) fn store<S: Simd, const R: usize>(
+        &mut self,
+        strip: Strip<S, R>,
+        body: usize,
+        v: Pair<S, R>,
+        w: Wide<S, R>,
+    ) {
+        let rows = &mut self.0[body];
+        strip.store(&mut rows.v_x, v.x);
+        strip.store(&mut rows.v_y, v.y);
+        strip.store(&mut rows.w, w);
+    }
+}

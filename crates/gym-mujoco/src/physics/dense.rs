@@ -76,9 +76,7 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
 #[inline(always)]
 pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     for (a, b) in a.iter_mut().zip(b) {
-        for k in 0..4 {
-            a[k] += b[k] * s;
-        }
+        *a = std::array::from_fn(|k| a[k] + b[k] * s);
     }
 }
 

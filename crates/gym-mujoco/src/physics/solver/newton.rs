@@ -27,7 +27,7 @@ pub(crate) struct Buffers {
     mgrad: Vec<Lanes>,
     search: Vec<Lanes>,
     mv: Vec<Lanes>,
-    row_update: Vec<Lanes>,
+    pushed: Vec<Lanes>,
     /// The number of degrees of freedom that these are for.
     last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
@@ -42,6 +42,9 @@ pub(crate) struct Buffers {
     /// Whether each row pushes.
     pushes: Vec<bool>,
     rows: Vec<Row>,
+    /// What the factor is to be changed by, row by row, and whether each row began to push or ceased to.
+    changes: Vec<Lanes>,
+    began: Vec<bool>,
     /// The Jacobian of an island that is not the whole model, and its blocks.
     jac: Vec<Lanes>,
     blocks: Vec<Block>,
@@ -62,7 +65,7 @@ impl Buffers {
             &mut buffers.mgrad,
             &mut buffers.search,
             &mut buffers.mv,
-            &mut buffers.row_update,
+            &mut buffers.pushed,
         ] {
             vector.resize(groups, [0.0; 4]);
         }
@@ -77,9 +80,13 @@ impl Buffers {
         ] {
             vector.reserve(rows);
         }
-        buffers.pushes.reserve(rows);
+        for flags in [&mut buffers.pushes, &mut buffers.began] {
+            flags.reserve(rows);
+        }
         buffers.rows.reserve(rows);
-        buffers.jac.reserve(rows * groups);
+        for rows_of_dofs in [&mut buffers.jac, &mut buffers.changes] {
+            rows_of_dofs.reserve(rows * groups);
+        }
         buffers.blocks.reserve(blocks);
         buffers
     }
@@ -95,7 +102,7 @@ impl Buffers {
             &mut self.mgrad,
             &mut self.search,
             &mut self.mv,
-            &mut self.row_update,
+            &mut self.pushed,
         ] {
             if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
                 vector.clear();
@@ -350,9 +357,7 @@ fn update(b: &mut Buffers, jacobian: &Jacobian<'_>) {
         }
     }
     for (((grad, ma), smooth), constraint) in b.grad.iter_mut().zip(&b.ma).zip(&b.smooth).zip(&b.constraint) {
-        for k in 0..4 {
-            grad[k] = ma[k] - smooth[k] - constraint[k];
-        }
+        *grad = std::array::from_fn(|k| ma[k] - smooth[k] - constraint[k]);
     }
 }
 
@@ -373,7 +378,7 @@ fn hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jac
     for block in jacobian.blocks {
         for row in (block.row..block.row + block.rows).filter(|&row| b.pushes[row] && b.d[row] != 0.0) {
             let jac = &jacobian.row(row)[..block.groups];
-            let pushed = &mut b.row_update[..block.groups];
+            let pushed = &mut b.pushed[..block.groups];
             for (pushed, jac) in pushed.iter_mut().zip(jac) {
                 *pushed = jac.map(|j| j * b.d[row]);
             }
@@ -398,23 +403,19 @@ fn hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jac
 /// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
 #[inline(always)]
 fn update_hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jacobian<'_>) {
-    let n = dofs_of(m, trees);
-    let mut definite = true;
-    for row in 0..b.jar.len() {
-        let pushes = b.jar[row] < 0.0;
-        if pushes == b.pushes[row] {
-            continue;
-        }
-        b.pushes[row] = pushes;
-        if definite {
+    b.changes.clear();
+    b.began.clear();
+    for (row, (jar, pushed)) in b.jar.iter().zip(&mut b.pushes).enumerate() {
+        let pushes = *jar < 0.0;
+        if pushes != *pushed {
+            *pushed = pushes;
             let root = b.d[row].sqrt();
-            for (x, jac) in b.row_update.iter_mut().zip(jacobian.row(row)) {
-                *x = jac.map(|j| j * root);
-            }
-            definite = cholesky::update(&mut b.hessian, n, jacobian.stride, &mut b.row_update, pushes);
+            b.changes.extend(jacobian.row(row).iter().map(|jac| jac.map(|j| j * root)));
+            b.began.push(pushes);
         }
     }
-    if !definite {
+    let n = dofs_of(m, trees);
+    if !cholesky::update(&mut b.hessian, n, jacobian.stride, &mut b.changes, &b.began) {
         hessian(m, d, b, trees, jacobian);
     }
 }

@@ -76,7 +76,9 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
 #[inline(always)]
 pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     for (a, b) in a.iter_mut().zip(b) {
-        *a = std::array::from_fn(|k| a[k] + b[k] * s);
+        for k in 0..4 {
+            a[k] += b[k] * s;
+        }
     }
 }
 

@@ -3,9 +3,7 @@
 //! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which libmujoco makes one after the
 //! other, are made for four rows at once here. What is above the diagonal is not defined.
 
-use std::array::from_fn;
-
-use crate::physics::dense::{self, Lanes, total};
+use crate::physics::dense::{Lanes, total};
 use crate::physics::spatial::MINVAL;
 
 /// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A pivot that is too small is
@@ -19,8 +17,9 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         for (g, rows) in column.iter_mut().enumerate() {
             // element j of each column is what the rows' elements are multiplied by
             let products = dot_rows(before, stride, first + g, |column, _| column[first][lane]);
-            let old = *rows;
-            *rows = from_fn(|k| old[k] - products[k]);
+            for k in 0..4 {
+                rows[k] -= products[k];
+            }
         }
         let pivot = column[0][lane];
         if pivot < MINVAL {
@@ -29,8 +28,8 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         } else {
             let diagonal = pivot.sqrt();
             let inverse = 1.0 / diagonal;
-            column.iter_mut().for_each(|rows| *rows = rows.map(|x| x * inverse));
-            dense::set(column, lane, diagonal);
+            column.as_flattened_mut().iter_mut().for_each(|x| *x *= inverse);
+            column[0][lane] = diagonal;
         }
     }
 }
@@ -64,7 +63,7 @@ fn dot_rows(
         }
         number += 1;
     }
-    from_fn(|k| total(&[sums[0][k], sums[1][k], sums[2][k], sums[3][k]]) + rest[k])
+    std::array::from_fn(|k| total(&[sums[0][k], sums[1][k], sums[2][k], sums[3][k]]) + rest[k])
 }
 
 /// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`.
@@ -95,55 +94,37 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
     }
 }
 
-/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`, for each `x` of `rows` in turn; `plus` says which: MuJoCo's
-/// `mju_cholUpdate`. False where a difference is not positive definite; then the factor is not defined.
-///
-/// Each column waits for roots and quotients of the one before. So a row begins as soon as the one before is through with the first
-/// column, and several are under way at the same time, none of which waits for another.
+/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False where the difference is not positive
+/// definite.
 #[inline(always)]
-pub(super) fn update(
-    factor: &mut [Lanes],
-    n: usize,
-    stride: usize,
-    rows: &mut [Lanes],
-    plus: &[bool],
-) -> bool {
+pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lanes], plus: bool) -> bool {
     let mut definite = true;
-    for time in 0..n + plus.len() {
-        for row in (time + 1).saturating_sub(n)..plus.len().min(time + 1) {
-            let column = time - row;
-            let x = &mut rows[row * stride..(row + 1) * stride];
-            let factor = &mut factor[column * stride..(column + 1) * stride];
-            definite &= update_column(factor, column, x, plus[row]);
+    for k in 0..n {
+        let (first, lane) = (k / 4, k % 4);
+        let xk = x[first][lane];
+        if xk == 0.0 {
+            continue;
         }
+        let column = &mut factor[k * stride..(k + 1) * stride];
+        let lkk = column[first][lane];
+        let mut square = lkk * lkk + if plus { xk * xk } else { -xk * xk };
+        if square < MINVAL {
+            square = MINVAL;
+            definite = false;
+        }
+        let r = square.sqrt();
+        let c = r / lkk;
+        let (inverse, s) = (1.0 / c, xk / lkk);
+        let signed = if plus { s } else { -s };
+        for (l, x) in column[first..].iter_mut().zip(&mut x[first..]) {
+            for i in 0..4 {
+                l[i] = (l[i] + signed * x[i]) * inverse;
+                x[i] = c * x[i] - s * l[i];
+            }
+        }
+        column[first][lane] = r;
     }
     definite
-}
-
-/// Changes column `k`, and makes of `x` what is left of it for the next columns.
-#[inline(always)]
-fn update_column(column: &mut [Lanes], k: usize, x: &mut [Lanes], plus: bool) -> bool {
-    let (first, lane) = (k / 4, k % 4);
-    let xk = x[first][lane];
-    if xk == 0.0 {
-        return true;
-    }
-    let lkk = column[first][lane];
-    let square = lkk * lkk + if plus { xk * xk } else { -xk * xk };
-    let r = square.sqrt();
-    let c = r / lkk;
-    let (inverse, s) = (1.0 / c, xk / lkk);
-    let signed = if plus { s } else { -s };
-    for (l, x) in column[first..].iter_mut().zip(&mut x[first..]) {
-        // copies, so that the compiler knows that one vector is not part of the other
-        let (old, row) = (*l, *x);
-        let new: Lanes = from_fn(|i| (old[i] + signed * row[i]) * inverse);
-        *x = from_fn(|i| c * row[i] - s * new[i]);
-        *l = new;
-    }
-    dense::set(column, k, r);
-    let lost = square < MINVAL;
-    !lost
 }
 
 #[cfg(test)]
@@ -216,14 +197,14 @@ mod tests {
         factor(&mut factors, N, groups(N));
         let before = factors.clone();
         let row = || vec![[0.0, 0.5, 0.0, -0.25], [0.125, 0.0, 0.3, 0.0]];
-        assert!(update(&mut factors, N, groups(N), &mut row(), &[true]));
+        assert!(update(&mut factors, N, groups(N), &mut row(), true));
         let mut sum = matrix();
         let x = row().as_flattened().to_vec();
         (0..N).for_each(|i| (0..N).for_each(|j| sum[i][j] += x[i] * x[j]));
         let mut expected = by_columns(&sum);
         factor(&mut expected, N, groups(N));
         for (factors, expected) in [(factors.clone(), expected), {
-            assert!(update(&mut factors, N, groups(N), &mut row(), &[false]));
+            assert!(update(&mut factors, N, groups(N), &mut row(), false));
             (factors.clone(), before)
         }] {
             for j in 0..N {
@@ -234,27 +215,6 @@ mod tests {
             }
         }
         let mut far = vec![[9.0; 4]; groups(N)];
-        assert!(!update(&mut factors, N, groups(N), &mut far, &[false]), "not positive definite any more");
-    }
-
-    #[test]
-    fn rows_under_way_at_once_have_the_bits_of_one_after_the_other() {
-        let mut one_by_one = by_columns(&matrix());
-        factor(&mut one_by_one, N, groups(N));
-        let mut at_once = one_by_one.clone();
-        let row = |k: usize| -> Vec<Lanes> {
-            let element =
-                |i: usize| if i < N && !(i + k).is_multiple_of(3) { 0.1 * (i + 2 * k) as f64 } else { 0.0 };
-            (0..groups(N)).map(|g| from_fn(|lane| element(4 * g + lane))).collect()
-        };
-        // more rows than columns; each is taken away again
-        let plus: Vec<bool> = (0..20).map(|k| k % 2 == 0).collect();
-        let mut rows: Vec<Lanes> = (0..20).flat_map(|k| row(k / 2)).collect();
-        for (k, plus) in plus.iter().enumerate() {
-            assert!(update(&mut one_by_one, N, groups(N), &mut row(k / 2), &[*plus]));
-        }
-        assert!(update(&mut at_once, N, groups(N), &mut rows, &plus));
-        let bits = |factors: &[Lanes]| factors.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(&at_once), bits(&one_by_one));
+        assert!(!update(&mut factors, N, groups(N), &mut far, false), "not positive definite any more");
     }
 }

@@ -27,7 +27,7 @@ pub(crate) struct Buffers {
     mgrad: Vec<Lanes>,
     search: Vec<Lanes>,
     mv: Vec<Lanes>,
-    pushed: Vec<Lanes>,
+    row_update: Vec<Lanes>,
     /// The number of degrees of freedom that these are for.
     last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
@@ -42,9 +42,6 @@ pub(crate) struct Buffers {
     /// Whether each row pushes.
     pushes: Vec<bool>,
     rows: Vec<Row>,
-    /// What the factor is to be changed by, row by row, and whether each row began to push or ceased to.
-    changes: Vec<Lanes>,
-    began: Vec<bool>,
     /// The Jacobian of an island that is not the whole model, and its blocks.
     jac: Vec<Lanes>,
     blocks: Vec<Block>,
@@ -65,7 +62,7 @@ impl Buffers {
             &mut buffers.mgrad,
             &mut buffers.search,
             &mut buffers.mv,
-            &mut buffers.pushed,
+            &mut buffers.row_update,
         ] {
             vector.resize(groups, [0.0; 4]);
         }
@@ -80,13 +77,9 @@ impl Buffers {
         ] {
             vector.reserve(rows);
         }
-        for flags in [&mut buffers.pushes, &mut buffers.began] {
-            flags.reserve(rows);
-        }
+        buffers.pushes.reserve(rows);
         buffers.rows.reserve(rows);
-        for rows_of_dofs in [&mut buffers.jac, &mut buffers.changes] {
-            rows_of_dofs.reserve(rows * groups);
-        }
+        buffers.jac.reserve(rows * groups);
         buffers.blocks.reserve(blocks);
         buffers
     }
@@ -102,7 +95,7 @@ impl Buffers {
             &mut self.mgrad,
             &mut self.search,
             &mut self.mv,
-            &mut self.pushed,
+            &mut self.row_update,
         ] {
             if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
                 vector.clear();
@@ -357,7 +350,9 @@ fn update(b: &mut Buffers, jacobian: &Jacobian<'_>) {
         }
     }
     for (((grad, ma), smooth), constraint) in b.grad.iter_mut().zip(&b.ma).zip(&b.smooth).zip(&b.constraint) {
-        *grad = std::array::from_fn(|k| ma[k] - smooth[k] - constraint[k]);
+        for k in 0..4 {
+            grad[k] = ma[k] - smooth[k] - constraint[k];
+        }
     }
 }
 
@@ -378,7 +373,7 @@ fn hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jac
     for block in jacobian.blocks {
         for row in (block.row..block.row + block.rows).filter(|&row| b.pushes[row] && b.d[row] != 0.0) {
             let jac = &jacobian.row(row)[..block.groups];
-            let pushed = &mut b.pushed[..block.groups];
+            let pushed = &mut b.row_update[..block.groups];
             for (pushed, jac) in pushed.iter_mut().zip(jac) {
                 *pushed = jac.map(|j| j * b.d[row]);
             }
@@ -403,19 +398,23 @@ fn hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jac
 /// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
 #[inline(always)]
 fn update_hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jacobian<'_>) {
-    b.changes.clear();
-    b.began.clear();
-    for (row, (jar, pushed)) in b.jar.iter().zip(&mut b.pushes).enumerate() {
-        let pushes = *jar < 0.0;
-        if pushes != *pushed {
-            *pushed = pushes;
+    let n = dofs_of(m, trees);
+    let mut definite = true;
+    for row in 0..b.jar.len() {
+        let pushes = b.jar[row] < 0.0;
+        if pushes == b.pushes[row] {
+            continue;
+        }
+        b.pushes[row] = pushes;
+        if definite {
             let root = b.d[row].sqrt();
-            b.changes.extend(jacobian.row(row).iter().map(|jac| jac.map(|j| j * root)));
-            b.began.push(pushes);
+            for (x, jac) in b.row_update.iter_mut().zip(jacobian.row(row)) {
+                *x = jac.map(|j| j * root);
+            }
+            definite = cholesky::update(&mut b.hessian, n, jacobian.stride, &mut b.row_update, pushes);
         }
     }
-    let n = dofs_of(m, trees);
-    if !cholesky::update(&mut b.hessian, n, jacobian.stride, &mut b.changes, &b.began) {
+    if !definite {
         hessian(m, d, b, trees, jacobian);
     }
 }

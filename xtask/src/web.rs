@@ -24,7 +24,7 @@ Builds the gallery: a page that runs every environment in the browser
 Usage: cargo xtask web [OPTIONS]
 
 Options:
-      --out FOLDER    Where to put the files; by default target/web
+      --out FOLDER    Where to put the files; by default target/gallery
       --single        Also writes gallery.html there: the whole page in one file, which a double click opens
       --serve         Shows the page at http://localhost:8000 until it is interrupted
       --port NUMBER   Another port, for --serve
@@ -81,7 +81,7 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     }
     check_target()?;
     let module = build(plugin, options.small)?;
-    let out = options.out.unwrap_or_else(|| target_dir().join("web"));
+    let out = options.out.unwrap_or_else(|| target_dir().join("gallery"));
     let page = Page::read(&module, plugin.is_none())?;
     page.write(&out)?;
     say(format_args!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000))?;

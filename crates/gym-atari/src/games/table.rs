@@ -74,6 +74,13 @@ games! {
         lives: |r| r.at(0x71),
         over: |r| r.at(0x71) == 0xff,
     }
+    atlantis2 "Atlantis2" v5 {
+        md5: "826481f6fc53ea47c9f272f7050eedf7", scheme: Rom4K,
+        minimal: &[Noop, Fire, RightFire, LeftFire],
+        score: |r| r.decimal(&[0x23, 0x22, 0x21]),
+        lives: |r| r.at(0x71),
+        over: |r| r.at(0x71) == 0xff,
+    }
     bank_heist "BankHeist" 4 {
         md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
@@ -182,6 +189,13 @@ games! {
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
     }
+    donkey_kong "DonkeyKong" v5 {
+        md5: "36b20c427975760cb9cf4a47e41369e4", scheme: Rom4K,
+        minimal: &Action::ALL,
+        score: |r| 100 * r.decimal(&[0x07, 0x08]),
+        lives: |r| r.at(0x23),
+        over: |r| r.at(0x23) == 0 && r.at(0x0f) == 0x03 && r.at(0x0b) == 0x1f,
+    }
     enduro "Enduro" 4 {
         md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire],
@@ -189,12 +203,29 @@ games! {
         score: |r| r.enduro(),
         over: |r| r.at(0x2f) == 0xff,
     }
+    entombed "Entombed" v5 {
+        md5: "6b683be69f92958abe0e2a9945157ad5", scheme: Rom4K,
+        minimal: &Action::ALL,
+        start: &[Fire, Noop, Noop, Noop, Noop, Noop],
+        difficulties: &[0, 2],
+        score: |r| r.at(0x63),
+        lives: |_| 1,
+        over: |r| r.at(0x47) & 3 == 0,
+    }
     fishing_derby "FishingDerby" 4 {
         md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
         minimal: &Action::ALL,
         difficulties: &[0, 1, 2, 3],
         score: |r| r.bcd(0x3d) - r.bcd(0x3e),
         over: |r| r.at(0x3d) == 0x99 || r.at(0x3e) == 0x99,
+    }
+    flag_capture "FlagCapture" v5 {
+        md5: "30512e0e83903fc05541d2f6a6a62654", scheme: Rom2K,
+        minimal: &Action::ALL,
+        mode_at: Some(0x56), modes: &[(8, 8), (9, 9), (10, 10)],
+        score: |r| r.bcd(0x6a),
+        lives: |_| 1,
+        over: |r| r.at(0x6b) == 0,
     }
     freeway "Freeway" 4 {
         md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
@@ -251,6 +282,15 @@ games! {
         lives: |r| r.at(0x04) + 1,
         over: |r| r.at(0x01) == 1,
     }
+    hangman "Hangman" v5 {
+        md5: "f16c709df0a6c52f47ff52b9d95b7d8d", scheme: Rom4K,
+        minimal: &Action::ALL,
+        mode_at: Some(0x6e), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)],
+        difficulties: &[0, 1],
+        score: |r| r.bcd(0x6b) - r.bcd(0x6c),
+        lives: |_| 1,
+        over: |r| r.at(0x6b) != 0 || r.at(0x6c) != 0,
+    }
     hero "Hero" 4 {
         md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
@@ -289,6 +329,12 @@ games! {
         score: |r| 100 * r.decimal(&[0x27, 0x28]),
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
+    }
+    koolaid "Koolaid" v5 {
+        md5: "534e23210dd1993c828d944c6ac4d9fb", scheme: Rom4K,
+        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        score: |r| 100 * r.decimal(&[0x00, 0x01]),
+        over: |r| r.at(0x51) == 0x80,
     }
     krull "Krull" 4 {
         md5: "4baada22435320d185c95b7dd2bcdb24", scheme: F8,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::physics::spatial::IDENTITY;
-use crate::physics::{Constraints, MAXVAL, Work, rne_post_constraint};
+use crate::physics::{Call, Constraints, MAXVAL, Work, rne_post_constraint};
 use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
@@ -117,13 +117,6 @@ struct State {
     qvel: Vec<f64>,
     ctrl: Vec<f64>,
     qacc_warmstart: Vec<f64>,
-}
-
-/// What computes all that follows from a state.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Call {
-    Forward,
-    Step,
 }
 
 /// How data is serialised.

@@ -1,9 +1,10 @@
 //! Learners, which train in slices, so that the page can show their progress.
 
 use gym::{Error, Kwargs, Result, Seed, Value};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
+use crate::episode::Episode;
 use crate::linear::{self, CrossEntropy};
 use crate::tabular::{self, Tabular};
 
@@ -15,14 +16,6 @@ pub(crate) enum Lesson {
     Tabular(tabular::Parameters),
     /// A linear policy, by the cross-entropy method.
     CrossEntropy(linear::Parameters),
-}
-
-/// An episode of training.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Episode {
-    #[serde(rename = "return")]
-    pub(crate) episode_return: f64,
-    pub(crate) length: u32,
 }
 
 /// A learner of one of the methods.

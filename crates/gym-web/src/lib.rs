@@ -11,6 +11,7 @@
 //! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts another instance.
 
 mod describe;
+mod episode;
 mod learn;
 mod linear;
 mod player;

@@ -5,7 +5,7 @@
 use gym::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed, Space, Value};
 use serde::Deserialize;
 
-use crate::learn::Episode;
+use crate::episode::Episode;
 
 /// The parameters, which may change while the learner learns.
 #[derive(Clone, Copy, Debug, Deserialize)]

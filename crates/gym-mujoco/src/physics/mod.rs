@@ -63,11 +63,19 @@ pub use solver::fwd_constraint;
 pub use velocity::{com_vel, rne};
 pub(crate) use work::Work;
 
-use crate::data::Call;
+use serde::{Deserialize, Serialize};
+
 use crate::libm::wide;
 use crate::model::Integrator;
 use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
+
+/// What computes all that follows from a state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Call {
+    Forward,
+    Step,
+}
 
 /// Advances the state by a timestep: MuJoCo's `mj_step`.
 ///

@@ -24,7 +24,7 @@ Builds the gallery: a page that runs every environment in the browser
 Usage: cargo xtask web [OPTIONS]
 
 Options:
-      --out FOLDER    Where to put the files; by default target/gallery
+      --out FOLDER    Where to put the files; by default target/web
       --single        Also writes gallery.html there: the whole page in one file, which a double click opens
       --serve         Shows the page at http://localhost:8000 until it is interrupted
       --port NUMBER   Another port, for --serve
@@ -81,7 +81,7 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     }
     check_target()?;
     let module = build(plugin, options.small)?;
-    let out = options.out.unwrap_or_else(|| target_dir().join("gallery"));
+    let out = options.out.unwrap_or_else(|| target_dir().join("web"));
     let page = Page::read(&module, plugin.is_none())?;
     page.write(&out)?;
     say(format_args!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000))?;
@@ -121,7 +121,7 @@ fn check_target() -> Result<(), String> {
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
     // not a crate type of the manifest: Cargo optimises at link time only what is nothing else beside
-    cargo.args(["rustc", "--profile", "web", "--target", TARGET, "--lib", "--crate-type", "cdylib"]);
+    cargo.args(["rustc", "--profile", "gallery", "--target", TARGET, "--lib", "--crate-type", "cdylib"]);
     cargo.arg("--target-dir").arg(target_dir());
     let file = match plugin {
         None => {
@@ -146,7 +146,7 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     if !status.success() {
         return Err("the module could not be built".into());
     }
-    Ok(target_dir().join(TARGET).join("web").join(file))
+    Ok(target_dir().join(TARGET).join("gallery").join(file))
 }
 
 /// The files of the page, by name.

@@ -70,8 +70,8 @@ impl AtomicFile {
                 Destination::Replace(path) => {
                     // the name must not reach the disk before the bytes: a power cut between them would leave an empty file
                     file.sync_all()?;
-                    drop(file);
-                    temporary.persist(path).map_err(|error| error.error)
+                    let written = NamedTempFile::from_parts(file, temporary);
+                    written.persist(path).map(drop).map_err(|error| error.error)
                 }
                 Destination::Append(path) => {
                     file.rewind()?;

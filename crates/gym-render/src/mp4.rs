@@ -82,7 +82,7 @@ impl Format for Mp4 {
 impl Mp4 {
     /// Closes the pipe and waits until the file is complete.
     fn wait(&mut self) -> io::Result<()> {
-        drop(self.ffmpeg.0.stdin.take());
+        self.ffmpeg.0.stdin = None;
         let mut message = String::new();
         if let Some(mut stderr) = self.ffmpeg.0.stderr.take() {
             stderr.read_to_string(&mut message)?;

@@ -91,35 +91,51 @@ pub fn table<C: Arguments>(defaults: &C, version: u32) -> Vec<Argument> {
 /// [`Error::InvalidArgument`] about `whose` arguments for a name that the version does not take, and for a value of another
 /// type.
 pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &str) -> Result<C> {
-    let invalid = |reason: String| Error::argument(whose, reason);
-    let table = C::table();
+    check_names(&C::table(), version, given)
+        .and_then(|()| merge(serde_json::to_value(defaults), given))
+        .and_then(|all| parse(all).map_err(|error| explain(&error, given, |one| parse::<C>(one).is_err())))
+        .map_err(|reason| Error::argument(whose, reason))
+}
+
+// what follows is compiled once, and `parse` once for each type, instead of wherever arguments are read
+
+/// Says which name is not in the table, for this version.
+fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result::Result<(), String> {
     let taken = || table.iter().filter(|argument| argument.is_taken(version)).map(|argument| argument.name);
-    if let Some(unknown) = given.keys().find(|name| taken().all(|taken| taken != *name)) {
-        let near = crate::registry::nearest(unknown, taken());
-        let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
-        let reason = match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
-            none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
-            all => format!("unknown argument `{unknown}`{near} (there are {all})"),
-        };
-        return Err(invalid(reason));
-    }
-    let mut all = serde_json::to_value(defaults).map_err(|error| invalid(error.to_string()))?;
-    let Json::Object(values) = &mut all else { return Err(invalid("arguments are a JSON object".into())) };
-    values.extend(given.iter().map(|(name, value)| (name.clone(), value.clone())));
-    serde_json::from_value(all).map_err(|error| {
-        // serde does not name the argument: find the one that fails by itself, else repeat serde's message
-        let alone = |(name, value): &(&String, &Json)| {
-            let one = Json::Object([((*name).clone(), (*value).clone())].into_iter().collect());
-            serde_json::from_value::<C>(one).is_err()
-        };
-        let wrong = given.iter().find(alone).map(|(name, _)| format!("`{name}`: ")).unwrap_or_default();
-        let hint = if error.to_string().contains("invalid type: null") {
-            " (null is also what becomes of a number that is NaN or infinite: give a finite one)"
-        } else {
-            ""
-        };
-        invalid(format!("{wrong}{error}{hint}"))
+    let Some(unknown) = given.keys().find(|name| taken().all(|taken| taken != *name)) else { return Ok(()) };
+    let near = crate::registry::nearest(unknown, taken());
+    let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
+    Err(match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
+        none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
+        all => format!("unknown argument `{unknown}`{near} (there are {all})"),
     })
+}
+
+/// The default values, with those that are given in their places.
+fn merge(defaults: serde_json::Result<Json>, given: &Kwargs) -> std::result::Result<Kwargs, String> {
+    let Json::Object(mut all) = defaults.map_err(|error| error.to_string())? else {
+        return Err("arguments are a JSON object".into());
+    };
+    all.extend(given.iter().map(|(name, value)| (name.clone(), value.clone())));
+    Ok(all)
+}
+
+#[inline(never)]
+fn parse<C: Arguments>(arguments: Kwargs) -> std::result::Result<C, String> {
+    serde_json::from_value(Json::Object(arguments)).map_err(|error| error.to_string())
+}
+
+/// serde's message, with the name of the argument that fails by itself, which serde does not give.
+fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
+    let mut alone =
+        given.iter().map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));
+    let wrong = alone.find_map(|(name, one)| fails(one).then(|| format!("`{name}`: "))).unwrap_or_default();
+    let hint = if error.contains("invalid type: null") {
+        " (null is also what becomes of a number that is NaN or infinite: give a finite one)"
+    } else {
+        ""
+    };
+    format!("{wrong}{error}{hint}")
 }
 
 /// The type of an argument. Implement it for types of your own that are arguments.

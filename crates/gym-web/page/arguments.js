@@ -1,5 +1,5 @@
 // The form of an environment's arguments, and the lines of code that make it.
-import { h } from "./dom.js";
+import { h, prose } from "./dom.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -27,7 +27,7 @@ export function argumentsForm(list, kwargs, apply) {
     };
     const element = h("div", { class: `argument${typeof value === "boolean" ? " check" : ""}` },
       h("label", { for: input.id }, name, unit ? h("span", { class: "unit" }, ` ${unit}`) : null), input,
-      meaning ? h("p", { class: "quiet" }, meaning, kind ? h("span", { class: "kind" }, ` (${kind})`) : null) : null);
+      meaning ? h("p", { class: "quiet" }, prose(meaning), kind ? h("span", { class: "kind" }, ` (${kind})`) : null) : null);
     return { name, value, read, element };
   });
   const submit = async (event) => {

@@ -11,6 +11,9 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
+// Documentation's text: what stands between backticks as code.
+export const prose = (text) => text.split("`").map((part, at) => (at % 2 ? h("code", {}, part) : part));
+
 // An icon of the page's own, 24 units wide: paths alone.
 const ICONS = {
   play: "M7 4.5v15l12-7.5z",

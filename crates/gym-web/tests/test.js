@@ -56,6 +56,14 @@ const parameters = new URLSearchParams(location.search);
 const colours = (pixels) => new Set(new Uint32Array(pixels.buffer)).size;
 const shown = (canvas) => new Uint8Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
 
+// the first of all, while neither the browser nor the server has anything at hand
+await test("the first picture", async () => {
+  const start = performance.now();
+  await open("#/", ".tile canvas");
+  await until(() => colours(shown(find(".tile canvas"))) > 1, "a picture");
+  return `${Math.round(performance.now() - start)} ms after the page was opened`;
+});
+
 const engine = new Engine();
 const environments = await engine.request({ do: "list" });
 const has = (id) => environments.some((environment) => environment.id === id);
@@ -219,6 +227,12 @@ await testOf("MountainCar-v0", "arguments that are refused are told in words", a
   await until(() => /number is missing/.test(text(".arguments [role=status]")), "the error");
   const error = await engine.request({ do: "make", env: 1, id: "CartPole-v1", kwargs: { gravitty: 1 }, fit: null }).catch((error) => error.message);
   check(/gravitty/.test(error), error);
+});
+
+await testOf("CartPole-v1", "code in the documentation of an argument is shown as code", async () => {
+  await open("#/CartPole-v1", ".arguments");
+  check(!text(".arguments").includes("`"), "a backtick is shown");
+  check(find(".arguments .argument code"), "no code is shown");
 });
 
 await test("an environment's page shows its picture while it waits for a key", async () => {

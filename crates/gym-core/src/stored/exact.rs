@@ -2,8 +2,11 @@
 //! the [stored form](super).
 
 use serde::Serialize;
-use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
-use serde::de::{DeserializeOwned, Deserializer, Error as _, IntoDeserializer, Unexpected, Visitor};
+use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess, Unexpected,
+    Visitor,
+};
 use serde::ser::{self, Serializer};
 use serde_json::{Error, Value as Json};
 
@@ -23,7 +26,7 @@ pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
 /// # Errors
 /// For JSON of something else.
 pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
-    T::deserialize(Stored(json))
+    T::deserialize(Stored { json, as_it_is: false })
 }
 
 /// A value whose non-finite floats are kept.
@@ -140,13 +143,26 @@ hand_on_items! {
 }
 
 /// JSON that is read with all its floats.
+///
+/// Each method takes the kinds of JSON that its type can come from, and no general one is behind them: the compiler makes a copy
+/// of whatever a type's visitor can reach, for each type of each crate.
 #[derive(Clone, Copy)]
-struct Stored<'a>(&'a Json);
+struct Stored<'de> {
+    json: &'de Json,
+    /// JSON within JSON, in which nothing stands for a float.
+    as_it_is: bool,
+}
 
-impl Stored<'_> {
+impl<'de> Stored<'de> {
+    /// A part of this one.
+    fn part(self, json: &'de Json) -> Self {
+        Self { json, ..self }
+    }
+
     /// The number that JSON lacks, if this is one.
     fn float(self) -> Result<Option<f64>, Error> {
-        let Some((text, 1)) = self.0.as_object().and_then(|map| Some((map.get(FLOAT)?, map.len()))) else {
+        let tagged = self.json.as_object().and_then(|map| Some((map.get(FLOAT)?, map.len())));
+        let Some((text, 1)) = tagged.filter(|_| !self.as_it_is) else {
             return Ok(None);
         };
         let x = text.as_str().and_then(parse_float);
@@ -154,35 +170,104 @@ impl Stored<'_> {
             Error::custom(format!("expected \"inf\", \"-inf\" or \"NaN\" under `{FLOAT}`, not {text}"))
         })
     }
+
+    fn is_not(self, expected: &dyn Expected) -> Error {
+        let found = match self.json {
+            Json::Null => Unexpected::Unit,
+            Json::Bool(b) => Unexpected::Bool(*b),
+            Json::Number(number) => match (number.as_u64(), number.as_i64(), number.as_f64()) {
+                (Some(n), ..) => Unexpected::Unsigned(n),
+                (_, Some(n), _) => Unexpected::Signed(n),
+                (.., x) => Unexpected::Float(x.unwrap_or_default()),
+            },
+            Json::String(text) => Unexpected::Str(text),
+            Json::Array(_) => Unexpected::Seq,
+            Json::Object(_) => Unexpected::Map,
+        };
+        Error::invalid_type(found, expected)
+    }
+
+    fn scalar<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.json {
+            Json::Null => visitor.visit_unit(),
+            Json::Bool(b) => visitor.visit_bool(*b),
+            Json::Number(number) => match (number.as_u64(), number.as_i64(), number.as_f64()) {
+                (Some(n), ..) => visitor.visit_u64(n),
+                (_, Some(n), _) => visitor.visit_i64(n),
+                (.., Some(x)) => visitor.visit_f64(x),
+                _ => Err(self.is_not(&visitor)),
+            },
+            Json::String(text) => visitor.visit_borrowed_str(text),
+            Json::Array(_) => Err(self.is_not(&visitor)),
+            Json::Object(_) => match self.float()? {
+                Some(x) => visitor.visit_f64(x),
+                None => Err(self.is_not(&visitor)),
+            },
+        }
+    }
+
+    fn list<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        let Json::Array(list) = self.json else { return Err(self.is_not(&visitor)) };
+        let mut items = Items { list: self, rest: list.iter() };
+        let value = visitor.visit_seq(&mut items)?;
+        match items.rest.len() {
+            0 => Ok(value),
+            rest => Err(Error::invalid_length(list.len(), &&*format!("{} items", list.len() - rest))),
+        }
+    }
+
+    fn map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        let Json::Object(map) = self.json else { return Err(self.is_not(&visitor)) };
+        let mut entries = Entries { map: self, rest: map.iter(), value: None };
+        let value = visitor.visit_map(&mut entries)?;
+        match entries.rest.len() {
+            0 => Ok(value),
+            rest => Err(Error::invalid_length(map.len(), &&*format!("{} entries", map.len() - rest))),
+        }
+    }
+}
+
+/// Methods that are one of those above.
+macro_rules! deserialize {
+    ($($by:ident { $($method:ident($($arg:ident: $type:ty),*))* })*) => {
+        $($(fn $method<V: Visitor<'de>>(self, $($arg: $type,)* visitor: V) -> Result<V::Value, Error> {
+            $(let _ = $arg;)*
+            self.$by(visitor)
+        })*)*
+    };
 }
 
 impl<'de> Deserializer<'de> for Stored<'de> {
     type Error = Error;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        if let Some(x) = self.float()? {
-            return visitor.visit_f64(x);
-        }
-        match self.0 {
-            Json::Array(items) => {
-                let mut items = SeqDeserializer::new(items.iter().map(Stored));
-                let value = visitor.visit_seq(&mut items)?;
-                items.end()?;
-                Ok(value)
-            }
-            Json::Object(map) => {
-                let mut entries =
-                    MapDeserializer::new(map.iter().map(|(key, value)| (key.as_str(), Stored(value))));
-                let value = visitor.visit_map(&mut entries)?;
-                entries.end()?;
-                Ok(value)
-            }
-            plain => plain.deserialize_any(visitor),
+        match self.json {
+            Json::Array(_) => self.list(visitor),
+            Json::Object(_) if self.float()?.is_none() => self.map(visitor),
+            _ => self.scalar(visitor),
         }
     }
 
+    deserialize! {
+        scalar {
+            deserialize_bool() deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64() deserialize_i128()
+            deserialize_u8() deserialize_u16() deserialize_u32() deserialize_u64() deserialize_u128() deserialize_f32()
+            deserialize_f64() deserialize_char() deserialize_str() deserialize_string() deserialize_unit()
+            deserialize_unit_struct(name: &'static str) deserialize_identifier()
+        }
+        list {
+            deserialize_bytes() deserialize_byte_buf() deserialize_seq() deserialize_tuple(len: usize)
+            deserialize_tuple_struct(name: &'static str, len: usize)
+        }
+        map { deserialize_map() deserialize_struct(name: &'static str, fields: &'static [&'static str]) }
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_unit()
+    }
+
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        if self.0.is_null() { visitor.visit_none() } else { visitor.visit_some(self) }
+        if self.json.is_null() { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
@@ -190,42 +275,70 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         name: &'static str,
         visitor: V,
     ) -> Result<V::Value, Error> {
-        match name {
-            // a value, or an inner snapshot: already in stored form
-            super::AS_IT_IS => visitor.visit_newtype_struct(self.0),
-            _ => visitor.visit_newtype_struct(self),
-        }
+        // a value, or an inner snapshot: already in stored form
+        let as_it_is = self.as_it_is || name == super::AS_IT_IS;
+        visitor.visit_newtype_struct(Self { as_it_is, ..self })
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
         self,
-        name: &'static str,
-        variants: &'static [&'static str],
+        _name: &'static str,
+        _variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Error> {
-        match self.0 {
+        match self.json {
+            Json::String(variant) => visitor.visit_enum(BorrowedStrDeserializer::new(variant)),
             Json::Object(map) if map.len() == 1 => {
-                let entries = map.iter().map(|(key, value)| (key.as_str(), Stored(value)));
-                visitor.visit_enum(MapAccessDeserializer::new(MapDeserializer::new(entries)))
+                let entries = Entries { map: self, rest: map.iter(), value: None };
+                visitor.visit_enum(MapAccessDeserializer::new(entries))
             }
-            Json::Object(_) => {
-                Err(Error::invalid_value(Unexpected::Map, &"a map with the one variant of an enum"))
-            }
-            plain => plain.deserialize_enum(name, variants, visitor),
+            _ => Err(self.is_not(&"the name of a variant, or a map with one")),
         }
-    }
-
-    serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq
-        tuple tuple_struct map struct identifier ignored_any
     }
 }
 
-impl<'de> IntoDeserializer<'de, Error> for Stored<'de> {
-    type Deserializer = Self;
+/// The items of a list, in turn.
+struct Items<'de> {
+    list: Stored<'de>,
+    rest: std::slice::Iter<'de, Json>,
+}
 
-    fn into_deserializer(self) -> Self {
-        self
+impl<'de> SeqAccess<'de> for Items<'de> {
+    type Error = Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        self.rest.next().map(|item| seed.deserialize(self.list.part(item))).transpose()
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.rest.len())
+    }
+}
+
+/// The entries of a map, in turn.
+struct Entries<'de> {
+    map: Stored<'de>,
+    rest: serde_json::map::Iter<'de>,
+    /// Of the key that was read last.
+    value: Option<&'de Json>,
+}
+
+impl<'de> MapAccess<'de> for Entries<'de> {
+    type Error = Error;
+
+    fn next_key_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        let Some((key, value)) = self.rest.next() else { return Ok(None) };
+        self.value = Some(value);
+        seed.deserialize(BorrowedStrDeserializer::new(key)).map(Some)
+    }
+
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Error> {
+        let value = self.value.take().ok_or_else(|| Error::custom("a value was read before its key"))?;
+        seed.deserialize(self.map.part(value))
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.rest.len())
     }
 }
 

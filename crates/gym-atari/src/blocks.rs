@@ -7,9 +7,10 @@
 //! Within a block the processor's `cycle`, `pc` and byte on the bus stay those of the block's start: each instruction knows how far
 //! from there it is. What takes longer, such as `WSYNC`, moves the start.
 
-use std::sync::Arc;
+use std::fmt;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-use crate::cartridge::{Any, Cartridge, Fixed, Kind, Scheme, Switched, Windowed};
+use crate::cartridge::{Any, Cartridge, Fixed, Kind, ROM, Scheme, Switched, Windowed};
 use crate::cpu::Cpu;
 use crate::cpu::instructions::{Access, INSTRUCTIONS, Instruction, LENGTHS, Mode, Operation};
 use crate::cpu::run::Core;
@@ -81,12 +82,54 @@ pub(crate) struct Op {
     high: u8,
 }
 
+/// The decoded instructions of a ROM, which all consoles of the ROM share.
+pub(crate) struct Blocks {
+    scheme: Scheme,
+    rom: Arc<[u8; ROM]>,
+    /// The block that starts at a byte: see [`Kind::entry`]. It is decoded when it is first executed, and follows from the ROM
+    /// alone.
+    entries: Box<[OnceLock<Box<[Op]>>]>,
+}
+
+impl fmt::Debug for Blocks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Blocks").field("scheme", &self.scheme).finish_non_exhaustive()
+    }
+}
+
+/// Those of all consoles that there are.
+static KNOWN: Mutex<Vec<Weak<Blocks>>> = Mutex::new(Vec::new());
+
+impl Blocks {
+    /// The blocks of a cartridge's ROM: the same for all who ask while one of them has them.
+    pub(crate) fn of(cartridge: &Cartridge) -> Arc<Self> {
+        let (scheme, rom) = (cartridge.scheme(), Arc::clone(&cartridge.rom));
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|blocks| blocks.strong_count() > 0);
+        let mut shared = known.iter().filter_map(Weak::upgrade);
+        if let Some(blocks) = shared.find(|blocks| blocks.scheme == scheme && blocks.rom == rom) {
+            return blocks;
+        }
+        let entries = match scheme {
+            Scheme::Rom2K | Scheme::Rom4K => 0x1000,
+            Scheme::F8 => 0x2000,
+            Scheme::F6 => 0x4000,
+            Scheme::E0 => 0x8000,
+            // others are not decoded
+            Scheme::F8SC | Scheme::F6SC | Scheme::FE | Scheme::Dpc => 0,
+        };
+        let blocks = Arc::new(Self { scheme, rom, entries: (0..entries).map(|_| OnceLock::new()).collect() });
+        known.push(Arc::downgrade(&blocks));
+        blocks
+    }
+}
+
 /// Executes instructions until a frame ends or the processor halts, and at most so many.
-pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: u32) {
+pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, blocks: &Blocks, most: u32) {
     match cartridge.scheme() {
-        Scheme::Rom2K | Scheme::Rom4K => run_blocks::<Fixed>(cpu, chips, cartridge, most),
-        Scheme::F8 | Scheme::F6 => run_blocks::<Switched>(cpu, chips, cartridge, most),
-        Scheme::E0 => run_blocks::<Windowed>(cpu, chips, cartridge, most),
+        Scheme::Rom2K | Scheme::Rom4K => run_blocks::<Fixed>(cpu, chips, cartridge, blocks, most),
+        Scheme::F8 | Scheme::F6 => run_blocks::<Switched>(cpu, chips, cartridge, blocks, most),
+        Scheme::E0 => run_blocks::<Windowed>(cpu, chips, cartridge, blocks, most),
         Scheme::F8SC | Scheme::F6SC | Scheme::FE | Scheme::Dpc => {
             interpret(cpu, chips, cartridge, most);
         }
@@ -99,12 +142,17 @@ fn interpret(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: 
     cpu.run(Wires::<Any, { case::ANY }>::new(chips, cartridge), most)
 }
 
-fn run_blocks<K: Kind>(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: u32) {
-    let program = Arc::clone(&cartridge.program);
+fn run_blocks<K: Kind>(
+    cpu: &mut Cpu,
+    chips: &mut Chips,
+    cartridge: &mut Cartridge,
+    blocks: &Blocks,
+    most: u32,
+) {
     let mut thread = Thread { cpu: *cpu, left: most };
     while thread.left > 0 {
         let pc = thread.cpu.pc;
-        let entry = if pc & 0x1000 == 0 { None } else { program.blocks.get(K::entry(cartridge, pc)) };
+        let entry = if pc & 0x1000 == 0 { None } else { blocks.entries.get(K::entry(cartridge, pc)) };
         let block = entry.map_or(&[][..], |block| block.get_or_init(|| decode::<K>(cartridge, pc)));
         match block {
             // the last instruction of all is the interpreter's, which leaves the byte on the bus as it is

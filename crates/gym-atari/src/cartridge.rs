@@ -7,7 +7,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::dpc::{self, Dpc};
-use crate::program::{Program, ROM};
 
 /// How a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -68,13 +67,17 @@ impl Scheme {
     }
 }
 
+/// The bytes of the largest ROM.
+pub(crate) const ROM: usize = 0x4000;
+
 /// From here on an address may select a bank.
 const FIRST_HOTSPOT: u16 = 0x0fe0;
 
 /// A ROM and which parts of it the processor sees.
 #[derive(Clone, Debug)]
 pub struct Cartridge {
-    pub(crate) program: Arc<Program>,
+    /// The bytes; zeros behind a smaller ROM.
+    pub(crate) rom: Arc<[u8; ROM]>,
     banks: Banks,
     /// Whether an access may have selected a bank since [`take_switched`](Self::take_switched).
     switched: bool,
@@ -100,7 +103,7 @@ impl Cartridge {
             *byte = value;
         }
         let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], dpc: Dpc::new() };
-        let mut cartridge = Self { program: Program::of(whole, scheme), banks, switched: false };
+        let mut cartridge = Self { rom: Arc::new(whole), banks, switched: false };
         cartridge.reset();
         cartridge
     }
@@ -148,7 +151,7 @@ impl Cartridge {
             }
             return self.banks.ram[cell];
         } else if low < dpc::REGISTERS && self.banks.scheme == Scheme::Dpc {
-            return self.banks.read_dpc(low, &self.program.rom[8192..][..dpc::DATA]);
+            return self.banks.read_dpc(low, &self.rom[8192..][..dpc::DATA]);
         } else if self.banks.scheme == Scheme::FE {
             self.banks.select(u16::from(address & 0x2000 == 0));
         }
@@ -158,7 +161,7 @@ impl Cartridge {
     /// The byte of the ROM at an address, in the banks that are selected.
     #[inline(always)]
     fn peek(&self, address: u16) -> u8 {
-        self.program.rom[self.place(address)]
+        self.rom[self.place(address)]
     }
 
     /// Where in the ROM an address is.
@@ -197,7 +200,7 @@ impl Cartridge {
         };
         let plain =
             address & 0x1000 != 0 && (first..FIRST_HOTSPOT - 4).contains(&low) && low & 0x03ff <= 0x03fc;
-        if plain { self.program.rom[self.place(address)..].first_chunk().copied() } else { None }
+        if plain { self.rom[self.place(address)..].first_chunk().copied() } else { None }
     }
 
     /// Whether an access may have selected a bank since the last call.
@@ -280,7 +283,7 @@ impl Kind for Fixed {
 
     #[inline(always)]
     fn peek(cartridge: &Cartridge, address: u16) -> u8 {
-        cartridge.program.rom[usize::from(address & 0x0fff)]
+        cartridge.rom[usize::from(address & 0x0fff)]
     }
 
     #[inline(always)]
@@ -314,7 +317,7 @@ impl Kind for Switched {
 
     #[inline(always)]
     fn peek(cartridge: &Cartridge, address: u16) -> u8 {
-        cartridge.program.rom[Self::entry(cartridge, address)]
+        cartridge.rom[Self::entry(cartridge, address)]
     }
 
     #[inline(always)]

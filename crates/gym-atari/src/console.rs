@@ -13,9 +13,11 @@
 //! assert_eq!(console.ram().len(), 128);
 //! ```
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use crate::blocks;
+use crate::blocks::{self, Blocks};
 use crate::cartridge::{Banks, Cartridge};
 use crate::cpu::Cpu;
 use crate::riot::Riot;
@@ -69,6 +71,7 @@ pub struct Console {
     cpu: Cpu,
     chips: Chips,
     cartridge: Cartridge,
+    blocks: Arc<Blocks>,
 }
 
 /// Everything about a console that changes but the picture: a few hundred bytes.
@@ -94,7 +97,7 @@ impl Console {
             frame_ended: false,
             continued: true,
         };
-        Self { cpu: Cpu::new(pc), chips, cartridge }
+        Self { cpu: Cpu::new(pc), chips, blocks: Blocks::of(&cartridge), cartridge }
     }
 
     /// Runs a frame: until the program ends it, or for 25,000 instructions.
@@ -108,7 +111,7 @@ impl Console {
     }
 
     fn run(&mut self, input: &Input, seen: bool) {
-        let Self { cpu, chips, cartridge } = self;
+        let Self { cpu, chips, cartridge, blocks } = self;
         chips.riot.port_a = input.port_a;
         chips.riot.port_b = input.port_b;
         chips.tia.fire = input.fire;
@@ -121,7 +124,7 @@ impl Console {
         if !chips.continued {
             chips.screen.swap();
         }
-        blocks::run(cpu, chips, cartridge, MOST_INSTRUCTIONS);
+        blocks::run(cpu, chips, cartridge, blocks, MOST_INSTRUCTIONS);
     }
 
     /// The 128 bytes of RAM.

@@ -17,7 +17,6 @@ mod mt19937;
 mod paddle;
 pub mod palette;
 mod preprocessing;
-mod program;
 pub mod recording;
 pub mod riot;
 pub mod rom;

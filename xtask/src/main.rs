@@ -1,7 +1,8 @@
 //! `cargo xtask COMMAND`: builds the commands as the one that is asked for needs them, and runs it.
 //!
 //! This program has next to no dependencies, so that it says within seconds what it builds:
-//! - Commands that play are built with optimisation; `list`, `help` and `new` without, unless the others are there.
+//! - Commands that play are built with optimisation, and those that measure with all of it; `list`, `help` and `new` without
+//!   any, unless those that play are there.
 //! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for what asks for it.
 //! - `web` builds the gallery for the browser, and is part of this program.
 //! - With `--plugin PATH` a program is built that links the crate in that folder.
@@ -19,6 +20,8 @@ use plugin::Plugin;
 
 /// The commands that need no speed.
 const QUICK: [&str; 4] = ["list", "help", "mjcf", "new"];
+/// The commands that measure speed, or play for hours.
+const FASTEST: [&str; 2] = ["bench", "soak"];
 
 fn main() -> ExitCode {
     match run(env::args_os().skip(1).collect()) {
@@ -92,7 +95,7 @@ impl Build {
         let is_quick = asks_for_help || command.is_none_or(|command| QUICK.contains(&command));
         let is_built = || {
             target_dir()
-                .join("release")
+                .join("play")
                 .join("xtask-commands")
                 .with_extension(env::consts::EXE_EXTENSION)
                 .exists()
@@ -106,7 +109,8 @@ impl Build {
         let profile = match is_quick {
             _ if in_dev => "dev",
             true if !is_built() => "quick",
-            _ => "release",
+            false if command.is_some_and(|command| FASTEST.contains(&command)) => "release",
+            _ => "play",
         };
         let is_over_all =
             command.is_some_and(|command| ["conform", "docs", "soak"].contains(&command)) && !asks_for_help;
@@ -184,10 +188,13 @@ mod tests {
     }
 
     #[test]
-    fn commands_that_play_are_fast() {
-        for line in ["demo", "bench CartPole-v1", "run Taxi-v4"] {
-            assert_eq!(Build::of(&arguments(line), false).profile, "release", "{line}");
+    fn commands_that_play_are_optimised_and_those_that_measure_the_most() {
+        let profile = |line: &str| Build::of(&arguments(line), false).profile;
+        for line in ["demo", "conform", "run Taxi-v4"] {
+            assert_eq!(profile(line), "play", "{line}");
         }
+        assert_eq!(profile("bench CartPole-v1"), "release");
+        assert_ne!(profile("bench --help"), "release", "help is quick");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::action::{Action, Command};
 use crate::cartridge::Cartridge;
 use crate::console::{Console, Input, Pictures, Row, State as ConsoleState, switch};
-use crate::games::{Controller, Game, Ram};
+use crate::games::{Controller, Game, Menu, Ram};
 use crate::mt19937::Mt19937;
 use crate::paddle::Paddle;
 
@@ -45,7 +45,7 @@ struct Loaded {
 }
 
 /// How episodes are played.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// The mode; `None` for the game's default.
     pub mode: Option<u16>,
@@ -53,6 +53,8 @@ pub struct Settings {
     pub difficulty: Option<u8>,
     /// The number of frames after which an episode ends; `None` for never.
     pub max_frames: Option<u32>,
+    /// The probability with which a frame repeats the action of the one before: actions are sticky.
+    pub repeat_action_probability: f64,
 }
 
 /// The state of a game, beside the console.
@@ -101,12 +103,20 @@ impl State {
 impl Ale {
     /// A game from its ROM, with the generator of sticky actions seeded, at the start of an episode.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
-        let cartridge = Cartridge::new(rom, game.scheme);
+        Self::with_cartridge(game, Cartridge::new(rom, game.scheme), seed, 0.0)
+    }
+
+    fn with_cartridge(
+        game: &'static Game,
+        cartridge: Cartridge,
+        seed: u32,
+        repeat_action_probability: f64,
+    ) -> Self {
         let mut ale = Self {
             game,
             console: Console::new(cartridge, game.display, *POWER_ON_RAM, LOADING_TIMER),
             loaded: Loaded { ram: *POWER_ON_RAM, frame_number: 0 },
-            settings: Settings::default(),
+            settings: Settings { repeat_action_probability, ..Settings::default() },
             progress: Progress {
                 power_ons: 0,
                 generator: Mt19937::new(seed),
@@ -139,6 +149,14 @@ impl Ale {
         for _ in 0..self.game.idle {
             self.progress.generator.random();
         }
+        if self.game.menu.is_some() {
+            // what sticks in the menu, and what RAM keeps of it, depends on the seed
+            let Settings { repeat_action_probability, .. } = self.settings;
+            let cartridge = self.console.cartridge().clone();
+            let fresh = Self::with_cartridge(self.game, cartridge, seed, repeat_action_probability);
+            self.loaded = fresh.loaded;
+            self.progress.generator = fresh.progress.generator;
+        }
         self.progress.frame_number = self.loaded.frame_number;
         *self.console.ram_mut() = self.loaded.ram;
     }
@@ -163,6 +181,9 @@ impl Ale {
         if let Some(index) = self.game.mode_at {
             self.choose_mode(index);
             self.press_reset();
+        }
+        if let Some(menu) = &self.game.menu {
+            self.choose_in_menu(menu);
         }
         self.press_reset();
         for &action in self.game.start {
@@ -200,21 +221,56 @@ impl Ale {
         }
     }
 
+    /// Goes down the menu's lines, and right at each option that the mode changes, until RAM shows both. The actions may stick.
+    fn choose_in_menu(&mut self, menu: &Menu) {
+        let mode = self.settings.mode.unwrap_or(self.game.modes[0].0);
+        self.hold(switch::IDLE & !switch::SELECT, 1);
+        self.hold(switch::IDLE, 1);
+        self.count_frame();
+        for (option, &(line, bit)) in menu.options.iter().enumerate() {
+            self.tap_until(Action::Down, |ram| ram.0[menu.line] == line);
+            let wanted = mode >> option & 1 != 0;
+            self.tap_until(Action::Right, |ram| (ram.0[menu.set] & bit != 0) == wanted);
+        }
+        self.press_reset();
+        self.tap(Action::UpFire);
+        self.progress.previous = Action::Noop.into();
+    }
+
+    fn tap_until(&mut self, action: Action, is_done: impl Fn(Ram<'_>) -> bool) {
+        for _ in 0..MOST_PRESSES {
+            if is_done(self.ram()) {
+                break;
+            }
+            self.tap(action);
+        }
+    }
+
+    /// An action for a frame, and nothing for another.
+    fn tap(&mut self, action: Action) {
+        for action in [action, Action::Noop] {
+            let executed = self.stick(action.into());
+            self.progress.previous = executed;
+            self.frame(executed, switch::IDLE, true);
+            self.count_frame();
+        }
+    }
+
     fn count_frame(&mut self) {
         self.progress.frame_number += 1;
         self.progress.episode_frame_number += 1;
     }
 
-    /// Plays a frame and returns its reward. With probability `repeat_action_probability` it
-    /// repeats the last command instead. Does nothing once the game is over.
-    pub fn act(&mut self, command: impl Into<Command>, repeat_action_probability: f64) -> i32 {
-        let command = self.stick(command.into(), repeat_action_probability);
+    /// Plays a frame and returns its reward. With probability [`Settings::repeat_action_probability`] it repeats the last
+    /// command instead. Does nothing once the game is over.
+    pub fn act(&mut self, command: impl Into<Command>) -> i32 {
+        let command = self.stick(command.into());
         self.play(command, true)
     }
 
     /// The executed command: this one, or with a probability the one before.
-    pub(crate) fn stick(&mut self, command: Command, repeat_action_probability: f64) -> Command {
-        if self.progress.generator.random() < repeat_action_probability {
+    pub(crate) fn stick(&mut self, command: Command) -> Command {
+        if self.progress.generator.random() < self.settings.repeat_action_probability {
             self.progress.previous
         } else {
             command
@@ -240,23 +296,23 @@ impl Ale {
     /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an older one. So both pictures are
     /// always what they would be with every frame drawn: where two whole ones do not come out, the frames are played
     /// again, and all of them are drawn.
-    pub(crate) fn frames(&mut self, command: Command, frames: u32, repeat_action_probability: f64) -> i32 {
+    pub(crate) fn frames(&mut self, command: Command, frames: u32) -> i32 {
         let unseen = frames.saturating_sub(PICTURES);
         if unseen == 0 {
-            return (0..frames).map(|_| self.act(command, repeat_action_probability)).sum();
+            return (0..frames).map(|_| self.act(command)).sum();
         }
         let before = self.moment();
         let (mut reward, mut whole) = (0, 0);
         for frame in 0..frames {
             let had_ended = self.has_ended();
-            let executed = self.stick(command, repeat_action_probability);
+            let executed = self.stick(command);
             reward += self.play(executed, frame >= unseen);
             whole += u32::from(frame >= unseen && !had_ended && !self.console.is_short());
         }
         if whole < PICTURES {
             self.set_moment(&before);
             for _ in 0..frames {
-                self.act(command, repeat_action_probability);
+                self.act(command);
             }
         }
         reward
@@ -369,7 +425,7 @@ impl Ale {
         self.progress.episode_frame_number
     }
 
-    /// Sets mode and difficulty of later episodes, which must be among the game's.
+    /// Sets how later frames and episodes are played; mode and difficulty must be among the game's.
     pub fn configure(&mut self, settings: Settings) {
         self.settings = settings;
     }

@@ -54,9 +54,10 @@ impl Sums {
     /// What this crate gives.
     pub fn of(rom: &Rom) -> Self {
         let game = rom.game();
-        let run = |seed, actions: &[Action], stickiness| {
-            let mut run = Run::new(rom, seed, Settings::default());
-            run.play(FRAMES, actions, stickiness);
+        let run = |seed, actions: &[Action], repeat_action_probability| {
+            let settings = Settings { repeat_action_probability, ..Settings::default() };
+            let mut run = Run::new(rom, seed, settings);
+            run.play(FRAMES, actions);
             run.sum.finalize()
         };
         let mut modes = Hasher::new();
@@ -65,9 +66,9 @@ impl Sums {
                 let settings =
                     Settings { mode: Some(mode), difficulty: Some(difficulty), ..Settings::default() };
                 let mut run = Run::new(rom, 3, settings);
-                run.play(MODE_FRAMES, game.minimal, 0.0);
+                run.play(MODE_FRAMES, game.minimal);
                 run.reset();
-                run.play(MODE_FRAMES, game.minimal, 0.0);
+                run.play(MODE_FRAMES, game.minimal);
                 modes.update(&run.sum.finalize().to_le_bytes());
             }
         }
@@ -86,6 +87,8 @@ impl Run {
     fn new(rom: &Rom, seed: u32, settings: Settings) -> Self {
         let mut run = Self { ale: Ale::new(rom.game(), rom.bytes(), seed), sum: Hasher::new(), random: seed };
         run.ale.configure(settings);
+        // with these settings
+        run.ale.load(seed);
         run.reset();
         run
     }
@@ -102,7 +105,7 @@ impl Run {
     }
 
     /// Plays frames, holding each action for up to 16; a game that is over gets one more and starts again.
-    fn play(&mut self, frames: u32, actions: &[Action], stickiness: f64) {
+    fn play(&mut self, frames: u32, actions: &[Action]) {
         let (mut action, mut held) = (Action::Noop, 0);
         for _ in 0..frames {
             if held == 0 {
@@ -111,7 +114,7 @@ impl Run {
             }
             held -= 1;
             let was_over = self.ale.game_over();
-            let reward = self.ale.act(action, stickiness);
+            let reward = self.ale.act(action);
             self.add(reward);
             if was_over {
                 self.reset();

@@ -68,7 +68,7 @@ impl Recording {
             )));
         }
         let mut ale = Ale::new(rom.game(), rom.bytes(), 0);
-        ale.configure(Settings { mode: self.mode, difficulty: self.difficulty, max_frames: None });
+        ale.configure(Settings { mode: self.mode, difficulty: self.difficulty, ..Settings::default() });
         ale.reset();
         let mut answers = Self {
             start: Start { ram: crate::bytes::encode(ale.ram().0), screen: screen(&ale), lives: ale.lives() },
@@ -90,7 +90,7 @@ impl Recording {
                     ale.reset();
                     0
                 }
-                (_, Some(&action)) => ale.act(action, 0.0),
+                (_, Some(&action)) => ale.act(action),
                 _ => return Err(Error::custom(format!("operation {i} is {op}: it must be -1 to 17"))),
             };
             let now = *ale.ram().0;

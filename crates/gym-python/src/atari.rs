@@ -65,13 +65,13 @@ impl Ale {
     }
 
     /// Plays a frame: its reward.
-    fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32, sticky: f64) -> PyResult<i32> {
+    fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
         let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
             let reason =
                 format!("{action} is no action of the Atari 2600: there are 0 to {}", Action::ALL.len() - 1);
             return Err(Error::argument("act", reason)).or_raise();
         };
-        self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength }, sticky)))
+        self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength })))
     }
 
     /// Starts an episode.
@@ -115,7 +115,7 @@ impl Ale {
     /// Mode, difficulty and most frames of the episodes that follow.
     fn settings(&self, py: Python<'_>) -> PyResult<(Option<u16>, Option<u8>, Option<u32>)> {
         self.with(py, |game| {
-            let Settings { mode, difficulty, max_frames } = game.settings();
+            let Settings { mode, difficulty, max_frames, .. } = game.settings();
             Ok((mode, difficulty, max_frames))
         })
     }
@@ -136,7 +136,7 @@ impl Ale {
             if difficulty.is_some_and(|difficulty| !known.difficulties.contains(&difficulty)) {
                 return Err(PyRuntimeError::new_err("Invalid difficulty requested"));
             }
-            game.configure(Settings { mode, difficulty, max_frames });
+            game.configure(Settings { mode, difficulty, max_frames, ..game.settings() });
             Ok(())
         })
     }

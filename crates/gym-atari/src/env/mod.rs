@@ -74,8 +74,14 @@ impl AtariEnv {
         let config = Config { game: rom.game().name.to_owned(), ..config };
         let game = config.check()?;
         let mut ale = Ale::new(game, rom.bytes(), 0);
-        let Config { mode, difficulty, max_num_frames_per_episode: max_frames, .. } = config;
-        ale.configure(Settings { mode, difficulty, max_frames });
+        let Config {
+            mode,
+            difficulty,
+            max_num_frames_per_episode: max_frames,
+            repeat_action_probability,
+            ..
+        } = config;
+        ale.configure(Settings { mode, difficulty, max_frames, repeat_action_probability });
         Ok(Self { config, md5: rom.md5().to_owned(), ale, episode: None })
     }
 
@@ -161,7 +167,7 @@ impl AtariEnv {
                 episode.rng.integers(low, high)
             }
         };
-        let reward = self.ale.frames(command, frames as u32, self.config.repeat_action_probability);
+        let reward = self.ale.frames(command, frames as u32);
         Ok(self.outcome(reward))
     }
 
@@ -175,7 +181,7 @@ impl AtariEnv {
 
     /// Plays one frame of a step.
     pub(crate) fn play_frame(&mut self, command: Command, seen: bool) -> Outcome {
-        let executed = self.ale.stick(command, self.config.repeat_action_probability);
+        let executed = self.ale.stick(command);
         let reward = self.ale.play(executed, seen);
         self.outcome(reward)
     }

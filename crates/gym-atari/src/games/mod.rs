@@ -47,6 +47,8 @@ pub struct Game {
     pub mode_bits: u8,
     /// Whether SELECT is pressed at least once.
     pub press_first: bool,
+    /// Where modes are chosen in a menu on the screen instead of by SELECT.
+    pub menu: Option<Menu>,
     /// For how many frames SELECT is held each time.
     pub select_frames: u8,
     /// The difficulties that there are.
@@ -81,6 +83,7 @@ const DEFAULT: Game = Game {
     mode_also: |_, _| true,
     mode_bits: 0,
     press_first: false,
+    menu: None,
     select_frames: 2,
     difficulties: &[0],
     score: |_| 0,
@@ -89,6 +92,17 @@ const DEFAULT: Game = Game {
     lives_count: |_| true,
     over: |_| false,
 };
+
+/// A menu of options, each a bit of the mode: SELECT shows it, and the stick goes through it.
+#[derive(Clone, Copy, Debug)]
+pub struct Menu {
+    /// The byte of RAM that shows the line, by index.
+    pub line: usize,
+    /// The byte that shows the options that are set.
+    pub set: usize,
+    /// For each bit of the mode, from the lowest on: the line of its option, and the bit that shows it.
+    pub options: &'static [(u8, u8)],
+}
 
 /// How a game's points become rewards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,11 @@ impl Ram<'_> {
         if title { 0 } else { self.decimal(&[0x01, 0x03, 0x05]) }
     }
 
+    /// Double Dunk: the game is over when the program waits for another, after a team has 24 points.
+    pub(super) fn double_dunk_is_over(&self) -> bool {
+        self.bcd(0x76).max(self.bcd(0x77)) >= 24 && self.at(0x7e) == 0xe7
+    }
+
     /// Enduro counts the cars that are left to pass, 200 on the first day and 300 on each one after it.
     pub(super) fn enduro(&self) -> i32 {
         let (day, left) = (self.at(0x2d), 100 * self.bcd(0x2c) + self.bcd(0x2b));

@@ -2,7 +2,7 @@
 //!
 //! `r` is the RAM by index: `$80` of the processor is index `0x00`.
 
-use super::{Controller, DEFAULT, GAME_WON, Game, Rewards};
+use super::{Controller, DEFAULT, GAME_WON, Game, Menu, Rewards};
 use crate::action::Action;
 use crate::action::Action::*;
 use crate::cartridge::Scheme::*;
@@ -195,6 +195,14 @@ games! {
         score: |r| 100 * r.decimal(&[0x07, 0x08]),
         lives: |r| r.at(0x23),
         over: |r| r.at(0x23) == 0 && r.at(0x0f) == 0x03 && r.at(0x0b) == 0x1f,
+    }
+    double_dunk "DoubleDunk" 4 {
+        md5: "368d88a6c071caba60b4f778615aae94", scheme: F6,
+        start: &[UpFire],
+        menu: Some(Menu { line: 0x30, set: 0x00, options: &[(2, 0x08), (3, 0x10), (4, 0x04), (5, 0x20)] }),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15)],
+        score: |r| r.bcd(0x76) - r.bcd(0x77),
+        over: |r| r.double_dunk_is_over(),
     }
     enduro "Enduro" 4 {
         md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,

@@ -31,7 +31,7 @@ fn a_playfield_and_a_counter() {
     assert_eq!(ale.ram().0[0], 67);
     assert!(ale.ram().0[1..].iter().all(|&byte| byte == 0));
     assert_eq!(checksum(&ale), 0x2ce8_d529);
-    ale.act(Action::Right, 0.0);
+    ale.act(Action::Right);
     assert_eq!(ale.ram().0[0], 68);
 }
 
@@ -167,7 +167,7 @@ fn writes_show_when_they_do_in_ale_py() {
     for (registers, expected) in cases {
         for (seed, expected) in (0..).zip(expected) {
             let mut ale = played(&random_writes(seed, registers));
-            ale.act(Action::Noop, 0.0);
+            ale.act(Action::Noop);
             assert_eq!(checksum(&ale), expected, "registers {registers:?}, seed {seed}");
         }
     }
@@ -205,7 +205,7 @@ fn a_move_still_moves_what_starts_anew() {
     }
     code.extend([0xa2, 0x1e, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]);
     let mut ale = played(&rom(&code));
-    ale.act(Action::Noop, 0.0);
+    ale.act(Action::Noop);
     assert_eq!(checksum(&ale), 0xe63a_2174);
 }
 
@@ -228,10 +228,10 @@ fn wsync_waits_where_it_ends_a_frame() {
     code.extend([0x85, 0x14]); // RESBL
     code.extend([0xa2, 0xc8, 0x85, 0x02, 0x8a, 0x85, 0x09, 0xca, 0xd0, 0xf8, 0x4c, 0x1c, 0xf0]); // a colour a line
     let mut ale = played(&rom(&code));
-    ale.act(Action::Noop, 0.0);
-    ale.act(Action::Noop, 0.0);
+    ale.act(Action::Noop);
+    ale.act(Action::Noop);
     for expected in [0xb284_7573, 0xac22_ec2f, 0xb7d9_283f] {
-        ale.act(Action::Noop, 0.0);
+        ale.act(Action::Noop);
         assert_eq!(checksum(&ale), expected);
     }
 }

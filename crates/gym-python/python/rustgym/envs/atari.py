@@ -48,7 +48,7 @@ class Ale:
 
     def act(self, action: int, paddle_strength: float = 1.0) -> int:
         """Plays a frame, in which the action before may stick, and gives the reward; ``ValueError`` for no ``Action``."""
-        return self._native.act(action, paddle_strength, self._env.arguments["repeat_action_probability"])
+        return self._native.act(action, paddle_strength)
 
     def reset_game(self) -> None:
         self._native.reset()

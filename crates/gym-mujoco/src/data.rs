@@ -84,9 +84,10 @@ pub struct Data {
     /// External force on each body by contacts; current after [`rne_post_constraint`].
     pub cfrc_ext: Vec<[f64; 6]>,
 
-    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own.
+    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own. A
+    /// row starts at a multiple of four.
     pub qm: Vec<f64>,
-    /// Factors of the inertia matrix, `L' D L`, with the same structure.
+    /// Factors of the inertia matrix, `L' D L`, with the same structure. What is between rows means nothing.
     pub qld: Vec<f64>,
     /// Inverse of the factors' diagonal.
     pub qld_diag_inv: Vec<f64>,

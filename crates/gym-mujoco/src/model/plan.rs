@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{CompiledModel, GeomType, JointType};
+use super::{CompiledModel, GeomType, Integrator, JointType};
 use crate::{Error, Result};
 
 /// Friction below this counts as this: MuJoCo's `mjMINMU`.
@@ -13,11 +13,14 @@ const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
 /// Precomputed structure of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    /// First element of each row of the inertia matrix, and the number of all elements.
+    /// The elements of each row of the inertia matrix. All rows take as many groups of four elements as the longest, so that
+    /// rows are combined whole.
     ///
     /// Row `i` holds the lower triangle: the degrees of freedom on the way from the root to `i`, ascending, `i` last.
-    pub(crate) m_rowadr: Vec<usize>,
-    /// Columns of the elements.
+    m_rows: Vec<Range<usize>>,
+    /// How many groups a row takes: up to four, or a multiple of four.
+    pub(crate) m_groups: usize,
+    /// Columns of the elements; zero behind the end of a row.
     pub(crate) m_colind: Vec<usize>,
     /// The same, counted from the first degree of freedom of the tree.
     pub(crate) m_local: Vec<usize>,
@@ -30,8 +33,8 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
-    /// Whether any joint has damping, which Euler's integrator treats implicitly.
-    pub(crate) damped: bool,
+    /// Whether Euler's integrator has damping to treat implicitly.
+    pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
     /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
@@ -168,18 +171,26 @@ impl Softness {
 
 impl Plan {
     pub(super) fn new(m: &CompiledModel) -> Result<Self> {
-        let (mut m_rowadr, mut m_colind) = (vec![0], Vec::new());
+        let mut ways: Vec<Vec<usize>> = Vec::new();
         let mut trees: Vec<Range<usize>> = Vec::new();
         for i in 0..m.nv() {
-            if let Ok(parent) = usize::try_from(m.dof_parentid[i]) {
-                m_colind.extend_from_within(m_rowadr[parent]..m_rowadr[parent + 1]);
-            }
-            m_colind.push(i);
-            m_rowadr.push(m_colind.len());
+            let mut way = usize::try_from(m.dof_parentid[i]).map_or(vec![], |parent| ways[parent].clone());
+            way.push(i);
+            ways.push(way);
             match trees.get_mut(m.dof_treeid[i]) {
                 Some(tree) => tree.end = i + 1,
                 None => trees.push(i..i + 1),
             }
+        }
+        let m_groups = match ways.iter().map(|way| way.len().div_ceil(4)).max().unwrap_or(1) {
+            few @ ..=4 => few,
+            many => many.next_multiple_of(4),
+        };
+        let (mut m_rows, mut m_colind) = (Vec::new(), vec![0; 4 * m_groups * m.nv()]);
+        for (i, way) in ways.iter().enumerate() {
+            let row = 4 * m_groups * i..4 * m_groups * i + way.len();
+            m_colind[row.clone()].copy_from_slice(way);
+            m_rows.push(row);
         }
         let mut last_dof: Vec<Option<usize>> = Vec::new();
         for b in 0..m.nbody() {
@@ -189,20 +200,20 @@ impl Plan {
                 number => usize::try_from(m.body_dofadr[b]).ok().map(|first| first + number - 1),
             });
         }
-        let damped = m.dof_damping.iter().any(|&damping| damping > 0.0);
+        let implicit =
+            m.opt.integrator == Integrator::Euler && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
             let inertial = *pos == m.body_ipos[b] && *quat == m.body_iquat[b];
             (!inertial).then(|| Placed::new(pos, quat))
         });
-        let m_local = (0..m.nv())
-            .flat_map(|i| {
-                let first = trees[m.dof_treeid[i]].start;
-                m_colind[m_rowadr[i]..m_rowadr[i + 1]].iter().map(move |j| j - first)
-            })
-            .collect();
+        let mut m_local = m_colind.clone();
+        for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
+            m_local[row.clone()].iter_mut().for_each(|j| *j -= trees[tree].start);
+        }
         let mut plan = Self {
-            m_rowadr,
+            m_rows,
+            m_groups,
             m_colind,
             m_local,
             last_dof,
@@ -210,7 +221,7 @@ impl Plan {
             pairs: Vec::new(),
             reaches: Vec::new(),
             limits: Vec::new(),
-            damped,
+            implicit,
             springs: (0..m.njnt()).filter(|&j| m.jnt_stiffness[j] != 0.0).collect(),
             boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
@@ -253,7 +264,19 @@ impl Plan {
     /// The elements of a row of the inertia matrix; the last is the diagonal.
     #[inline]
     pub(crate) fn m_row(&self, i: usize) -> Range<usize> {
-        self.m_rowadr[i]..self.m_rowadr[i + 1]
+        self.m_rows[i].clone()
+    }
+
+    /// The elements of a row but for the diagonal, which is behind them.
+    #[inline]
+    pub(crate) fn m_ancestors(&self, i: usize) -> Range<usize> {
+        self.m_rows[i].start..self.m_diagonal(i)
+    }
+
+    /// Where the diagonal element of a row is.
+    #[inline]
+    pub(crate) fn m_diagonal(&self, i: usize) -> usize {
+        self.m_rows[i].end - 1
     }
 
     /// The degrees of freedom that move a body, root first.

@@ -137,7 +137,7 @@ impl Constraints {
 }
 
 /// `J x` of some blocks, row by row.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn mul_jacobian(
     blocks: &[Block],
     jac: &[Lanes],

@@ -30,21 +30,13 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     let whole = groups.min(full);
     let mut sums = [0.0; 4];
     for (a, b) in a[..whole].iter().zip(&b[..whole]) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
+        sums = [sums[0] + a[0] * b[0], sums[1] + a[1] * b[1], sums[2] + a[2] * b[2], sums[3] + a[3] * b[3]];
     }
     let sum = total(&sums);
     match (a.get(full), b.get(full)) {
         (Some(a), Some(b)) if n > 4 * full => sum + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]),
         _ => sum,
     }
-}
-
-/// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
-#[inline(always)]
-pub(crate) fn norm(a: &[Lanes], n: usize) -> f64 {
-    dot(a, a, n).sqrt()
 }
 
 /// The product of two plain vectors: MuJoCo's `mju_dot`.
@@ -72,49 +64,66 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     sum
 }
 
+/// `a + s b` of four numbers. All are read before one is written, so that the compiler makes them one operation.
+#[inline(always)]
+pub(crate) fn plus(a: Lanes, b: Lanes, s: f64) -> Lanes {
+    [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s, a[3] + b[3] * s]
+}
+
+/// `a - s b` of four numbers.
+#[inline(always)]
+pub(crate) fn minus(a: Lanes, b: Lanes, s: f64) -> Lanes {
+    [a[0] - b[0] * s, a[1] - b[1] * s, a[2] - b[2] * s, a[3] - b[3] * s]
+}
+
+/// `s a` of four numbers.
+#[inline(always)]
+pub(crate) fn times(a: Lanes, s: f64) -> Lanes {
+    [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
+}
+
 /// `a += s b`.
 #[inline(always)]
 pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     for (a, b) in a.iter_mut().zip(b) {
-        for k in 0..4 {
-            a[k] += b[k] * s;
-        }
+        *a = plus(*a, *b, s);
     }
 }
 
-/// A term of a sum of rows of a matrix: where the row starts, and what it is multiplied by.
-pub(crate) type Term = (usize, f64);
-
 /// The sum of rows of a matrix, each times its factor, one after the other. Each group stays in a register until it is complete.
+///
+/// `term` gives for each of `count` terms where the row starts, and the factor.
 #[inline(always)]
-pub(crate) fn combine(out: &mut [Lanes], rows: &[Lanes], terms: &[Term]) {
-    let (fours, rest) = out.as_chunks_mut::<4>();
-    let mut group = 0;
-    for four in fours {
-        *four = sum_of_rows(group, rows, terms);
-        group += 4;
-    }
-    match rest {
-        [a, b, c] => [*a, *b, *c] = sum_of_rows(group, rows, terms),
-        [a, b] => [*a, *b] = sum_of_rows(group, rows, terms),
-        [a] => [*a] = sum_of_rows(group, rows, terms),
-        _ => {}
+pub(crate) fn combine(out: &mut [Lanes], rows: &[Lanes], count: usize, term: impl Fn(usize) -> (usize, f64)) {
+    for (chunk, out) in out.chunks_mut(4).enumerate() {
+        let group = 4 * chunk;
+        match out.len() {
+            1 => sum_of_rows::<1>(out, group, rows, count, &term),
+            2 => sum_of_rows::<2>(out, group, rows, count, &term),
+            3 => sum_of_rows::<3>(out, group, rows, count, &term),
+            _ => sum_of_rows::<4>(out, group, rows, count, &term),
+        }
     }
 }
 
 /// The same for some groups.
 #[inline(always)]
-fn sum_of_rows<const G: usize>(group: usize, rows: &[Lanes], terms: &[Term]) -> [Lanes; G] {
+fn sum_of_rows<const G: usize>(
+    out: &mut [Lanes],
+    group: usize,
+    rows: &[Lanes],
+    count: usize,
+    term: impl Fn(usize) -> (usize, f64),
+) {
     let mut sums = [[0.0; 4]; G];
-    for &(start, factor) in terms {
+    for index in 0..count {
+        let (start, factor) = term(index);
         let row = &rows[start + group..][..G];
-        for (sum, row) in sums.iter_mut().zip(row) {
-            for k in 0..4 {
-                sum[k] += row[k] * factor;
-            }
+        for g in 0..G {
+            sums[g] = plus(sums[g], row[g], factor);
         }
     }
-    sums
+    out.copy_from_slice(&sums);
 }
 
 /// Changes one number of a vector. The four are written at once, as they are read: a processor waits where it reads four of which
@@ -149,7 +158,7 @@ mod tests {
                 add_scaled(&mut expected, &rows[start..start + groups], factor);
             }
             let mut got = vec![[f64::NAN; 4]; groups];
-            combine(&mut got, &rows, &terms);
+            combine(&mut got, &rows, terms.len(), |index| terms[index]);
             assert_eq!(got, expected);
             for i in 0..4 * groups {
                 set(&mut got, i, -1.5);

@@ -6,8 +6,9 @@
 
 use std::ops::Range;
 
-use super::dense;
+use super::dense::{self, Lanes, minus, times};
 use super::spatial::{dot6, mul_inertia};
+use crate::model::Plan;
 use crate::{Data, Model};
 
 /// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
@@ -43,34 +44,72 @@ pub fn crb(m: &Model, d: &mut Data) {
     }
 }
 
-/// Factors the inertia matrix: MuJoCo's `mj_factorM`.
+/// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method, with the matrix that damping changes.
 #[inline(always)]
 pub fn factor_m(m: &Model, d: &mut Data) {
     d.qld.copy_from_slice(&d.qm);
-    factor(m, &mut d.qld, &mut d.qld_diag_inv);
+    if m.plan().implicit {
+        let work = &mut d.work;
+        work.qh.copy_from_slice(&d.qm);
+        for i in 0..m.nv() {
+            work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * m.dof_damping[i];
+        }
+        // a row waits for the divisions of those before: of two matrices in turn, one computes while the other waits
+        let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
+        factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
+    } else {
+        factor(m, [(&mut d.qld, &mut d.qld_diag_inv)]);
+    }
 }
 
-/// Replaces a matrix of the inertia matrix's structure by `L' D L`: MuJoCo's `mj_factorI`.
+/// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the diagonals: MuJoCo's
+/// `mj_factorI`.
 #[inline(always)]
-pub(crate) fn factor(m: &Model, matrix: &mut [f64], diag_inv: &mut [f64]) {
-    let plan = m.plan();
+fn factor<const N: usize>(m: &Model, matrices: [(&mut [f64], &mut [f64]); N]) {
+    match m.plan().m_groups {
+        1 => factor_chunks::<1, N>(m, matrices),
+        2 => factor_chunks::<2, N>(m, matrices),
+        3 => factor_chunks::<3, N>(m, matrices),
+        _ => factor_chunks::<4, N>(m, matrices),
+    }
+}
+
+/// The same for rows that are chunks of so many groups: one chunk, or some of four groups.
+#[inline(always)]
+fn factor_chunks<const C: usize, const N: usize>(m: &Model, mut matrices: [(&mut [f64], &mut [f64]); N]) {
     for k in (0..m.nv()).rev() {
-        let (start, end) = (plan.m_rowadr[k], plan.m_rowadr[k + 1]);
-        let (above, row) = matrix[..end].split_at_mut(start);
-        let last = row.len() - 1;
-        let inv = 1.0 / row[last];
-        diag_inv[k] = inv;
-        // ancestors, the nearest first
-        for c in (0..last).rev() {
-            let i = plan.m_colind[start + c];
-            let factor = row[c] * inv;
-            let ancestor = plan.m_rowadr[i];
-            for (a, b) in above[ancestor..=ancestor + c].iter_mut().zip(&row[..=c]) {
-                *a -= factor * b;
-            }
-            row[c] = factor;
+        for (matrix, diag_inv) in &mut matrices {
+            let (groups, _) = matrix.as_chunks_mut();
+            let (chunks, _) = groups.as_chunks_mut::<C>();
+            diag_inv[k] = eliminate(m.plan(), chunks, k);
         }
     }
+}
+
+/// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal. What is behind the end of a
+/// row changes too.
+#[inline(always)]
+fn eliminate<const C: usize>(plan: &Plan, matrix: &mut [[Lanes; C]], k: usize) -> f64 {
+    let per_row = if C < 4 { 1 } else { plan.m_groups / 4 };
+    let (above, row) = matrix.split_at_mut(k * per_row);
+    let row = &mut row[..per_row];
+    let columns = &plan.m_colind[plan.m_ancestors(k)];
+    let diagonal = row.as_flattened().as_flattened()[columns.len()];
+    let inv = 1.0 / diagonal;
+    // ancestors, the nearest first
+    for (c, &ancestor) in columns.iter().enumerate().rev() {
+        let factor = row.as_flattened().as_flattened()[c] * inv;
+        for (a, b) in above[ancestor * per_row..][..per_row].iter_mut().zip(&*row) {
+            for g in 0..C {
+                a[g] = minus(a[g], b[g], factor);
+            }
+        }
+    }
+    for group in row.as_flattened_mut() {
+        *group = times(*group, inv);
+    }
+    row.as_flattened_mut().as_flattened_mut()[columns.len()] = diagonal;
+    inv
 }
 
 /// `x = M^-1 x`: MuJoCo's `mj_solveM`.
@@ -87,15 +126,14 @@ pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64])
 }
 
 /// The same for the degrees of freedom of one tree: MuJoCo's `mj_solveLD`.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn solve_tree(m: &Model, factors: &[f64], diag_inv: &[f64], tree: &Range<usize>, x: &mut [f64]) {
     let plan = m.plan();
     let diag_inv = &diag_inv[tree.clone()];
-    let rows = &plan.m_rowadr[tree.start..=tree.end];
     for i in (1..x.len()).rev() {
         let xi = x[i];
         if xi != 0.0 {
-            let row = rows[i]..rows[i + 1] - 1;
+            let row = plan.m_ancestors(tree.start + i);
             for (&j, l) in plan.m_local[row.clone()].iter().zip(&factors[row]) {
                 x[j] -= l * xi;
             }
@@ -105,28 +143,31 @@ pub(crate) fn solve_tree(m: &Model, factors: &[f64], diag_inv: &[f64], tree: &Ra
         *x *= inv;
     }
     for i in 1..x.len() {
-        let row = rows[i]..rows[i + 1] - 1;
+        let row = plan.m_ancestors(tree.start + i);
         x[i] -= dense::dot_sparse(&factors[row.clone()], &plan.m_local[row], x);
     }
 }
 
 /// `y = M x`: MuJoCo's `mj_mulM`.
-#[inline(always)]
 pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
+    multiply(m, &d.qm, x, y);
+}
+
+/// `y = M x`, for a matrix of the inertia matrix's structure.
+#[inline(always)]
+pub(crate) fn multiply(m: &Model, qm: &[f64], x: &[f64], y: &mut [f64]) {
     for tree in &m.plan().trees {
-        mul_m_tree(m, &d.qm, tree, &x[tree.clone()], &mut y[tree.clone()]);
+        mul_m_tree(m, qm, tree, &x[tree.clone()], &mut y[tree.clone()]);
     }
 }
 
 /// The same for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors from the nearest to the root.
-#[inline(always)]
+#[inline(never)]
 pub(crate) fn mul_m_tree(m: &Model, qm: &[f64], tree: &Range<usize>, x: &[f64], y: &mut [f64]) {
     let plan = m.plan();
-    let rows = &plan.m_rowadr[tree.start..=tree.end];
     for (i, &xi) in x.iter().enumerate() {
-        let diagonal = rows[i + 1] - 1;
-        let row = rows[i]..diagonal;
-        let mut sum = qm[diagonal] * xi;
+        let row = plan.m_ancestors(tree.start + i);
+        let mut sum = qm[row.end] * xi;
         for (&j, value) in plan.m_local[row.clone()].iter().zip(&qm[row]).rev() {
             sum += value * x[j];
             y[j] += value * xi;
@@ -147,4 +188,52 @@ pub fn full_m(m: &Model, d: &Data) -> Vec<f64> {
         }
     }
     full
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forward;
+
+    /// Two chains of so many hinges, which bend to all sides.
+    fn chains(length: usize) -> Model {
+        let body = |i: usize| {
+            let axis = ["1 0 0", "0 1 0", "0 0 1"][i % 3];
+            format!(
+                r#"<body pos="0 0 0.2"><joint axis="{axis}" damping="1"/><geom type="sphere" size="0.1" contype="0"/>"#
+            )
+        };
+        let chain = (0..length).map(body).collect::<String>() + &"</body>".repeat(length);
+        Model::from_xml(&format!("<mujoco><worldbody>{chain}{chain}</worldbody></mujoco>")).unwrap()
+    }
+
+    #[test]
+    fn rows_of_all_lengths_are_factored() {
+        // one to four groups of four elements, and more
+        for length in [1, 4, 7, 10, 16, 17, 33] {
+            let m = chains(length);
+            let mut d = Data::new(&m);
+            for (i, q) in d.qpos.iter_mut().enumerate() {
+                *q = 0.1 + 0.01 * i as f64;
+            }
+            forward(&m, &mut d);
+            let x: Vec<f64> = (0..m.nv()).map(|i| 1.0 + i as f64).collect();
+            let mut solved = vec![0.0; m.nv()];
+            mul_m(&m, &d, &x, &mut solved);
+            for (i, row) in full_m(&m, &d).chunks(m.nv()).enumerate() {
+                let product: f64 = row.iter().zip(&x).map(|(a, b)| a * b).sum();
+                assert!((product - solved[i]).abs() < 1e-9 * product.abs().max(1.0), "{length} {i}");
+            }
+            solve_m(&m, &d, &mut solved);
+            // with damping, the same for the matrix that Euler's method uses
+            let mut damped: Vec<f64> = x.clone();
+            multiply(&m, &d.qm, &x, &mut damped);
+            damped.iter_mut().zip(&x).for_each(|(y, x)| *y += m.opt.timestep * x);
+            solve(&m, &d.work.qh, &d.work.qh_diag_inv, &mut damped);
+            for (i, &x) in x.iter().enumerate() {
+                assert!((solved[i] - x).abs() < 1e-4 * x, "{length} {i}: {}", solved[i]);
+                assert!((damped[i] - x).abs() < 1e-4 * x, "{length} {i}: {}", damped[i]);
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Velocities and positions from accelerations.
 
 use super::evaluate;
-use super::inertia::{factor, solve};
+use super::inertia::solve;
 use super::spatial::quat_integrate;
 use crate::libm::wide;
 use crate::model::JointType;
@@ -25,7 +25,7 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
     }
 }
 
-/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`.
+/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`, for models with this integrator.
 pub fn euler(m: &Model, d: &mut Data) {
     wide(
         (m, d),
@@ -39,14 +39,11 @@ pub fn euler(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
-    if m.plan().damped {
+    if m.plan().implicit {
         let work = &mut d.work;
-        work.qh.copy_from_slice(&d.qm);
         for i in 0..m.nv() {
-            work.qh[m.plan().m_rowadr[i + 1] - 1] += dt * m.dof_damping[i];
             work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];
         }
-        factor(m, &mut work.qh, &mut work.qh_diag_inv);
         solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
     } else {
         d.work.acc_sum.copy_from_slice(&d.qacc);

@@ -13,6 +13,9 @@
 //! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
 //! | `integrate` | Euler, Runge-Kutta |
 //!
+//! Stages are compiled as one function, for the processor at hand. What several of them call is apart (`inline(never)`): copies of
+//! it would be more code than a processor keeps near, and waiting for code is slower than a call.
+//!
 //! Functions have the names of MuJoCo's, without the prefix `mj_`. They need nothing but a model and its data:
 //!
 //! ```

@@ -3,7 +3,7 @@
 //! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which libmujoco makes one after the
 //! other, are made for four rows at once here. What is above the diagonal is not defined.
 
-use crate::physics::dense::{Lanes, total};
+use crate::physics::dense::{Lanes, minus, plus, times};
 use crate::physics::spatial::MINVAL;
 
 /// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A pivot that is too small is
@@ -16,10 +16,14 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         let column = &mut column[first..stride];
         for (g, rows) in column.iter_mut().enumerate() {
             // element j of each column is what the rows' elements are multiplied by
-            let products = dot_rows(before, stride, first + g, |column, _| column[first][lane]);
-            for k in 0..4 {
-                rows[k] -= products[k];
-            }
+            let products = dot_rows(
+                before,
+                stride,
+                first + g,
+                #[inline(always)]
+                |column, _| column[first][lane],
+            );
+            *rows = minus(*rows, products, 1.0);
         }
         let pivot = column[0][lane];
         if pivot < MINVAL {
@@ -28,7 +32,9 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         } else {
             let diagonal = pivot.sqrt();
             let inverse = 1.0 / diagonal;
-            column.as_flattened_mut().iter_mut().for_each(|x| *x *= inverse);
+            for rows in column.iter_mut() {
+                *rows = times(*rows, inverse);
+            }
             column[0][lane] = diagonal;
         }
     }
@@ -43,27 +49,22 @@ fn dot_rows(
     group: usize,
     element: impl Fn(&[Lanes], usize) -> f64,
 ) -> Lanes {
-    let mut fours = columns.chunks_exact(4 * stride);
+    let fours = columns.len() / (4 * stride);
     let mut sums = [[0.0; 4]; 4];
-    let mut number = 0;
-    for four in &mut fours {
-        for (sum, column) in sums.iter_mut().zip(four.chunks_exact(stride)) {
-            let (rows, x) = (&column[group], element(column, number));
-            for k in 0..4 {
-                sum[k] += rows[k] * x;
-            }
-            number += 1;
+    for four in 0..fours {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let number = 4 * four + k;
+            let column = &columns[number * stride..][..stride];
+            *sum = plus(*sum, column[group], element(column, number));
         }
     }
     let mut rest = [0.0; 4];
-    for column in fours.remainder().chunks_exact(stride) {
-        let (rows, x) = (&column[group], element(column, number));
-        for k in 0..4 {
-            rest[k] += rows[k] * x;
-        }
-        number += 1;
+    for number in 4 * fours..columns.len() / stride {
+        let column = &columns[number * stride..][..stride];
+        rest = plus(rest, column[group], element(column, number));
     }
-    std::array::from_fn(|k| total(&[sums[0][k], sums[1][k], sums[2][k], sums[3][k]]) + rest[k])
+    let [a, b, c, d] = sums;
+    plus(plus(plus(a, c, 1.0), plus(b, d, 1.0), 1.0), rest, 1.0)
 }
 
 /// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`.
@@ -72,7 +73,13 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
     for g in 0..stride {
         // what the columns before these four rows take away
         let known = x[..g].as_flattened();
-        let sums = dot_rows(&factor[..4 * g * stride], stride, g, |_, number| known[number]);
+        let sums = dot_rows(
+            &factor[..4 * g * stride],
+            stride,
+            g,
+            #[inline(always)]
+            |_, number| known[number],
+        );
         let mut rows = x[g];
         for r in 0..4.min(n - 4 * g) {
             let mut rest = 0.0;
@@ -97,7 +104,7 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
 /// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False where the difference is not positive
 /// definite.
 #[inline(always)]
-pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lanes], plus: bool) -> bool {
+pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lanes], adds: bool) -> bool {
     let mut definite = true;
     for k in 0..n {
         let (first, lane) = (k / 4, k % 4);
@@ -107,7 +114,7 @@ pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lan
         }
         let column = &mut factor[k * stride..(k + 1) * stride];
         let lkk = column[first][lane];
-        let mut square = lkk * lkk + if plus { xk * xk } else { -xk * xk };
+        let mut square = lkk * lkk + if adds { xk * xk } else { -xk * xk };
         if square < MINVAL {
             square = MINVAL;
             definite = false;
@@ -115,12 +122,10 @@ pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lan
         let r = square.sqrt();
         let c = r / lkk;
         let (inverse, s) = (1.0 / c, xk / lkk);
-        let signed = if plus { s } else { -s };
+        let signed = if adds { s } else { -s };
         for (l, x) in column[first..].iter_mut().zip(&mut x[first..]) {
-            for i in 0..4 {
-                l[i] = (l[i] + signed * x[i]) * inverse;
-                x[i] = c * x[i] - s * l[i];
-            }
+            *l = times(plus(*l, *x, signed), inverse);
+            *x = minus(times(*x, c), *l, s);
         }
         column[first][lane] = r;
     }

@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use super::line_search::{Along, Row, line_search};
 use super::{cholesky, cost_of_rows, residuals};
-use crate::physics::constraint::{Block, mul_jacobian};
-use crate::physics::dense::{self, Lanes, add_scaled, dot, norm};
-use crate::physics::inertia::{mul_m, mul_m_tree, solve_tree};
+use crate::physics::constraint::{Block, Constraints, mul_jacobian};
+use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
+use crate::physics::inertia::{mul_m_tree, multiply, solve_tree};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
@@ -30,21 +30,33 @@ pub(crate) struct Buffers {
     row_update: Vec<Lanes>,
     /// The number of degrees of freedom that these are for.
     last: usize,
+    /// The inertia matrix of the island: its lower triangle by columns.
+    inertia: Vec<Lanes>,
     /// The Hessian's lower triangle by columns, then its factor.
     hessian: Vec<Lanes>,
-    // vectors of rows: of all, then of the island
-    jar_start: Vec<f64>,
+    /// Where the Jacobians of the rows that push are, and these times their stiffness.
+    pushing: Vec<usize>,
+    pushed: Vec<Lanes>,
+    /// What the force on the joints is the sum of: where rows of the Jacobian start, and their forces.
+    terms: Vec<(usize, f64)>,
+    // vectors of rows
     jar: Vec<f64>,
     jv: Vec<f64>,
-    aref: Vec<f64>,
-    d: Vec<f64>,
     force: Vec<f64>,
     /// Whether each row pushes.
     pushes: Vec<bool>,
     rows: Vec<Row>,
-    /// The Jacobian of an island that is not the whole model, and its blocks.
-    jac: Vec<Lanes>,
+    /// The rows of an island that is not the whole model.
+    gathered: Gathered,
+}
+
+/// Copies of an island's rows.
+#[derive(Clone, Debug, Default)]
+struct Gathered {
     blocks: Vec<Block>,
+    jac: Vec<Lanes>,
+    aref: Vec<f64>,
+    d: Vec<f64>,
 }
 
 impl Buffers {
@@ -66,21 +78,24 @@ impl Buffers {
         ] {
             vector.resize(groups, [0.0; 4]);
         }
+        buffers.inertia.reserve(nv * groups);
         buffers.hessian.reserve(nv * groups);
+        buffers.pushing.reserve(rows);
+        buffers.pushed.reserve(rows * groups);
+        buffers.terms.reserve(rows);
         for vector in [
-            &mut buffers.jar_start,
             &mut buffers.jar,
             &mut buffers.jv,
-            &mut buffers.aref,
-            &mut buffers.d,
             &mut buffers.force,
+            &mut buffers.gathered.aref,
+            &mut buffers.gathered.d,
         ] {
             vector.reserve(rows);
         }
         buffers.pushes.reserve(rows);
         buffers.rows.reserve(rows);
-        buffers.jac.reserve(rows * groups);
-        buffers.blocks.reserve(blocks);
+        buffers.gathered.jac.reserve(rows * groups);
+        buffers.gathered.blocks.reserve(blocks);
         buffers
     }
 
@@ -109,56 +124,64 @@ impl Buffers {
 /// Solves all islands: MuJoCo's `mj_solNewton_island`.
 #[inline(always)]
 pub(super) fn solve(m: &Model, d: &mut Data) {
-    let mut b = std::mem::take(&mut d.work.newton);
+    let (efc, work) = (&mut d.efc, &mut d.work);
+    let b = &mut work.newton;
 
     // start where the last step ended, unless that is worse than without constraints
-    let mut x = std::mem::take(&mut d.work.dofs);
-    b.jar_start.resize(d.efc.nefc(), 0.0);
-    residuals(m, &d.efc, &d.qacc_warmstart, &mut x, &mut b.jar_start);
-    mul_m(m, d, &d.qacc_warmstart, &mut b.ma_start);
-    let mut warm = cost_of_rows(&d.efc.d, &b.jar_start);
+    b.jar.resize(efc.nefc(), 0.0);
+    residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
+    multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
+    let mut warm = cost_of_rows(&efc.d, &b.jar);
     for i in 0..m.nv() {
         let (force, a) = (b.ma_start[i] - d.qfrc_smooth[i], d.qacc_warmstart[i] - d.qacc_smooth[i]);
         warm += 0.5 * force * a;
     }
-    let cold = warm > cost_of_rows(&d.efc.d, &d.efc.b);
-    d.work.dofs = x;
+    let cold = warm > cost_of_rows(&efc.d, &efc.b);
     let start = if cold { &d.qacc_smooth } else { &d.qacc_warmstart };
     d.qacc.copy_from_slice(start);
 
-    let islands = std::mem::take(&mut d.work.islands);
-    let lists = (std::mem::take(&mut d.work.island_trees), std::mem::take(&mut d.work.island_blocks));
-    for tree in (0..m.ntree()).filter(|&tree| d.work.tree_island[tree] == usize::MAX) {
+    for tree in (0..m.ntree()).filter(|&tree| work.tree_island[tree] == usize::MAX) {
         let dofs = m.plan().trees[tree].clone();
         d.qacc[dofs.clone()].copy_from_slice(&d.qacc_smooth[dofs]);
     }
-    for island in &islands {
-        let (trees, blocks) = (&lists.0[island.trees.clone()], &lists.1[island.blocks.clone()]);
+    for island in &work.islands {
+        let (trees, blocks) =
+            (&work.island_trees[island.trees.clone()], &work.island_blocks[island.blocks.clone()]);
+        let n = trees.iter().map(|&tree| m.plan().trees[tree].len()).sum();
+        let mut problem = Problem {
+            m,
+            trees,
+            n,
+            qm: &d.qm,
+            qld: &d.qld,
+            qld_diag_inv: &d.qld_diag_inv,
+            qfrc_smooth: &d.qfrc_smooth,
+            blocks: &efc.blocks,
+            jac: efc.jacobian(),
+            stride: efc.stride(),
+            d: &efc.d,
+            aref: &efc.aref,
+        };
+        let answer = (&mut *d.qacc, &mut *d.qfrc_constraint);
         let iterations = if trees.len() == m.ntree() {
             // the island is the whole model
-            b.d.clear();
-            b.d.extend_from_slice(&d.efc.d);
-            b.aref.clear();
-            b.aref.extend_from_slice(&d.efc.aref);
-            b.jar.clear();
-            b.jar.extend_from_slice(if cold { &d.efc.b } else { &b.jar_start });
-            let efc = std::mem::take(&mut d.efc);
-            let jacobian = Jacobian { blocks: &efc.blocks, jac: efc.jacobian(), stride: efc.stride() };
-            let iterations = solve_island(m, d, &mut b, trees, &jacobian, true);
-            d.efc = efc;
-            d.efc.force.copy_from_slice(&b.force);
+            if cold {
+                b.jar.copy_from_slice(&efc.b);
+            }
+            let iterations = solve_island(&problem, b, answer, true);
+            efc.force.copy_from_slice(&b.force);
             iterations
         } else {
-            gather(m, d, &mut b, trees, blocks);
-            let (jac, island_blocks) = (std::mem::take(&mut b.jac), std::mem::take(&mut b.blocks));
-            let stride = dense::groups(dofs_of(m, trees));
-            let jacobian = Jacobian { blocks: &island_blocks, jac: &jac, stride };
-            let iterations = solve_island(m, d, &mut b, trees, &jacobian, false);
-            (b.jac, b.blocks) = (jac, island_blocks);
+            let mut rows = std::mem::take(&mut b.gathered);
+            gather(&problem, efc, &mut rows, blocks);
+            (problem.blocks, problem.jac, problem.stride) = (&rows.blocks, &rows.jac, dense::groups(n));
+            (problem.d, problem.aref) = (&rows.d, &rows.aref);
+            let iterations = solve_island(&problem, b, answer, false);
+            b.gathered = rows;
             let mut forces = b.force.iter();
             for &index in blocks {
-                let block = &d.efc.blocks[index];
-                for (to, from) in d.efc.force[block.row..block.row + block.rows].iter_mut().zip(&mut forces) {
+                let block = &efc.blocks[index];
+                for (to, from) in efc.force[block.row..block.row + block.rows].iter_mut().zip(&mut forces) {
                     *to = *from;
                 }
             }
@@ -166,30 +189,68 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         };
         d.solver_niter.push(iterations);
     }
-    (d.work.island_trees, d.work.island_blocks) = lists;
-    d.work.islands = islands;
-    d.work.newton = b;
 }
 
-/// The number of degrees of freedom of some trees.
-fn dofs_of(m: &Model, trees: &[usize]) -> usize {
-    trees.iter().map(|&tree| m.plan().trees[tree].len()).sum()
+/// What is given of an island.
+struct Problem<'a> {
+    m: &'a Model,
+    trees: &'a [usize],
+    /// The number of degrees of freedom.
+    n: usize,
+    // of all degrees of freedom
+    qm: &'a [f64],
+    qld: &'a [f64],
+    qld_diag_inv: &'a [f64],
+    qfrc_smooth: &'a [f64],
+    // the island's rows
+    blocks: &'a [Block],
+    jac: &'a [Lanes],
+    stride: usize,
+    d: &'a [f64],
+    aref: &'a [f64],
 }
 
-/// The degrees of freedom of some trees: where they stand in the model, and in the island.
-fn places<'a>(m: &'a Model, trees: &'a [usize]) -> impl Iterator<Item = (Range<usize>, Range<usize>)> + 'a {
-    let mut next = 0;
-    trees.iter().map(move |&tree| {
-        let dofs = m.plan().trees[tree].clone();
-        let place = next..next + dofs.len();
-        next = place.end;
-        (dofs, place)
-    })
+impl Problem<'_> {
+    /// The degrees of freedom of the trees: where they stand in the model, and in the island.
+    #[inline(always)]
+    fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let mut next = 0;
+        self.trees.iter().map(
+            #[inline(always)]
+            move |&tree| {
+                let dofs = self.m.plan().trees[tree].clone();
+                let place = next..next + dofs.len();
+                next = place.end;
+                (dofs, place)
+            },
+        )
+    }
+
+    /// A row of the Jacobian.
+    #[inline]
+    fn row(&self, row: usize) -> &[Lanes] {
+        &self.jac[row * self.stride..(row + 1) * self.stride]
+    }
+
+    /// `J x`.
+    #[inline(always)]
+    fn mul_jacobian(&self, x: &[Lanes], out: &mut [f64]) {
+        mul_jacobian(self.blocks, self.jac, self.stride, x, self.n, out);
+    }
+
+    /// `M x`.
+    #[inline(always)]
+    fn mul_m(&self, x: &[Lanes], y: &mut [Lanes]) {
+        for (dofs, place) in self.places() {
+            let (x, y) = (&x.as_flattened()[place.clone()], &mut y.as_flattened_mut()[place]);
+            mul_m_tree(self.m, self.qm, &dofs, x, y);
+        }
+    }
 }
 
-/// Copies the numbers of an island from those of all.
-fn gather(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], blocks: &[usize]) {
-    let (efc, stride) = (&d.efc, dense::groups(dofs_of(m, trees)));
+/// Copies the numbers of an island's rows from those of all.
+fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[usize]) {
+    let stride = dense::groups(problem.n);
     b.blocks.clear();
     b.jac.clear();
     b.d.clear();
@@ -202,7 +263,7 @@ fn gather(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], blocks: &[usize
             let start = b.jac.len();
             b.jac.resize(start + stride, [0.0; 4]);
             let to = b.jac[start..].as_flattened_mut();
-            for (dofs, place) in places(m, trees) {
+            for (dofs, place) in problem.places() {
                 to[place].copy_from_slice(&from[dofs]);
             }
         }
@@ -212,193 +273,171 @@ fn gather(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], blocks: &[usize
     }
 }
 
-/// The rows of an island.
-struct Jacobian<'a> {
-    blocks: &'a [Block],
-    jac: &'a [Lanes],
-    stride: usize,
-}
-
-impl Jacobian<'_> {
-    #[inline]
-    fn row(&self, row: usize) -> &[Lanes] {
-        &self.jac[row * self.stride..(row + 1) * self.stride]
-    }
-
-    #[inline]
-    fn mul(&self, x: &[Lanes], n: usize, out: &mut [f64]) {
-        mul_jacobian(self.blocks, self.jac, self.stride, x, n, out);
-    }
-}
-
-/// Solves one island: MuJoCo's `mj_solPrimal`. Returns the number of iterations, and leaves forces behind.
+/// Solves one island: MuJoCo's `mj_solPrimal`. Puts its accelerations and the forces of its constraints among those of all,
+/// returns the number of iterations, and leaves the rows' forces behind.
 #[inline(always)]
 fn solve_island(
-    m: &Model,
-    d: &mut Data,
+    problem: &Problem<'_>,
     b: &mut Buffers,
-    trees: &[usize],
-    jacobian: &Jacobian<'_>,
+    (qacc, qfrc_constraint): (&mut [f64], &mut [f64]),
     whole: bool,
 ) -> usize {
-    let (n, nefc) = (dofs_of(m, trees), b.d.len());
+    let (m, n, nefc) = (problem.m, problem.n, problem.d.len());
     b.fit(n);
     let mut inertia = 0.0;
-    for (dofs, place) in places(m, trees) {
-        b.acc.as_flattened_mut()[place.clone()].copy_from_slice(&d.qacc[dofs.clone()]);
-        b.smooth.as_flattened_mut()[place].copy_from_slice(&d.qfrc_smooth[dofs.clone()]);
+    for (dofs, place) in problem.places() {
+        b.acc.as_flattened_mut()[place.clone()].copy_from_slice(&qacc[dofs.clone()]);
+        b.smooth.as_flattened_mut()[place].copy_from_slice(&problem.qfrc_smooth[dofs.clone()]);
         for i in dofs {
-            inertia += d.qm[m.plan().m_rowadr[i + 1] - 1];
+            inertia += problem.qm[m.plan().m_diagonal(i)];
         }
     }
     let (scale, tolerance) = (1.0 / inertia, m.opt.tolerance);
-    mul_m_island(m, d, trees, &b.acc, &mut b.ma);
+    problem.mul_m(&b.acc, &mut b.ma);
     if !whole {
         b.jar.resize(nefc, 0.0);
-        jacobian.mul(&b.acc, n, &mut b.jar);
-        b.jar.iter_mut().zip(&b.aref).for_each(|(jar, aref)| *jar -= aref);
+        problem.mul_jacobian(&b.acc, &mut b.jar);
+        b.jar.iter_mut().zip(problem.aref).for_each(|(jar, aref)| *jar -= aref);
     }
     b.jv.resize(nefc, 0.0);
     b.force.resize(nefc, 0.0);
     b.pushes.clear();
     b.pushes.extend(b.jar.iter().map(|jar| *jar < 0.0));
-    update(b, jacobian);
-    let iterations = iterate(m, d, b, trees, jacobian, scale, tolerance);
-    for (dofs, place) in places(m, trees) {
-        d.qacc[dofs.clone()].copy_from_slice(&b.acc.as_flattened()[place.clone()]);
-        d.qfrc_constraint[dofs].copy_from_slice(&b.constraint.as_flattened()[place]);
+    let iterations = iterate(problem, b, scale, tolerance);
+    for (dofs, place) in problem.places() {
+        qacc[dofs.clone()].copy_from_slice(&b.acc.as_flattened()[place.clone()]);
+        qfrc_constraint[dofs].copy_from_slice(&b.constraint.as_flattened()[place]);
     }
     iterations
 }
 
-#[inline(always)]
-fn iterate(
-    m: &Model,
-    d: &Data,
-    b: &mut Buffers,
-    trees: &[usize],
-    jacobian: &Jacobian<'_>,
-    scale: f64,
-    tolerance: f64,
-) -> usize {
-    let n = dofs_of(m, trees);
-    let decrement = |b: &Buffers| f64::max(0.0, 0.5 * scale * dot(&b.grad, &b.mgrad, n));
-    let level = scale * norm(&b.grad, n) < tolerance;
-    if level {
-        // half of the gradient's square is more than can be gained
-        b.mgrad.copy_from_slice(&b.grad);
-        for (dofs, place) in places(m, trees) {
-            solve_tree(m, &d.qld, &d.qld_diag_inv, &dofs, &mut b.mgrad.as_flattened_mut()[place]);
-        }
-        if decrement(b) < tolerance {
-            return 0;
-        }
-    }
-    hessian(m, d, b, trees, jacobian);
-    newton_direction(b, n, jacobian.stride);
-    if level && decrement(b) < tolerance {
-        return 0;
-    }
+/// [`dense::dot`], as one piece of code for all calls of it.
+#[inline(never)]
+fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
+    dense::dot(a, b, n)
+}
 
-    for iteration in 1..=m.opt.iterations {
-        for (search, mgrad) in b.search.as_flattened_mut().iter_mut().zip(b.mgrad.as_flattened()) {
-            *search = -mgrad;
+/// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
+fn norm(a: &[Lanes], n: usize) -> f64 {
+    dot(a, a, n).sqrt()
+}
+
+/// Newton's steps; the number of them. Each part is called from one place, so that its code is there once.
+#[inline(always)]
+fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -> usize {
+    let (m, n) = (problem.m, problem.n);
+    let decrement = |b: &Buffers| f64::max(0.0, 0.5 * scale * dot(&b.grad, &b.mgrad, n));
+    let (mut iteration, mut improvement) = (0, 0.0);
+    loop {
+        update(problem, b);
+        let level = scale * norm(&b.grad, n) < tolerance;
+        if iteration > 0 && (level || (improvement > 0.0 && improvement < tolerance)) {
+            return iteration;
         }
-        let (alpha, improvement) = search(m, d, b, trees, jacobian, scale);
+        if level {
+            // half of the gradient's square is more than can be gained
+            b.mgrad.copy_from_slice(&b.grad);
+            for (dofs, place) in problem.places() {
+                let x = &mut b.mgrad.as_flattened_mut()[place];
+                solve_tree(m, problem.qld, problem.qld_diag_inv, &dofs, x);
+            }
+            if decrement(b) < tolerance {
+                return 0;
+            }
+        }
+        if iteration == 0 || !update_hessian(problem, b) {
+            hessian(problem, b);
+        }
+        b.mgrad.copy_from_slice(&b.grad);
+        cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad);
+        if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
+            return iteration;
+        }
+
+        for (search, mgrad) in b.search.iter_mut().zip(&b.mgrad) {
+            *search = times(*mgrad, -1.0);
+        }
+        let (alpha, gain) = search(problem, b, scale);
         if alpha == 0.0 {
-            return iteration - 1;
+            return iteration;
         }
+        improvement = scale * gain;
+        iteration += 1;
         add_scaled(&mut b.acc, &b.search, alpha);
         add_scaled(&mut b.ma, &b.mv, alpha);
         for (jar, jv) in b.jar.iter_mut().zip(&b.jv) {
             *jar += jv * alpha;
         }
-        update(b, jacobian);
-        let improvement = scale * improvement;
-        if (improvement > 0.0 && improvement < tolerance) || scale * norm(&b.grad, n) < tolerance {
-            return iteration;
-        }
-        update_hessian(m, d, b, trees, jacobian);
-        newton_direction(b, n, jacobian.stride);
-        if decrement(b) < tolerance {
-            return iteration;
-        }
-    }
-    m.opt.iterations
-}
-
-/// `M x` for an island.
-#[inline(always)]
-fn mul_m_island(m: &Model, d: &Data, trees: &[usize], x: &[Lanes], y: &mut [Lanes]) {
-    for (dofs, place) in places(m, trees) {
-        mul_m_tree(m, &d.qm, &dofs, &x.as_flattened()[place.clone()], &mut y.as_flattened_mut()[place]);
     }
 }
 
 /// Forces of the rows, what they are to the joints, and the gradient: MuJoCo's `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
-fn update(b: &mut Buffers, jacobian: &Jacobian<'_>) {
-    b.constraint.fill([0.0; 4]);
-    for block in jacobian.blocks {
-        for row in block.row..block.row + block.rows {
-            let jar = b.jar[row];
-            let force = if jar < 0.0 { -b.d[row] * jar } else { 0.0 };
-            b.force[row] = force;
-            if force != 0.0 {
-                add_scaled(&mut b.constraint, &jacobian.row(row)[..block.groups], force);
-            }
+fn update(problem: &Problem<'_>, b: &mut Buffers) {
+    b.terms.clear();
+    for (row, ((force, &jar), &stiffness)) in b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate() {
+        *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
+        if *force != 0.0 {
+            b.terms.push((row * problem.stride, *force));
         }
     }
+    combine(
+        &mut b.constraint,
+        problem.jac,
+        b.terms.len(),
+        #[inline(always)]
+        |index| b.terms[index],
+    );
     for (((grad, ma), smooth), constraint) in b.grad.iter_mut().zip(&b.ma).zip(&b.smooth).zip(&b.constraint) {
-        for k in 0..4 {
-            grad[k] = ma[k] - smooth[k] - constraint[k];
-        }
+        *grad = minus(minus(*ma, *smooth, 1.0), *constraint, 1.0);
     }
-}
-
-/// `H^-1 grad`.
-#[inline(always)]
-fn newton_direction(b: &mut Buffers, n: usize, stride: usize) {
-    b.mgrad.copy_from_slice(&b.grad);
-    cholesky::solve(&b.hessian, n, stride, &mut b.mgrad);
 }
 
 /// Makes and factors the Hessian of the cost, `M + J' D J` over the rows that push: MuJoCo's `MakeHessian`.
 #[inline(always)]
-fn hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jacobian<'_>) {
-    let (n, stride) = (dofs_of(m, trees), jacobian.stride);
-    let h = &mut b.hessian;
-    h.clear();
-    h.resize(n * stride, [0.0; 4]);
-    for block in jacobian.blocks {
-        for row in (block.row..block.row + block.rows).filter(|&row| b.pushes[row] && b.d[row] != 0.0) {
-            let jac = &jacobian.row(row)[..block.groups];
-            let pushed = &mut b.row_update[..block.groups];
-            for (pushed, jac) in pushed.iter_mut().zip(jac) {
-                *pushed = jac.map(|j| j * b.d[row]);
-            }
-            for (i, &j) in jac.as_flattened().iter().enumerate().filter(|(_, j)| **j != 0.0) {
-                let first = i / 4;
-                add_scaled(&mut h[i * stride + first..i * stride + block.groups], &pushed[first..], j);
+fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
+    let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
+    b.inertia.clear();
+    b.inertia.resize(n * stride, [0.0; 4]);
+    let inertia = b.inertia.as_flattened_mut();
+    for (dofs, place) in problem.places() {
+        for (dof, row) in dofs.zip(place.clone()) {
+            let known = plan.m_row(dof);
+            for (&column, value) in plan.m_local[known.clone()].iter().zip(&problem.qm[known]) {
+                inertia[(place.start + column) * 4 * stride + row] = *value;
             }
         }
     }
-    let plan = m.plan();
-    for (dofs, place) in places(m, trees) {
-        for i in dofs.clone() {
-            let row = place.start + i - dofs.start;
-            for k in plan.m_row(i) {
-                h[(place.start + plan.m_local[k]) * stride + row / 4][row % 4] += d.qm[k];
+    // the rows that push, and the same times their stiffness
+    b.pushing.clear();
+    b.pushed.clear();
+    for (row, (&pushes, &stiffness)) in b.pushes.iter().zip(problem.d).enumerate() {
+        if pushes && stiffness != 0.0 {
+            b.pushing.push(row * stride);
+            for &four in problem.row(row) {
+                b.pushed.push(times(four, stiffness));
             }
         }
     }
-    cholesky::factor(h, n, stride);
+    b.hessian.resize(n * stride, [0.0; 4]);
+    for i in 0..n {
+        let (column, inertia) = (&mut b.hessian[i * stride..][..stride], &b.inertia[i * stride..][..stride]);
+        let first = i / 4;
+        combine(
+            &mut column[first..],
+            &b.pushed,
+            b.pushing.len(),
+            #[inline(always)]
+            |index| (index * stride + first, problem.jac[b.pushing[index] + first][i % 4]),
+        );
+        add_scaled(&mut column[first..], &inertia[first..], 1.0);
+    }
+    cholesky::factor(&mut b.hessian, n, stride);
 }
 
-/// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
+/// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`. False where it must be made anew.
 #[inline(always)]
-fn update_hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobian: &Jacobian<'_>) {
-    let n = dofs_of(m, trees);
+fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
     for row in 0..b.jar.len() {
         let pushes = b.jar[row] < 0.0;
@@ -407,42 +446,33 @@ fn update_hessian(m: &Model, d: &Data, b: &mut Buffers, trees: &[usize], jacobia
         }
         b.pushes[row] = pushes;
         if definite {
-            let root = b.d[row].sqrt();
-            for (x, jac) in b.row_update.iter_mut().zip(jacobian.row(row)) {
-                *x = jac.map(|j| j * root);
+            let root = problem.d[row].sqrt();
+            for (x, jac) in b.row_update.iter_mut().zip(problem.row(row)) {
+                *x = times(*jac, root);
             }
-            definite = cholesky::update(&mut b.hessian, n, jacobian.stride, &mut b.row_update, pushes);
+            definite = cholesky::update(&mut b.hessian, problem.n, problem.stride, &mut b.row_update, pushes);
         }
     }
-    if !definite {
-        hessian(m, d, b, trees, jacobian);
-    }
+    definite
 }
 
 /// The length of the step along the search direction, and the improvement; leaves `M search` and `J search` behind.
 #[inline(always)]
-fn search(
-    m: &Model,
-    d: &Data,
-    b: &mut Buffers,
-    trees: &[usize],
-    jacobian: &Jacobian<'_>,
-    scale: f64,
-) -> (f64, f64) {
-    let n = dofs_of(m, trees);
+fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
+    let (opt, n) = (&problem.m.opt, problem.n);
     let length = norm(&b.search, n);
     if length < MINVAL {
         return (0.0, 0.0);
     }
-    mul_m_island(m, d, trees, &b.search, &mut b.mv);
-    jacobian.mul(&b.search, n, &mut b.jv);
+    problem.mul_m(&b.search, &mut b.mv);
+    problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
-    b.rows.extend(b.jar.iter().zip(&b.jv).zip(&b.d).map(|((&jar, &jv), &d)| Row::new(jar, jv, d)));
+    b.rows.extend(b.jar.iter().zip(&b.jv).zip(problem.d).map(|((&jar, &jv), &d)| Row::new(jar, jv, d)));
     let along = Along {
         rows: &b.rows,
         linear: dot(&b.search, &b.ma, n) - dot(&b.smooth, &b.search, n),
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,
     };
-    line_search(along, m.opt.tolerance * m.opt.ls_tolerance * length / scale, m.opt.ls_iterations)
+    line_search(along, opt.tolerance * opt.ls_tolerance * length / scale, opt.ls_iterations)
 }

@@ -4,7 +4,7 @@
 
 use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
-use crate::physics::dense::{Lanes, Term, add_scaled, dot};
+use crate::physics::dense::{Lanes, add_scaled, dot};
 use crate::physics::inertia;
 use crate::{Data, Model};
 
@@ -15,8 +15,8 @@ pub(crate) struct Buffers {
     half: Vec<Lanes>,
     /// `J M^-1 J' + R`, row by row.
     ar: Vec<Lanes>,
-    /// Of a row of `ar` what it is made of.
-    terms: Vec<Term>,
+    /// What a row of `ar` is the sum of: where a row of `half` starts, and its factor.
+    terms: Vec<(usize, f64)>,
     jar: Vec<f64>,
     force: Vec<Lanes>,
     product: Vec<Lanes>,
@@ -139,13 +139,13 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
         let (above, rest) = s.half.split_at_mut(i * stride);
         let own = &mut rest[..stride];
         if m.dof_simplenum[i] == 0 {
-            let row = plan.m_rowadr[i]..plan.m_rowadr[i + 1] - 1;
+            let row = plan.m_ancestors(i);
             for (&j, l) in plan.m_colind[row.clone()].iter().zip(&d.qld[row]) {
                 add_scaled(&mut above[j * stride..(j + 1) * stride], own, -l);
             }
         }
         // the root of D, not of its inverse
-        let scale = 1.0 / d.qld[plan.m_rowadr[i + 1] - 1].sqrt();
+        let scale = 1.0 / d.qld[plan.m_diagonal(i)].sqrt();
         own.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     }
 
@@ -158,7 +158,14 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
                 s.terms.push((k * stride, x));
             }
         }
-        dense::combine(row, &s.half, &s.terms);
+        let terms = &s.terms;
+        dense::combine(
+            row,
+            &s.half,
+            terms.len(),
+            #[inline(always)]
+            |index| terms[index],
+        );
         row[i / 4][i % 4] += d.efc.r[i];
     }
 }

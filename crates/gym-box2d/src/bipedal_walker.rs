@@ -516,17 +516,15 @@ impl Lockstep for BipedalWalker {
     type Group = Worlds;
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
-            self.ahead = Some(Ahead { call: Call::Reset, place });
-        }
+        let place = self.begin_episode(reset, Some(worlds));
+        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
     }
 
     fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
         let possible = action.is_finite();
-        if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
-            let place = episode.begin(action, Some(worlds));
-            self.ahead = Some(Ahead { call: Call::Step, place });
-        }
+        let episode = self.episode.as_mut().filter(|_| possible);
+        let place = episode.map(|episode| episode.begin(action, Some(worlds)));
+        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

@@ -593,16 +593,14 @@ impl Lockstep for LunarLander {
     type Group = Worlds;
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
-            self.ahead = Some(Ahead { call: Call::Reset, place });
-        }
+        let place = self.begin_episode(reset, Some(worlds));
+        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
     }
 
     fn begin_step(&mut self, action: &Action, worlds: &mut Worlds) {
-        if let Some(episode) = self.episode.as_mut().filter(|_| self.config.takes(action)) {
-            let place = episode.begin(&self.config, action, Some(worlds));
-            self.ahead = Some(Ahead { call: Call::Step, place });
-        }
+        let episode = self.episode.as_mut().filter(|_| self.config.takes(action));
+        let place = episode.map(|episode| episode.begin(&self.config, action, Some(worlds)));
+        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

@@ -41,7 +41,8 @@ pub trait Lockstep: Env {
     /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and gives back what it holds of the group.
+    /// Takes the result of [`Together::solve`], and gives back what it holds of the group. The last begin came since the
+    /// group was cleared; it may have had nothing to begin.
     fn collect(&mut self, group: &mut Self::Group);
 }
 
@@ -56,14 +57,14 @@ pub(crate) trait Ahead<E>: Send {
     /// Forgets those of the group before.
     fn clear(&mut self);
 
-    /// Begins the next reset or step of a slot.
+    /// Begins the next reset or step of a slot. If that panics, its call returns the error.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
 
     /// Computes the shared part for all that have begun.
     fn solve(&mut self);
 
-    /// Gives a slot its result, before its reset or step.
-    fn collect(&mut self, slot: &mut Slot<E>);
+    /// Gives a slot its result, before what it was asked for. If that panics, its call returns the error.
+    fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
 }
 
 /// Environments `E` within wrappers `W` that pass actions on unchanged.
@@ -93,26 +94,32 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
-        let Slot { env, action, .. } = slot;
-        let Some(env) = env.unwrapped_mut::<E>() else { return };
-        match ask {
-            Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
-            Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
-            Ask::Step => {
-                E::Action::with(action, |action| env.begin_step(action, &mut self.group));
+        slot.go_ahead(|Slot { env, action, .. }| {
+            let Some(env) = env.unwrapped_mut::<E>() else { return };
+            match ask {
+                Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
+                Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
+                Ask::Step => {
+                    E::Action::with(action, |action| env.begin_step(action, &mut self.group));
+                }
+                Ask::Nothing => {}
             }
-            Ask::Nothing => {}
-        }
+        });
     }
 
     fn solve(&mut self) {
         self.group.solve();
     }
 
-    fn collect(&mut self, slot: &mut Slot<W>) {
-        if let Some(env) = slot.env.unwrapped_mut::<E>() {
-            env.collect(&mut self.group);
+    fn collect(&mut self, slot: &mut Slot<W>, ask: &Ask) {
+        if let Ask::Nothing = ask {
+            return; // it has not begun
         }
+        slot.go_ahead(|Slot { env, .. }| {
+            if let Some(env) = env.unwrapped_mut::<E>() {
+                env.collect(&mut self.group);
+            }
+        });
     }
 }
 

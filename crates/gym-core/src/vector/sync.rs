@@ -90,10 +90,11 @@ impl<E: Env> SyncVectorEnv<E> {
                 ahead.solve();
             }
             for (slot, index) in slots.iter_mut().zip(first..) {
+                let ask = ask(index);
                 if let Some(ahead) = ahead {
-                    ahead.collect(slot);
+                    ahead.collect(slot, &ask);
                 }
-                let answer = slot.go(&ask(index), *autoreset);
+                let answer = slot.go(&ask, *autoreset);
                 let answer = answer.and(slot.write(spaces, columns, index));
                 result = result.and(answer.map_err(|error: Error| error.at_env(index)));
             }

@@ -150,6 +150,11 @@ impl BipedalWalker {
         Ok(episode.begin(&Continuous::default(), worlds))
     }
 
+    #[cfg(test)]
+    pub(crate) fn world_bytes(&self) -> usize {
+        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+    }
+
     /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
     pub fn terrain(&self) -> Option<&[f64]> {
         self.episode.as_ref().map(|episode| &*episode.terrain_y)
@@ -514,6 +519,10 @@ impl Env for BipedalWalker {
 
 impl Lockstep for BipedalWalker {
     type Group = Worlds;
+
+    fn touch(&self) -> u32 {
+        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+    }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
         let place = self.begin_episode(reset, Some(worlds));

@@ -238,6 +238,11 @@ impl LunarLander {
         Ok(episode.begin(&self.config, &idle, worlds))
     }
 
+    #[cfg(test)]
+    pub(crate) fn world_bytes(&self) -> usize {
+        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+    }
+
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
     pub fn terrain(&self) -> Option<&[f64; CHUNKS]> {
         self.episode.as_ref().map(|episode| &episode.smooth_y)
@@ -591,6 +596,10 @@ impl Env for LunarLander {
 
 impl Lockstep for LunarLander {
     type Group = Worlds;
+
+    fn touch(&self) -> u32 {
+        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+    }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
         let place = self.begin_episode(reset, Some(worlds));

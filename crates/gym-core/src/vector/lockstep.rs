@@ -6,6 +6,7 @@
 //! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
 //! those of a sync vector.
 
+use std::hint::black_box;
 use std::marker::PhantomData;
 
 use super::slot::{Ask, Slot, slot_bytes};
@@ -33,6 +34,14 @@ pub trait Lockstep: Env {
     /// What a group of them shares.
     type Group: Together;
 
+    /// Reads a little of everything that a step needs, and returns something made of it. The CPU then fetches the memory
+    /// of several environments at once; their steps would wait for it piece by piece. A vector calls it where it has
+    /// more environments than fit the cache. It must not panic, not even where a step has left the environment
+    /// half done by a panic.
+    fn touch(&self) -> u32 {
+        0
+    }
+
     /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument and finishes it.
     /// That call does everything that cannot begin here, and returns the errors.
     fn begin_reset(&mut self, reset: &Reset, group: &mut Self::Group);
@@ -56,6 +65,9 @@ pub(crate) trait Ahead<E>: Send {
 
     /// Forgets those of the group before.
     fn clear(&mut self);
+
+    /// Has the memory of a slot's environment fetched.
+    fn touch(&self, slot: &Slot<E>);
 
     /// Begins the next reset or step of a slot. If that panics, its call returns the error.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
@@ -90,6 +102,10 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
     fn clear(&mut self) {
         self.group.clear();
+    }
+
+    fn touch(&self, slot: &Slot<W>) {
+        black_box(slot.env.unwrapped::<E>().map(E::touch));
     }
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {

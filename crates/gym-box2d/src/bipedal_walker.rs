@@ -150,6 +150,11 @@ impl BipedalWalker {
         Ok(episode.begin(&Continuous::default(), worlds))
     }
 
+    #[cfg(test)]
+    pub(crate) fn world_bytes(&self) -> usize {
+        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+    }
+
     /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
     pub fn terrain(&self) -> Option<&[f64]> {
         self.episode.as_ref().map(|episode| &*episode.terrain_y)
@@ -515,18 +520,20 @@ impl Env for BipedalWalker {
 impl Lockstep for BipedalWalker {
     type Group = Worlds;
 
+    fn touch(&self) -> u32 {
+        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+    }
+
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
-            self.ahead = Some(Ahead { call: Call::Reset, place });
-        }
+        let place = self.begin_episode(reset, Some(worlds));
+        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
     }
 
     fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
         let possible = action.is_finite();
-        if let Some(episode) = self.episode.as_mut().filter(|_| possible) {
-            let place = episode.begin(action, Some(worlds));
-            self.ahead = Some(Ahead { call: Call::Step, place });
-        }
+        let episode = self.episode.as_mut().filter(|_| possible);
+        let place = episode.map(|episode| episode.begin(action, Some(worlds)));
+        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

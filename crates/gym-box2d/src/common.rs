@@ -233,4 +233,44 @@ mod tests {
             assert!(run(Some(Worlds(lanes))) == alone, "{level:?}");
         }
     }
+
+    /// The bytes of the world after the first step and the most after any of some hundred, in some episodes that go on
+    /// after their end.
+    fn world_bytes<E, const N: usize>(
+        mut env: E,
+        bytes: impl Fn(&E) -> usize,
+        mut policy: impl FnMut(&[f32; N]) -> E::Action,
+    ) -> [usize; 2]
+    where
+        E: Env<Observation = [f32; N]>,
+    {
+        let mut observation = <[f32; N]>::empty();
+        let (mut first, mut most) = (0, 0);
+        for seed in 0..8 {
+            env.reset_into(&Reset::from(seed), &mut observation).unwrap();
+            first = first.max(bytes(&env));
+            for _ in 0..300 {
+                env.step_into(&policy(&observation), &mut observation).unwrap();
+                most = most.max(bytes(&env));
+            }
+        }
+        [first, most]
+    }
+
+    #[test]
+    fn worlds_are_small_and_grow_no_more() {
+        let mut state = 3;
+        let lander =
+            LunarLander::new(lunar_lander::Config { continuous: true, ..Default::default() }).unwrap();
+        let policy = |_: &[f32; 8]| [noise(&mut state), noise(&mut state)].into();
+        let [first, most] = world_bytes(lander, LunarLander::world_bytes, policy);
+        assert!(first == most && most < 8_000, "LunarLander: {first} bytes, then {most}");
+        for (hardcore, bound) in [(false, 13_500), (true, 26_000)] {
+            let walker = BipedalWalker::new(bipedal_walker::Config { hardcore, ..Default::default() });
+            let mut pilot = Heuristic::default();
+            let policy = |observation: &[f32; 24]| pilot.act(observation).into();
+            let [first, most] = world_bytes(walker, BipedalWalker::world_bytes, policy);
+            assert!(first == most && most < bound, "hardcore {hardcore}: {first} bytes, then {most}");
+        }
+    }
 }

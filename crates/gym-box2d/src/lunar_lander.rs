@@ -238,6 +238,11 @@ impl LunarLander {
         Ok(episode.begin(&self.config, &idle, worlds))
     }
 
+    #[cfg(test)]
+    pub(crate) fn world_bytes(&self) -> usize {
+        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+    }
+
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
     pub fn terrain(&self) -> Option<&[f64; CHUNKS]> {
         self.episode.as_ref().map(|episode| &episode.smooth_y)
@@ -592,17 +597,19 @@ impl Env for LunarLander {
 impl Lockstep for LunarLander {
     type Group = Worlds;
 
+    fn touch(&self) -> u32 {
+        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+    }
+
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        if let Ok(place) = self.begin_episode(reset, Some(worlds)) {
-            self.ahead = Some(Ahead { call: Call::Reset, place });
-        }
+        let place = self.begin_episode(reset, Some(worlds));
+        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
     }
 
     fn begin_step(&mut self, action: &Action, worlds: &mut Worlds) {
-        if let Some(episode) = self.episode.as_mut().filter(|_| self.config.takes(action)) {
-            let place = episode.begin(&self.config, action, Some(worlds));
-            self.ahead = Some(Ahead { call: Call::Step, place });
-        }
+        let episode = self.episode.as_mut().filter(|_| self.config.takes(action));
+        let place = episode.map(|episode| episode.begin(&self.config, action, Some(worlds)));
+        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

@@ -109,6 +109,16 @@ impl World {
         Self { engine, island: None }
     }
 
+    /// The memory of a world of Box2D's.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        match &self.engine {
+            Engine::Box2d(world) => world.bytes(),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => 0,
+        }
+    }
+
     /// Adds a body.
     pub fn create_body(&mut self, def: &BodyDef) -> BodyId {
         BodyId(engine!(&mut self.engine, world => world.create_body(def)))
@@ -176,6 +186,15 @@ impl World {
                 world.step(dt, velocity_iterations, position_iterations);
                 Place::default()
             }
+        }
+    }
+
+    /// Has the memory fetched that a step needs: see [`Lockstep::touch`](gym_core::vector::lockstep::Lockstep::touch).
+    pub(crate) fn touch(&self) -> u32 {
+        match &self.engine {
+            Engine::Box2d(world) => world.touch(),
+            #[cfg(feature = "rapier")]
+            Engine::Rapier(_) => 0,
         }
     }
 

@@ -6,6 +6,7 @@
 //! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
 //! those of a sync vector.
 
+use std::hint::black_box;
 use std::marker::PhantomData;
 
 use super::slot::{Ask, Slot, slot_bytes};
@@ -33,6 +34,14 @@ pub trait Lockstep: Env {
     /// What a group of them shares.
     type Group: Together;
 
+    /// Reads a little of everything that a step needs, and returns something made of it. The CPU then fetches the memory
+    /// of several environments at once; their steps would wait for it piece by piece. A vector calls it where it has
+    /// more environments than fit the cache. It must not panic, not even where a step has left the environment
+    /// half done by a panic.
+    fn touch(&self) -> u32 {
+        0
+    }
+
     /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument and finishes it.
     /// That call does everything that cannot begin here, and returns the errors.
     fn begin_reset(&mut self, reset: &Reset, group: &mut Self::Group);
@@ -41,7 +50,8 @@ pub trait Lockstep: Env {
     /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and gives back what it holds of the group.
+    /// Takes the result of [`Together::solve`], and gives back what it holds of the group. The last begin came since the
+    /// group was cleared; it may have had nothing to begin.
     fn collect(&mut self, group: &mut Self::Group);
 }
 
@@ -56,14 +66,17 @@ pub(crate) trait Ahead<E>: Send {
     /// Forgets those of the group before.
     fn clear(&mut self);
 
-    /// Begins the next reset or step of a slot.
+    /// Has the memory of a slot's environment fetched.
+    fn touch(&self, slot: &Slot<E>);
+
+    /// Begins the next reset or step of a slot. If that panics, its call returns the error.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
 
     /// Computes the shared part for all that have begun.
     fn solve(&mut self);
 
-    /// Gives a slot its result, before its reset or step.
-    fn collect(&mut self, slot: &mut Slot<E>);
+    /// Gives a slot its result, before what it was asked for. If that panics, its call returns the error.
+    fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
 }
 
 /// Environments `E` within wrappers `W` that pass actions on unchanged.
@@ -91,28 +104,38 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
         self.group.clear();
     }
 
+    fn touch(&self, slot: &Slot<W>) {
+        black_box(slot.env.unwrapped::<E>().map(E::touch));
+    }
+
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
-        let Slot { env, action, .. } = slot;
-        let Some(env) = env.unwrapped_mut::<E>() else { return };
-        match ask {
-            Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
-            Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
-            Ask::Step => {
-                E::Action::with(action, |action| env.begin_step(action, &mut self.group));
+        slot.go_ahead(|Slot { env, action, .. }| {
+            let Some(env) = env.unwrapped_mut::<E>() else { return };
+            match ask {
+                Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
+                Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
+                Ask::Step => {
+                    E::Action::with(action, |action| env.begin_step(action, &mut self.group));
+                }
+                Ask::Nothing => {}
             }
-            Ask::Nothing => {}
-        }
+        });
     }
 
     fn solve(&mut self) {
         self.group.solve();
     }
 
-    fn collect(&mut self, slot: &mut Slot<W>) {
-        if let Some(env) = slot.env.unwrapped_mut::<E>() {
-            env.collect(&mut self.group);
+    fn collect(&mut self, slot: &mut Slot<W>, ask: &Ask) {
+        if let Ask::Nothing = ask {
+            return; // it has not begun
         }
+        slot.go_ahead(|Slot { env, .. }| {
+            if let Some(env) = env.unwrapped_mut::<E>() {
+                env.collect(&mut self.group);
+            }
+        });
     }
 }
 

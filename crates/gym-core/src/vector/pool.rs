@@ -459,7 +459,10 @@ fn work<E: Env>(
                 ahead.begin(slot, ask);
             });
             ahead.solve();
-            group.iter_mut().for_each(|traveller| ahead.collect(&mut traveller.slot));
+            group.iter_mut().for_each(|traveller| {
+                let Traveller { slot, ask, .. } = &mut **traveller;
+                ahead.collect(slot, ask);
+            });
         }
         for traveller in &mut group {
             if stop.load(Ordering::Relaxed) {

@@ -23,6 +23,8 @@ pub(crate) struct Slot<E> {
     has_final: bool,
     final_info: Vec<(String, Value)>,
     stage: Stage,
+    /// The panic of a part of the next call that was done ahead of it.
+    panicked_ahead: Option<Error>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,6 +73,7 @@ impl<E: Env> Slot<E> {
             has_final: false,
             final_info: Vec::new(),
             stage: Stage::Made,
+            panicked_ahead: None,
         })
     }
 
@@ -113,8 +116,24 @@ impl<E: Env> Slot<E> {
         self.stage == Stage::Done
     }
 
+    /// Does a part of the next call ahead of it. If the part panics, that call returns the error, and the parts in
+    /// between are left out.
+    pub(super) fn go_ahead(&mut self, part: impl FnOnce(&mut Self)) {
+        if self.panicked_ahead.is_none() {
+            let result = self.guard(|slot| {
+                part(slot);
+                Ok(())
+            });
+            self.panicked_ahead = result.err();
+        }
+    }
+
     /// Resets or steps as requested.
     pub(super) fn go(&mut self, ask: &Ask, autoreset: Autoreset) -> Result<()> {
+        if let Some(error) = self.panicked_ahead.take() {
+            self.clear();
+            return Err(error);
+        }
         match ask {
             Ask::Reset(reset) => self.reset(reset),
             Ask::Step => self.step(autoreset),
@@ -187,15 +206,20 @@ impl<E: Env> Slot<E> {
     /// it must be reset.
     fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
-        let result = catch_unwind(AssertUnwindSafe(|| ask(self)));
-        let result = result.unwrap_or_else(|panic| {
-            self.stage = Stage::Panicked;
-            Err(Error::Contract(format!("it panicked; reset it before the next step: {}", message(&*panic))))
-        });
+        let result = self.guard(ask);
         if result.is_err() {
             self.clear();
         }
         result
+    }
+
+    /// Turns a panic of the environment into an error.
+    fn guard(&mut self, call: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let result = catch_unwind(AssertUnwindSafe(|| call(self)));
+        result.unwrap_or_else(|panic| {
+            self.stage = Stage::Panicked;
+            Err(Error::Contract(format!("it panicked; reset it before the next step: {}", message(&*panic))))
+        })
     }
 
     /// Clears its last result, except the observation.

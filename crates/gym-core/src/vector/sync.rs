@@ -79,21 +79,28 @@ impl<E: Env> SyncVectorEnv<E> {
 
     /// Resets or steps each sub-environment and writes its row. Returns the first error, after all have finished.
     fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
+        /// The memory of no more environments than this stays in the cache from step to step.
+        const CACHED: usize = 128;
         let Self { slots, spaces, autoreset, ahead, .. } = self;
+        let is_cached = slots.len() <= CACHED;
         let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
         let mut result = Ok(());
         for (group, slots) in slots.chunks_mut(len).enumerate() {
             let first = group * len;
             if let Some(ahead) = ahead {
                 ahead.clear();
+                if !is_cached {
+                    slots.iter().for_each(|slot| ahead.touch(slot));
+                }
                 slots.iter_mut().zip(first..).for_each(|(slot, index)| ahead.begin(slot, &ask(index)));
                 ahead.solve();
             }
             for (slot, index) in slots.iter_mut().zip(first..) {
+                let ask = ask(index);
                 if let Some(ahead) = ahead {
-                    ahead.collect(slot);
+                    ahead.collect(slot, &ask);
                 }
-                let answer = slot.go(&ask(index), *autoreset);
+                let answer = slot.go(&ask, *autoreset);
                 let answer = answer.and(slot.write(spaces, columns, index));
                 result = result.and(answer.map_err(|error: Error| error.at_env(index)));
             }

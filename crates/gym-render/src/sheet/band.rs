@@ -4,8 +4,44 @@ use std::ops::Range;
 
 use gym_core::canvas::Color;
 
+use super::MOST_SHRUNK;
 use super::shrink::{Layout, WRITTEN_OUT, Window};
 use crate::pygame::Pixels;
+
+/// Room for the pixels of any window, in whole vector registers.
+pub(super) const MOST: usize = MOST_SHRUNK + 16;
+
+/// The pixels of a window that is written out: all reds, all greens and all blues. What lies beyond the end of the
+/// window means nothing.
+pub(super) type Written<const N: usize> = [[u8; N]; 3];
+
+/// Marks some pixels of a window with 255, the others with 0. It takes no branch that the processor would have to guess.
+#[inline]
+pub(super) fn mark<const N: usize>(pixels: Range<usize>) -> [u8; N] {
+    static STEP: [u8; 2 * MOST] = {
+        let mut step = [0; 2 * MOST];
+        let mut i = MOST;
+        while i < step.len() {
+            step[i] = u8::MAX;
+            i += 1;
+        }
+        step
+    };
+    let [from_start, from_end] = [pixels.start, pixels.end].map(|first| &STEP[MOST - first.min(N)..][..N]);
+    // (a loop, as `array::from_fn` is not inlined)
+    let mut marks = [0; N];
+    for (mark, (in_start, in_end)) in marks.iter_mut().zip(from_start.iter().zip(from_end)) {
+        *mark = in_start & !in_end;
+    }
+    marks
+}
+
+/// The red, green and blue of a colour.
+#[inline]
+fn channels(color: u32) -> [u8; 3] {
+    let [r, g, b, _] = color.to_le_bytes();
+    [r, g, b]
+}
 
 /// Some rows of the surface, with room for `N` pixels in each window.
 ///
@@ -18,7 +54,7 @@ pub(super) struct Band<'a, const N: usize> {
     /// The colours of the windows, row by row, or [`WRITTEN_OUT`].
     pub(super) flat: &'a mut [u32],
     /// Their pixels, where they are written out.
-    pub(super) pixels: &'a mut [[u32; N]],
+    pub(super) pixels: &'a mut [Written<N>],
     pub(super) layout: &'a Layout,
 }
 
@@ -40,29 +76,42 @@ impl<const N: usize> Band<'_, N> {
         row * self.layout.windows.len() + window
     }
 
-    /// Writes out a window in which the colour is to appear beside others, if it is not; `false` if it has that
-    /// colour already.
+    /// The pixels of a window, written out; `None` if it has the colour of this band already, so that drawing in
+    /// that colour changes nothing.
     #[inline]
-    fn takes_color(&mut self, index: usize, Window { first, last }: Window) -> bool {
+    fn unless_plain(&mut self, index: usize) -> Option<&mut Written<N>> {
         let flat = self.flat[index];
         if flat == self.color {
-            return false;
+            return None;
         }
+        Some(self.write_out(index))
+    }
+
+    /// The pixels of a window, written out.
+    #[inline]
+    fn write_out(&mut self, index: usize) -> &mut Written<N> {
+        let flat = std::mem::replace(&mut self.flat[index], WRITTEN_OUT);
+        let pixels = &mut self.pixels[index];
         if flat != WRITTEN_OUT {
-            self.flat[index] = WRITTEN_OUT;
-            fill(&mut self.pixels[index], 0..i32::from(last - first) + 1, flat);
+            for (channel, value) in pixels.iter_mut().zip(channels(flat)) {
+                *channel = [value; N];
+            }
         }
-        true
+        pixels
     }
 
     /// Colours those of the pixels `x1..x2` that lie in a window.
     #[inline]
     fn fill_part(&mut self, row: usize, window: usize, x1: usize, x2: usize) {
-        let (index, window) = (self.index(row, window), self.layout.windows[window]);
-        if self.takes_color(index, window) {
-            let Window { first, last } = window;
-            let [x1, x2, len] = [x1 as i32, x2 as i32, i32::from(last) + 1].map(|x| x - i32::from(first));
-            fill(&mut self.pixels[index], x1.max(0)..x2.min(len), self.color);
+        let (index, color) = (self.index(row, window), self.color);
+        let first = usize::from(self.layout.windows[window].first);
+        if let Some(pixels) = self.unless_plain(index) {
+            let marks = mark::<N>(x1.saturating_sub(first)..x2 - first);
+            for (channel, value) in pixels.iter_mut().zip(channels(color)) {
+                for (pixel, mark) in channel.iter_mut().zip(marks) {
+                    *pixel ^= (*pixel ^ value) & mark;
+                }
+            }
         }
     }
 
@@ -81,22 +130,14 @@ impl<const N: usize> Band<'_, N> {
     }
 }
 
-/// Colours some pixels of a window. Which ones takes no branch that the processor would have to guess.
+/// `(d * (256 - weight) + s * weight) >> 8` in each channel of a pixel.
 #[inline]
-fn fill<const N: usize>(window: &mut [u32; N], pixels: Range<i32>, color: u32) {
-    for (pixel, i) in window.iter_mut().zip(0..) {
-        let inside = u32::from((pixels.start <= i) & (i < pixels.end)).wrapping_neg();
-        *pixel = *pixel & !inside | color & inside;
+fn mix<const N: usize>(pixels: &mut Written<N>, x: usize, color: u32, weight: i32) {
+    for (channel, s) in pixels.iter_mut().zip(channels(color)) {
+        if let Some(d) = channel.get_mut(x) {
+            *d = ((i32::from(*d) * (256 - weight) + i32::from(s) * weight) >> 8) as u8;
+        }
     }
-}
-
-/// `(d * (256 - weight) + s * weight) >> 8` of all channels at once, which stays below 2^16 in each.
-#[inline]
-fn mix(d: u32, s: u32, weight: i32) -> u32 {
-    let apart = |pixel: u32| u64::from(pixel & 0x00ff_00ff) | u64::from(pixel & 0xff00) << 24;
-    let sum = apart(d) * (256 - weight) as u64 + apart(s) * weight as u64;
-    let sum = sum >> 8 & 0x00ff_00ff_00ff;
-    sum as u32 | (sum >> 24) as u32 & 0xff00
 }
 
 impl<const N: usize> Pixels for Band<'_, N> {
@@ -134,14 +175,12 @@ impl<const N: usize> Pixels for Band<'_, N> {
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
         let (row, [left, right]) = (self.place(y), self.windows_of(x));
         for window in left..=right {
-            let (index, Window { first, last }) = (self.index(row, window), self.layout.windows[window]);
-            let flat = std::mem::replace(&mut self.flat[index], WRITTEN_OUT);
-            if flat != WRITTEN_OUT {
-                fill(&mut self.pixels[index], 0..i32::from(last - first) + 1, flat);
-            }
-            if let Some(pixel) = self.pixels[index].get_mut(x as usize - usize::from(first)) {
-                let [r, g, b, _] = pixel.to_le_bytes();
-                *pixel = u32::from_le_bytes([f(r, color.r), f(g, color.g), f(b, color.b), 0]);
+            let x = x as usize - usize::from(self.layout.windows[window].first);
+            let channels = self.write_out(self.index(row, window)).iter_mut();
+            for (channel, s) in channels.zip([color.r, color.g, color.b]) {
+                if let Some(d) = channel.get_mut(x) {
+                    *d = f(*d, s);
+                }
             }
         }
     }
@@ -150,12 +189,10 @@ impl<const N: usize> Pixels for Band<'_, N> {
     fn blend(&mut self, x: i32, y: i32, _: Color, weight: i32) {
         let (row, color, [left, right]) = (self.place(y), self.color, self.windows_of(x));
         for window in left..=right {
-            let (index, window) = (self.index(row, window), self.layout.windows[window]);
+            let first = usize::from(self.layout.windows[window].first);
             // (a colour blended with itself is that colour)
-            if self.takes_color(index, window)
-                && let Some(pixel) = self.pixels[index].get_mut(x as usize - usize::from(window.first))
-            {
-                *pixel = mix(*pixel, color, weight);
+            if let Some(pixels) = self.unless_plain(self.index(row, window)) {
+                mix(pixels, x as usize - first, color, weight);
             }
         }
     }
@@ -165,13 +202,11 @@ impl<const N: usize> Pixels for Band<'_, N> {
         let (row, color) = (self.place(y), self.color);
         let ([left, _], [_, right]) = (self.windows_of(x1), self.windows_of(x2));
         for window in left..=right {
-            let (index, window) = (self.index(row, window), self.layout.windows[window]);
-            if self.takes_color(index, window) {
-                let [first, last] = [window.first, window.last].map(i32::from);
-                let (x1, x2) = (x1.max(first), x2.min(last));
-                let pixels = self.pixels[index].iter_mut().skip((x1 - first) as usize);
-                for (pixel, x) in pixels.zip(x1..=x2) {
-                    *pixel = mix(*pixel, color, weight(x));
+            let Window { first, last } = self.layout.windows[window];
+            let [first, last] = [first, last].map(i32::from);
+            if let Some(pixels) = self.unless_plain(self.index(row, window)) {
+                for x in x1.max(first)..=x2.min(last) {
+                    mix(pixels, (x - first) as usize, color, weight(x));
                 }
             }
         }

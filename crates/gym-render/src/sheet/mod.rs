@@ -37,8 +37,8 @@ pub(crate) struct Sheet {
     shrink: Shrink,
     /// The colours of the windows of a band, row by row.
     flat: Vec<u32>,
-    /// The pixels of each window of a band that is written out, and zeros up to the same number in each.
-    pixels: Vec<u32>,
+    /// The pixels of each window of a band that is written out, with as much room for each.
+    pixels: Vec<u8>,
 }
 
 /// A call, and where its points are.
@@ -208,15 +208,11 @@ impl Sheet {
 
     /// Draws the surface and writes it, shrunk, to the frame.
     pub(crate) fn finish(&mut self, frame: &mut Frame) {
-        let is_new =
-            self.shrink.start((self.width, self.height), (frame.width() as usize, frame.height() as usize));
-        if is_new {
-            self.pixels.clear();
-        }
+        self.shrink.start((self.width, self.height), (frame.width() as usize, frame.height() as usize));
         match self.shrink.layout.widest {
             0..=4 => self.draw::<4>(frame),
-            5..=12 => self.draw::<12>(frame),
-            _ => self.draw::<{ MOST_SHRUNK + 4 }>(frame),
+            5..=16 => self.draw::<16>(frame),
+            _ => self.draw::<{ band::MOST }>(frame),
         }
     }
 
@@ -225,8 +221,8 @@ impl Sheet {
         let height = self.height;
         let Self { calls, points, shrink, flat, pixels, .. } = self;
         let windows = shrink.layout.windows.len();
-        pixels.resize(BAND * windows * N, 0);
-        let pixels = pixels.as_chunks_mut::<N>().0;
+        pixels.resize(BAND * windows * 3 * N, 0);
+        let pixels = pixels.as_chunks_mut::<N>().0.as_chunks_mut::<3>().0;
         flat.resize(BAND * windows, 0);
         let mut top = 0;
         while top < height {

@@ -2,6 +2,7 @@
 
 use gym_core::render::Frame;
 
+use super::band::{Written, mark};
 use crate::pixels::{self, RGB};
 use crate::pygame::{Phase, part, phases};
 
@@ -66,8 +67,8 @@ pub(super) struct Shrink {
 }
 
 impl Shrink {
-    /// Gets ready for a surface and a frame of these sizes, and tells whether they are others than before.
-    pub(super) fn start(&mut self, from: (usize, usize), to: (usize, usize)) -> bool {
+    /// Gets ready for a surface and a frame of these sizes.
+    pub(super) fn start(&mut self, from: (usize, usize), to: (usize, usize)) {
         self.at = (0, 0);
         self.sums.clear();
         self.sums.resize(to.0, [0; 4]);
@@ -79,7 +80,7 @@ impl Shrink {
         self.mixed.clear();
         self.mixed.resize(words, 0);
         if (self.layout.from, self.layout.to) == (from, to) {
-            return false;
+            return;
         }
         self.is_whole = from.1.is_multiple_of(to.1.max(1));
         (self.columns, self.rows) = (phases(from.0, to.0), phases(from.1, to.1));
@@ -100,11 +101,10 @@ impl Shrink {
         // black, which becomes black
         self.colors = vec![0; to.0];
         self.plain = vec![[0; 4]; to.0];
-        true
     }
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
-    pub(super) fn row<const N: usize>(&mut self, flat: &[u32], pixels: &[[u32; N]], frame: &mut Frame) {
+    pub(super) fn row<const N: usize>(&mut self, flat: &[u32], pixels: &[Written<N>], frame: &mut Frame) {
         let (y, k) = self.at;
         self.at.0 += 1;
         let Some(&phase) = self.rows.get(k) else { return };
@@ -112,15 +112,19 @@ impl Shrink {
         for word in 0..self.marks.len() {
             let marks = self.marks[word];
             self.mixed[word] |= marks;
-            each(marks & !self.tight[word], |i| self.tighten(64 * word + i, &phase));
+            for i in Bits(marks & !self.tight[word]) {
+                self.tighten(64 * word + i, &phase);
+            }
             if y < phase.last {
-                each(marks, |i| {
+                for i in Bits(marks) {
                     let window = 64 * word + i;
                     let mean = mean(&self.columns[window], &pixels[window]);
                     // its plain pixel will be added in its place
                     let (sum, plain) = (&mut self.sums[window], self.plain[window]);
-                    *sum = std::array::from_fn(|c| sum[c].wrapping_add(mean[c]).wrapping_sub(plain[c]));
-                });
+                    for (sum, (mean, plain)) in sum.iter_mut().zip(mean.into_iter().zip(plain)) {
+                        *sum = sum.wrapping_add(mean).wrapping_sub(plain);
+                    }
+                }
             }
         }
         if y < phase.last {
@@ -153,29 +157,23 @@ impl Shrink {
     /// Takes over what has changed since the row above, and adds to the sums the colours that go.
     fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
         const MANY: usize = 32;
-        const FEW: usize = 8;
-        for (i, many) in flat.chunks(MANY).enumerate() {
-            if is_equal(many, &self.before[MANY * i..][..many.len()]) {
+        for (flat, start) in flat.chunks(MANY).zip((0..).step_by(MANY)) {
+            let before = &mut self.before[start..][..flat.len()];
+            if is_equal(flat, before) {
                 continue;
             }
-            for (j, few) in many.chunks(FEW).enumerate() {
-                let first = MANY * i + FEW * j;
-                if is_equal(few, &self.before[first..][..few.len()]) {
+            let changed = changes(flat, before);
+            before.copy_from_slice(flat);
+            for i in Bits(changed) {
+                let (window, color) = (start + i, flat[i]);
+                let bit = 1 << (window % 64);
+                if color == WRITTEN_OUT {
+                    self.marks[window / 64] |= bit;
                     continue;
                 }
-                for (window, &color) in (first..).zip(few) {
-                    if std::mem::replace(&mut self.before[window], color) == color {
-                        continue;
-                    }
-                    let bit = 1 << (window % 64);
-                    if color == WRITTEN_OUT {
-                        self.marks[window / 64] |= bit;
-                        continue;
-                    }
-                    self.marks[window / 64] &= !bit;
-                    if self.colors[window] != color {
-                        self.change_color(window, color, phase);
-                    }
+                self.marks[window / 64] &= !bit;
+                if self.colors[window] != color {
+                    self.change_color(window, color, phase);
                 }
             }
         }
@@ -199,14 +197,16 @@ impl Shrink {
     fn add_plain(&mut self, window: usize, y: u16) {
         let rows = y - std::mem::replace(&mut self.since[window], y);
         let (sum, plain) = (&mut self.sums[window], self.plain[window]);
-        *sum = std::array::from_fn(|c| sum[c].wrapping_add(plain[c].wrapping_mul(rows)));
+        for (sum, plain) in sum.iter_mut().zip(plain) {
+            *sum = sum.wrapping_add(plain.wrapping_mul(rows));
+        }
     }
 
     /// Completes a row of the frame in which no window is loose. The last row of the surface has a share in the
     /// next one.
     fn complete_all<const N: usize>(
         &mut self,
-        pixels: &[[u32; N]],
+        pixels: &[Written<N>],
         phase: &Phase,
         next_share: u16,
         frame: &mut Frame,
@@ -217,10 +217,10 @@ impl Shrink {
         self.since.fill(phase.last as u16 + 1);
         self.narrow.copy_from_slice(&self.plain);
         for word in 0..self.marks.len() {
-            each(self.marks[word], |i| {
+            for i in Bits(self.marks[word]) {
                 let window = 64 * word + i;
                 self.narrow[window] = mean(&self.columns[window], &pixels[window]);
-            });
+            }
         }
         for (sum, v) in self.sums.as_flattened_mut().iter_mut().zip(self.narrow.as_flattened_mut()) {
             let total = u32::from(sum.wrapping_add(part(*v, phase.last_share)));
@@ -234,15 +234,15 @@ impl Shrink {
     }
 
     /// Completes a row of the frame, of which the loose windows are as above.
-    fn complete_tight<const N: usize>(&mut self, pixels: &[[u32; N]], phase: &Phase, frame: &mut Frame) {
+    fn complete_tight<const N: usize>(&mut self, pixels: &[Written<N>], phase: &Phase, frame: &mut Frame) {
         let bytes = self.layout.to.0 * RGB;
         let (above, row) = frame.pixels_mut()[(self.at.1 - 2) * bytes..].split_at_mut(bytes);
         row[..bytes].copy_from_slice(above);
         for word in 0..self.tight.len() {
             let marks = self.marks[word];
-            each(self.tight[word], |i| {
+            for i in Bits(self.tight[word]) {
                 let window = 64 * word + i;
-                let Some(&plain) = self.plain.get(window) else { return };
+                let Some(&plain) = self.plain.get(window) else { break };
                 let is_marked = marks & 1 << i != 0;
                 let values = if is_marked { mean(&self.columns[window], &pixels[window]) } else { plain };
                 self.add_plain(window, phase.last as u16);
@@ -253,7 +253,7 @@ impl Shrink {
                 {
                     *pixel = phase.of(sum, v);
                 }
-            });
+            }
         }
     }
 }
@@ -264,12 +264,24 @@ fn is_equal(a: &[u32], b: &[u32]) -> bool {
     a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
 
-/// Calls `f` with the number of each bit that is set.
+/// A bit for each of up to 64 numbers that is another than before.
 #[inline]
-fn each(mut bits: u64, mut f: impl FnMut(usize)) {
-    while bits != 0 {
-        f(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
+fn changes(now: &[u32], before: &[u32]) -> u64 {
+    let bits = now.iter().zip(before).zip(0..);
+    bits.fold(0, |changes, ((now, before), i)| changes | u64::from(now != before) << i)
+}
+
+/// The numbers of the bits that are set, from the lowest.
+struct Bits(u64);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline]
+    fn next(&mut self) -> Option<usize> {
+        let bits = self.0;
+        self.0 &= bits.wrapping_sub(1);
+        (bits != 0).then_some(bits.trailing_zeros() as usize)
     }
 }
 
@@ -281,21 +293,13 @@ fn apart(pixel: u32) -> Sum {
 
 /// The red, green and blue that a window of a row becomes.
 #[inline]
-fn mean<const N: usize>(phase: &Phase, window: &[u32; N]) -> Sum {
-    // red and blue side by side, each with room for a sum; pixels that the window has not are 0
-    const TWO: u32 = 0x00ff_00ff;
-    let sum = |shift: u32| window.iter().fold(0_u32, |sum, pixel| sum.wrapping_add(pixel >> shift & TWO));
-    // the first pixel of the first window is a whole one
-    let is_apart = if phase.begin > phase.first { TWO } else { 0 };
-    let (first, last) = (window[0], window[phase.last - phase.first]);
-    let [red_blue, green] = [0, 8]
-        .map(|shift| sum(shift).wrapping_sub(last >> shift & TWO).wrapping_sub(first >> shift & is_apart));
-    // with room for products, as `Phase::mean` computes one of them
-    const WIDE: u64 = 0x0000_ffff_0000_ffff;
-    let apart = |two: u32| (u64::from(two) | u64::from(two) << 16) & WIDE;
-    let part = |pixel: u32, share: u16| (apart(pixel & TWO) * u64::from(share)) >> 14 & WIDE;
-    let sum = part(first, phase.first_share) + apart(red_blue) + part(last, phase.last_share);
-    let red_blue = (sum & WIDE) * u64::from(phase.reciprocal);
-    let green = phase.mean(u16::from((first >> 8) as u8), green as u16, u16::from((last >> 8) as u8));
-    [u16::from((red_blue >> 16) as u8), green.into(), u16::from((red_blue >> 48) as u8), 0]
+fn mean<const N: usize>(phase: &Phase, window: &Written<N>) -> Sum {
+    let last = phase.last - phase.first;
+    let marks = mark::<N>(phase.begin - phase.first..last);
+    let mut mean = [0; 4];
+    for (mean, channel) in mean.iter_mut().zip(window) {
+        let whole: u32 = channel.iter().zip(marks).map(|(value, mark)| u32::from(value & mark)).sum();
+        *mean = phase.mean(channel[0].into(), whole as u16, channel[last].into()).into();
+    }
+    mean
 }

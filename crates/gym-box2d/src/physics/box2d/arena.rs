@@ -28,8 +28,8 @@ impl<T> Arena<T> {
 
     /// Lets so many more values come and go without allocating.
     pub(crate) fn reserve(&mut self, more: usize) {
-        self.slots.reserve(more);
-        self.free.reserve(more);
+        self.slots.reserve_exact(more);
+        self.free.reserve_exact(more);
     }
 
     pub(crate) fn remove(&mut self, slot: u32) {
@@ -44,6 +44,12 @@ impl<T> Arena<T> {
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
         (0..).zip(&self.slots).filter_map(|(slot, value)| Some((slot, value.as_ref()?)))
+    }
+
+    /// The memory of the slots.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        size_of::<Option<T>>() * self.slots.capacity() + size_of::<u32>() * self.free.capacity()
     }
 
     /// Whether what was read from outside is consistent: exactly the empty slots are free.

@@ -14,7 +14,7 @@ pub(in crate::physics) struct Body {
     /// Whether it already belongs to an island of this step.
     pub(in crate::physics) island: bool,
     /// Place in the island that is being solved.
-    pub(in crate::physics) island_index: usize,
+    pub(in crate::physics) island_index: u32,
     pub(in crate::physics) xf: Pose,
     pub(in crate::physics) sweep: Sweep,
     pub(in crate::physics) velocity: Vec2,

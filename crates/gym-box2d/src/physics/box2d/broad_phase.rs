@@ -140,6 +140,18 @@ impl BroadPhase {
         pairs.dedup();
     }
 
+    /// Its memory, on the heap.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        let lists = size_of::<u32>() * (self.free.capacity() + self.moved.capacity());
+        lists + size_of::<Proxy>() * self.proxies.capacity() + self.terrain.bytes()
+    }
+
+    /// Reads a number of each box, so that it is fetched.
+    pub(crate) fn touch(&self) -> u32 {
+        self.proxies.iter().fold(self.terrain.touch(), |seen, proxy| seen ^ proxy.fixture)
+    }
+
     /// The fixture of a proxy that is not of the terrain.
     pub(crate) fn fixture(&self, id: u32) -> u32 {
         self.proxies[self.place(id)].fixture

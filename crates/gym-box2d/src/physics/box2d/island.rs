@@ -65,7 +65,7 @@ impl Island {
     }
 
     pub(crate) fn add_body(&mut self, world: &mut Box2d, body: u32) {
-        world.bodies[body].island_index = self.bodies.len();
+        world.bodies[body].island_index = self.bodies.len() as u32;
         self.bodies.push(body);
     }
 
@@ -73,7 +73,7 @@ impl Island {
     fn side(world: &Box2d, body: u32, radius: f32) -> Side {
         let body = &world.bodies[body];
         Side {
-            index: body.island_index,
+            index: body.island_index as usize,
             inv_mass: body.inv_mass,
             inv_inertia: body.inv_inertia,
             local_center: body.sweep.local_center,

@@ -59,13 +59,17 @@ use shape::{Aabb, Geometry, Segment};
 
 use super::{BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape};
 
-/// So many contacts, bodies and joints that change from step to step find room without allocating: more
-/// than the environments ever have.
+/// So many contacts, bodies and joints find room in the working memory of a step without allocating: more than the
+/// environments ever have.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
-/// Edges of the terrain that something is near.
-const NEAR: usize = 32;
+/// So many bodies find room in a world with terrain: those that move, and the edges that something is near.
+const NEAR: usize = 18;
+/// So many contacts and events for each fixture that moves find room in a world. A world keeps them from step to
+/// step, and small worlds leave the cache to others.
+const CONTACTS_EACH: usize = 8;
+const EVENTS_EACH: usize = 4;
 
 /// A world of Box2D's.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -107,12 +111,22 @@ impl Box2d {
             fixtures: Arena::default(),
             joints: Arena::default(),
             joint_order: Vec::new(),
-            contacts: Vec::with_capacity(CONTACTS),
+            contacts: Vec::new(),
             broad_phase: BroadPhase::default(),
             new_fixture: false,
             inv_dt0: 0.0,
-            events: Vec::with_capacity(CONTACTS),
+            events: Vec::new(),
         }
+    }
+
+    /// Its memory.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        let lists = size_of::<u32>() * (self.dynamic.capacity() + self.joint_order.capacity());
+        let contacts = size_of::<Contact>() * self.contacts.capacity();
+        let events = size_of::<ContactEvent>() * self.events.capacity();
+        let arenas = self.bodies.bytes() + self.fixtures.bytes() + self.joints.bytes();
+        size_of::<Self>() + lists + contacts + events + arenas + self.broad_phase.bytes()
     }
 
     pub(crate) fn create_body(&mut self, def: &BodyDef) -> u32 {
@@ -208,6 +222,26 @@ impl Box2d {
         self.joint_order.push(id);
         self.refilter(a, b, def.collide_connected);
         id
+    }
+
+    /// Makes room for the contacts of the fixtures that there are, so that steps do not allocate.
+    fn make_room(&mut self) {
+        let moving = self.fixtures.iter().filter(|(_, fixture)| self.bodies[fixture.body].dynamic).count();
+        let more = |each: usize, len: usize| (each * moving).saturating_sub(len);
+        self.contacts.reserve_exact(more(CONTACTS_EACH, self.contacts.len()));
+        self.events.reserve_exact(more(EVENTS_EACH, self.events.len()));
+    }
+
+    /// Reads a number or two of each object, so that its cache lines are fetched. It does so in a world that a panic has
+    /// left in disorder, too.
+    pub(crate) fn touch(&self) -> u32 {
+        let joints = self.joints.iter().map(|(_, joint)| joint.body_a ^ joint.motor_speed.to_bits());
+        let bodies = self.bodies.iter().map(|(_, body)| body.sweep.a.to_bits() ^ body.sleep_time.to_bits());
+        let contacts = self.contacts.iter().map(|contact| contact.fixture_a ^ contact.toi_count);
+        let seen = joints.chain(bodies).chain(contacts).fold(self.broad_phase.touch(), |a, b| a ^ b);
+        let newest = self.dynamic.iter().filter_map(|id| self.bodies.get(*id)?.fixtures);
+        let shapes = newest.filter_map(|id| self.fixtures.get(id)).map(|fixture| &fixture.shape);
+        shapes.fold(seen, |seen, shape| seen ^ shape.touch())
     }
 
     /// Has contacts of two bodies checked again when a joint between them comes or goes.

@@ -156,6 +156,11 @@ impl Geometry {
         if i + 1 < usize::from(self.count) { i + 1 } else { 0 }
     }
 
+    /// Reads a number of its first vertex and normal, so that they are fetched.
+    pub(crate) fn touch(&self) -> u32 {
+        self.vertices[0].x.to_bits() ^ self.normals[0].x.to_bits()
+    }
+
     pub(crate) fn aabb(&self, xf: &Pose) -> Aabb {
         let first = transform(xf, self.vertices[0]);
         let (mut lower, mut upper) = (first, first);

@@ -19,6 +19,7 @@ impl Box2d {
     ) {
         self.events.clear();
         if self.new_fixture {
+            self.make_room();
             self.find_new_contacts(&mut island.pairs);
             self.new_fixture = false;
         }

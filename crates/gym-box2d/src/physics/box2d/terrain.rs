@@ -94,6 +94,17 @@ impl Terrain {
         }
     }
 
+    /// Its memory, on the heap.
+    #[cfg(test)]
+    pub(crate) fn bytes(&self) -> usize {
+        size_of::<Vec2>() * self.points.capacity() + size_of::<Aabb>() * self.blocks.capacity()
+    }
+
+    /// Reads a number of each box around edges, so that it is fetched.
+    pub(crate) fn touch(&self) -> u32 {
+        self.blocks.iter().fold(0, |seen, block| seen ^ block.lower.x.to_bits())
+    }
+
     /// The two ends of an edge.
     #[inline]
     pub(crate) fn ends(&self, edge: usize) -> [Vec2; 2] {

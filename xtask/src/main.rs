@@ -44,9 +44,22 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
         return web::web(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
     }
     let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
+    if build.is_first_demo && plugin.is_none() {
+        say(format_args!("The quick families first: the others are built after their GIFs."))?;
+        let quick = Build { families: "gym/classic,gym/toytext", ..build };
+        let code = start(&quick, None, &arguments)?;
+        if code != ExitCode::SUCCESS {
+            return Ok(code);
+        }
+    }
+    start(&build, plugin.as_deref(), &arguments)
+}
+
+/// Builds the commands, and runs the one that is asked for.
+fn start(build: &Build, plugin: Option<&Path>, arguments: &[OsString]) -> Result<ExitCode, String> {
     let mut cargo = Command::new(cargo());
     cargo.arg("run").args(["--profile", build.profile]);
-    match &plugin {
+    match plugin {
         None => {
             cargo.args(["--package", "xtask-commands", "--manifest-path"]).arg(root().join("Cargo.toml"));
         }
@@ -61,12 +74,12 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let mut features: Vec<&str> = build.feature.into_iter().collect();
     if plugin.is_none() && !build.rapier {
         cargo.arg("--no-default-features");
-        features.push("families");
+        features.push(build.families);
     }
     if !features.is_empty() {
         cargo.args(["--features", &features.join(",")]);
     }
-    let status = cargo.arg("--").args(&arguments).status();
+    let status = cargo.arg("--").args(arguments).status();
     let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
     // a signal leaves no code
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
@@ -78,10 +91,14 @@ fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
 }
 
 /// How the commands are built for one of them.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Build {
     profile: &'static str,
     feature: Option<&'static str>,
+    /// The families that are linked without rapier2d.
+    families: &'static str,
+    /// Whether this is the demo, and the first thing to be built: then what is quick to build is shown first.
+    is_first_demo: bool,
     /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to build.
     rapier: bool,
 }
@@ -117,7 +134,9 @@ impl Build {
         let names_it =
             arguments.iter().any(|argument| argument.to_str().is_some_and(|text| text.contains("rapier")));
         let shows_all = arguments.iter().any(|argument| argument == "--all");
-        Self { profile, feature, rapier: in_dev || is_over_all || names_it || shows_all }
+        let rapier = in_dev || is_over_all || names_it || shows_all;
+        let is_first_demo = command == Some("demo") && profile == "play" && !rapier && !is_built();
+        Self { profile, feature, families: "families", is_first_demo, rapier }
     }
 }
 
@@ -195,6 +214,14 @@ mod tests {
         }
         assert_eq!(profile("bench CartPole-v1"), "release");
         assert_ne!(profile("bench --help"), "release", "help is quick");
+    }
+
+    #[test]
+    fn only_a_demo_is_built_in_two_parts() {
+        for line in ["demo --all", "demo --help", "run CartPole-v1", "list"] {
+            assert!(!Build::of(&arguments(line), false).is_first_demo, "{line}");
+        }
+        assert!(!Build::of(&arguments("demo"), true).is_first_demo, "tests are built at once");
     }
 
     #[test]

@@ -49,7 +49,7 @@ fn play_frames(game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64>
         if ale.game_over() {
             ale.reset();
         }
-        ale.act(game.minimal[action], 0.0);
+        ale.act(game.minimal[action]);
     }
     Ok(start.elapsed().as_secs_f64())
 }

@@ -424,7 +424,7 @@ mod tests {
         /// Instructions of every kind, and some bytes of no meaning.
         fn rom(&mut self) -> Vec<u8> {
             let mut rom = vec![];
-            while rom.len() < ROM_SIZE {
+            while rom.len() < ROM {
                 let opcode = self.byte();
                 let Instruction { operation, mode } = INSTRUCTIONS[usize::from(opcode)];
                 let rare =
@@ -458,8 +458,6 @@ mod tests {
         }
     }
 
-    const ROM_SIZE: usize = 0x4000;
-
     /// All that there is, in words.
     fn state(cpu: &Cpu, chips: &Chips, cartridge: &Cartridge) -> String {
         let tia = serde_json::to_string(&chips.tia).unwrap();
@@ -484,11 +482,12 @@ mod tests {
                 continued: true,
             };
             let mut cpu = Cpu::new(0xf000 | random.below(0x1000) as u16);
+            let blocks = Blocks::of(&cartridge);
             let (mut other_cpu, mut other_chips, mut other_cartridge) =
                 (cpu, chips.clone(), cartridge.clone());
             for call in 0..60 {
                 let most = 1 + random.below(700);
-                run(&mut cpu, &mut chips, &mut cartridge, most);
+                run(&mut cpu, &mut chips, &mut cartridge, &blocks, most);
                 interpret(&mut other_cpu, &mut other_chips, &mut other_cartridge, most);
                 assert_eq!(
                     state(&cpu, &chips, &cartridge),
@@ -504,7 +503,7 @@ mod tests {
                     (other_cpu.pc, other_cpu.s) = (cpu.pc, cpu.s);
                 }
             }
-            decoded += cartridge.program.blocks.iter().filter(|block| block.get().is_some()).count();
+            decoded += blocks.entries.iter().filter(|block| block.get().is_some()).count();
         }
         assert!(decoded > 100_000, "{decoded} blocks were decoded");
     }

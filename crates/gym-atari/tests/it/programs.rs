@@ -97,6 +97,54 @@ fn switches_are_pressed_as_by_ale_py() {
     }
 }
 
+/// Double Dunk's modes are chosen in a menu, by actions that may stick. The program has a line in `$b0`, which DOWN raises, and
+/// options in `$80`, which RIGHT turns on and off.
+#[test]
+fn a_menu_is_gone_through_as_by_ale_py() {
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
+        0xfb, // clears RAM
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xad, 0x80, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, 0x85, 0xfd, // SWCHA in Y, what changed in $fd
+        0x29, 0x20, 0xf0, 0x07, 0x98, 0x29, 0x20, 0xd0, 0x02, 0xe6, 0xb0, // DOWN fell: inc $b0
+        0xa5, 0xfd, 0x10, 0x0c, 0x98, 0x30, 0x09, // RIGHT fell:
+        0xa6, 0xb0, 0xbd, 0x00, 0xf2, 0x45, 0x80, 0x85, 0x80, // ldx $b0; lda $f200,x; eor $80; sta $80
+        0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, 0x90, 0x13, 0xc9, 0x3f, 0xb0,
+        0x0f, // frames 56 to 118:
+        0xaa, 0xad, 0x82, 0x02, 0x29, 0x03, 0x85, 0xfc, 0x98, 0x29, 0xf0, 0x05, 0xfc, 0x95,
+        0xb1, // sta $b1,x
+        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+        0x4c, 0x0e, 0xf0,
+    ];
+    code.resize(0x202, 0xea);
+    code.extend([0x08, 0x10, 0x04, 0x20]);
+    for (mode, seed, repeat_action_probability, expected, frame_number) in [
+        (0, 0, 0.0, "....RRRRS.v.v.v.v.v.RRRR^.RRRR^", 26),
+        (5, 0, 0.0, "....RRRRS.v.v.>.v.v.>.v.RRRR^.RRRR^", 30),
+        (15, 0, 0.0, "....RRRRS.v.v.>.v.>.v.>.v.>.RRRR^.RRRR^", 34),
+        (5, 3, 0.25, "....RRRRS.v.v.>>v.vv>.v.RRRR^.RRRR^", 36),
+        (5, 4, 0.5, "....RRRRS.v.vvv.>.....vvv.vv>.vvRRRR^^RRRR^", 56),
+        (10, 7, 0.5, "....RRRRS.....vvvvvvvvv.......v.....v.>...vvv.vv>>RRRR..RRRR^", 76),
+    ] {
+        let mut ale = Ale::new(games::by_name("double_dunk").unwrap(), &rom(&code), 0);
+        ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
+        ale.load(seed);
+        ale.reset();
+        let written = ale.ram().0[0x31..0x70].iter().take_while(|&&seen| seen != 0);
+        let seen = written.map(|seen| match *seen {
+            0xf3 => '.',
+            0xf2 => 'R',
+            0xf1 => 'S',
+            0xd3 => 'v',
+            0x73 => '>',
+            0xe3 => '^',
+            _ => '?',
+        });
+        assert_eq!(seen.collect::<String>(), expected, "mode {mode}, seed {seed}");
+        assert_eq!(ale.frame_number(), frame_number, "mode {mode}, seed {seed}");
+    }
+}
+
 /// Where RAM never shows the mode, SELECT is not pressed for ever.
 #[test]
 fn a_program_without_modes_starts_as_well() {

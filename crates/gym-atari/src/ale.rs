@@ -193,8 +193,10 @@ impl Ale {
         self.observe();
     }
 
+    /// Presses RESET; no action from before it sticks.
     fn press_reset(&mut self) {
         self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
+        self.progress.previous = Action::Noop.into();
     }
 
     /// Leaves the console's switches so for some frames, while the player does nothing.
@@ -234,7 +236,6 @@ impl Ale {
         }
         self.press_reset();
         self.tap(Action::UpFire);
-        self.progress.previous = Action::Noop.into();
     }
 
     fn tap_until(&mut self, action: Action, is_done: impl Fn(Ram<'_>) -> bool) {

@@ -68,8 +68,12 @@ struct Progress {
     previous: Command,
     paddle: Paddle,
     score: i32,
+    /// The last frame's reward.
+    reward: i32,
     lives: i32,
     over: bool,
+    /// For how many frames RAM has said that the game is over.
+    over_for: u8,
     frame_number: u32,
     episode_frame_number: u32,
 }
@@ -123,8 +127,10 @@ impl Ale {
                 previous: Action::Noop.into(),
                 paddle: Paddle::default(),
                 score: 0,
+                reward: 0,
                 lives: 0,
                 over: false,
+                over_for: 0,
                 frame_number: 0,
                 episode_frame_number: 0,
             },
@@ -190,6 +196,8 @@ impl Ale {
             self.frame(action.into(), switch::IDLE, true);
         }
         self.progress.score = (self.game.score)(&self.ram());
+        self.progress.reward = 0;
+        self.progress.over_for = 0;
         self.observe();
     }
 
@@ -218,8 +226,17 @@ impl Ale {
                 break;
             }
             self.hold(switch::IDLE & !switch::SELECT, game.select_frames);
+            if game.select_random {
+                let more = self.progress.generator.byte();
+                self.hold(switch::IDLE & !switch::SELECT, more);
+            }
             self.hold(switch::IDLE, 1);
             self.count_frame();
+            if game.select_random {
+                self.progress.generator.random();
+                self.frame(Action::Noop.into(), switch::IDLE, true);
+                self.count_frame();
+            }
         }
     }
 
@@ -288,8 +305,11 @@ impl Ale {
         self.count_frame();
         let (before, after) = (self.progress.score, (self.game.score)(&self.ram()));
         self.progress.score = after;
+        if (self.game.rewards_count)(&self.ram()) {
+            self.progress.reward = self.game.rewards.of(before, after);
+        }
         self.observe();
-        self.game.rewards.of(before, after)
+        self.progress.reward
     }
 
     /// Plays frames with one command and returns the sum of their rewards. Only the last two are drawn.
@@ -332,12 +352,14 @@ impl Ale {
 
     fn observe(&mut self) {
         let ram = self.ram();
-        let over = (self.game.over)(&ram);
+        let over_for = if (self.game.over)(&ram) { self.progress.over_for.saturating_add(1) } else { 0 };
+        let over = over_for >= self.game.over_frames;
         let lives = match over {
-            true => 0,
+            true => self.game.lives_at_end,
             false if (self.game.lives_count)(&ram) => (self.game.lives)(&ram),
             false => self.progress.lives,
         };
+        self.progress.over_for = over_for;
         self.progress.over = over;
         self.progress.lives = lives;
     }
@@ -355,12 +377,13 @@ impl Ale {
                 let port_a = action.port_a() >> 4 | 0xf0;
                 Input { port_a, port_b, fire: [false, action.fire()], ..Input::default() }
             }
-            Controller::Paddle(paddle) => {
+            Controller::Paddle(paddle) | Controller::LeftPaddle(paddle) => {
                 self.progress.paddle.turn(action.horizontal(), paddle_strength);
                 let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
                 let mut charge = [Some(Paddle::default().charge()); 2];
                 charge[paddle & 1] = Some(self.progress.paddle.charge());
-                let charge = [charge[0], charge[1], Some(0), Some(0)];
+                let right = matches!(self.game.controller, Controller::Paddle(_)).then_some(0);
+                let charge = [charge[0], charge[1], right, right];
                 Input { port_a: !fire, port_b, fire: [false; 2], charge }
             }
         };

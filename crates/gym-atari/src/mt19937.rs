@@ -49,6 +49,11 @@ impl Mt19937 {
         word ^ word >> 18
     }
 
+    /// The lowest byte of a word.
+    pub(crate) fn byte(&mut self) -> u8 {
+        self.next_u32() as u8
+    }
+
     /// A number in `[0, 1)` of 53 bits.
     pub(crate) fn random(&mut self) -> f64 {
         let (a, b) = (self.next_u32() >> 5, self.next_u32() >> 6);

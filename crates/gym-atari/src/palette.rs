@@ -21,27 +21,92 @@ const NTSC: [u32; 128] = [
     0x482c00, 0x694d14, 0x866a26, 0xa28638, 0xbb9f47, 0xd2b656, 0xe8cc63, 0xfce070,
 ];
 
-/// Red, green and blue of a colour index; bit 0 is of no account.
+/// The same, as a PAL set shows them.
+#[rustfmt::skip]
+const PAL: [u32; 128] = [
+    0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
+    0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
+    0x805800, 0x96711a, 0xab8732, 0xbe9c48, 0xcfaf5c, 0xdfc06f, 0xeed180, 0xfce090,
+    0x445c00, 0x5e791a, 0x769332, 0x8cac48, 0xa0c25c, 0xb3d76f, 0xc4ea80, 0xd4fc90,
+    0x703400, 0x89511a, 0xa06b32, 0xb68448, 0xc99a5c, 0xdcaf6f, 0xecc280, 0xfcd490,
+    0x006414, 0x1a8035, 0x329852, 0x48b06e, 0x5cc587, 0x6fd99e, 0x80ebb4, 0x90fcc8,
+    0x700014, 0x891a35, 0xa03252, 0xb6486e, 0xc95c87, 0xdc6f9e, 0xec80b4, 0xfc90c8,
+    0x005c5c, 0x1a7676, 0x328e8e, 0x48a4a4, 0x5cb8b8, 0x6fcbcb, 0x80dcdc, 0x90ecec,
+    0x70005c, 0x841a74, 0x963289, 0xa8489e, 0xb75cb0, 0xc66fc1, 0xd380d1, 0xe090e0,
+    0x003c70, 0x195a89, 0x2f75a0, 0x448eb6, 0x57a5c9, 0x68badc, 0x79ceec, 0x88e0fc,
+    0x580070, 0x6e1a89, 0x8332a0, 0x9648b6, 0xa75cc9, 0xb76fdc, 0xc680ec, 0xd490fc,
+    0x002070, 0x193f89, 0x2f5aa0, 0x4474b6, 0x578bc9, 0x68a1dc, 0x79b5ec, 0x88c8fc,
+    0x340080, 0x4a1a96, 0x5f32ab, 0x7248be, 0x835ccf, 0x936fdf, 0xa280ee, 0xb090fc,
+    0x000088, 0x1a1a9d, 0x3232b0, 0x4848c2, 0x5c5cd2, 0x6f6fe1, 0x8080ef, 0x9090fc,
+    0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
+    0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
+];
+
+/// Red, green and blue of a colour index on an NTSC set; bit 0 is of no account.
 pub static RGB: [[u8; 3]; 256] = {
     let mut table = [[0; 3]; 256];
     let mut index = 0;
     while index < 256 {
-        let [_, red, green, blue] = NTSC[index / 2].to_be_bytes();
-        table[index] = [red, green, blue];
+        table[index] = rgb(NTSC[index / 2]);
         index += 1;
     }
     table
 };
 
-/// The shade of gray of a colour index: 0.299 red + 0.587 green + 0.114 blue, rounded.
+/// The shade of gray of a colour index on an NTSC set.
 pub static GRAY: [u8; 256] = {
     let mut table = [0; 256];
     let mut index = 0;
     while index < 256 {
-        let [red, green, blue] = RGB[index];
-        let thousandths = 299 * red as u32 + 587 * green as u32 + 114 * blue as u32;
-        table[index] = ((thousandths + 500) / 1000) as u8;
+        table[index] = gray(RGB[index]);
         index += 1;
     }
     table
 };
+
+/// Red, green and blue of a colour index on a PAL set. With bit 0 it is the gray of a frame without colours.
+pub static PAL_RGB: [[u8; 3]; 256] = {
+    let mut table = [[0; 3]; 256];
+    let mut index = 0;
+    while index < 256 {
+        let color = rgb(PAL[index / 2]);
+        table[index] = if index % 2 == 0 { color } else { [gray(color); 3] };
+        index += 1;
+    }
+    table
+};
+
+/// The shade of gray of a colour index on a PAL set. With bit 0 it is the blue of the next colour, which ale-py gives there.
+pub static PAL_GRAY: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut index = 0;
+    while index < 256 {
+        table[index] = gray(PAL_RGB[index]);
+        table[index + 1] = if index < 254 { PAL_RGB[index + 2][2] } else { 0 };
+        index += 2;
+    }
+    table
+};
+
+const fn rgb(color: u32) -> [u8; 3] {
+    let [_, red, green, blue] = color.to_be_bytes();
+    [red, green, blue]
+}
+
+/// The shade of gray of a colour: 0.2989 red + 0.587 green + 0.114 blue, rounded.
+const fn gray([red, green, blue]: [u8; 3]) -> u8 {
+    let ten_thousandths = 2989 * red as u32 + 5870 * green as u32 + 1140 * blue as u32;
+    ((ten_thousandths + 5000) / 10_000) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of what ale-py shows of a program that paints each index.
+    #[test]
+    fn a_pal_set_has_the_colors_of_ale_py() {
+        assert_eq!(crc32fast::hash(PAL_RGB.as_flattened()), 0xac0c_80bc);
+        assert_eq!(crc32fast::hash(&PAL_GRAY), 0x1d9e_7fa0);
+    }
+}

@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::action::{Action, Command};
 use crate::env::{AtariAction, AtariEnv, Frameskip, buffer, bytes};
-use crate::palette;
 use crate::screen::WIDTH;
 use crate::shrink::Shrink;
 
@@ -110,7 +109,7 @@ impl<E: Env> AtariPreprocessing<E> {
         }
         let rows = atari.ale().picture().len();
         let [height, width] = settings.screen_size;
-        let Some(shrink) = Shrink::new(rows, (height, width), &palette::GRAY) else {
+        let Some(shrink) = Shrink::new(rows, (height, width), atari.ale().game().display.gray()) else {
             return refuse(format!(
                 "screen_size is {height}x{width}: it must be at most the picture's {rows}x{WIDTH}, and at least a 14th of it"
             ));
@@ -163,7 +162,7 @@ impl<E: Env> AtariPreprocessing<E> {
     fn observe(&mut self, observation: &mut Array) {
         let [last, before] = &mut self.frames;
         if self.settings.frame_skip > 1 {
-            brighter(last, before);
+            brighter(last, before, self.shrink.shades);
         }
         self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
     }
@@ -175,11 +174,11 @@ fn look(env: &AtariEnv, out: &mut [u8]) {
 }
 
 /// Turns the colours of a picture into those of another where these are brighter.
-fn brighter(picture: &mut [u8], other: &[u8]) {
+fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
     let cells = picture.as_chunks_mut::<32>().0.iter_mut().zip(other.as_chunks::<32>().0);
     for (cell, other) in cells.filter(|(cell, other)| cell != other) {
         for (index, &other) in cell.iter_mut().zip(other) {
-            if palette::GRAY[usize::from(*index)] < palette::GRAY[usize::from(other)] {
+            if grays[usize::from(*index)] < grays[usize::from(other)] {
                 *index = other;
             }
         }

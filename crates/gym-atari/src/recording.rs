@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::action::Action;
 use crate::ale::{Ale, Settings};
-use crate::palette;
 use crate::rom::Rom;
 
 /// A recorded game: what was asked, and the answers, a list of each kind with an entry for each operation.
@@ -141,10 +140,10 @@ fn screen(ale: &Ale) -> String {
 
 fn gray(ale: &Ale) -> String {
     let pixels = ale.picture().as_flattened().iter();
-    checksum(&pixels.map(|&index| palette::GRAY[usize::from(index)]).collect::<Vec<_>>())
+    checksum(&pixels.map(|&index| ale.game().display.gray()[usize::from(index)]).collect::<Vec<_>>())
 }
 
 fn rgb(ale: &Ale) -> String {
     let pixels = ale.picture().as_flattened().iter();
-    checksum(&pixels.flat_map(|&index| palette::RGB[usize::from(index)]).collect::<Vec<_>>())
+    checksum(&pixels.flat_map(|&index| ale.game().display.rgb()[usize::from(index)]).collect::<Vec<_>>())
 }

@@ -1,7 +1,8 @@
 //! ROMs, which the user provides; this crate contains none.
 
 use std::env;
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,6 +12,9 @@ use crate::games::{self, Game};
 
 /// The variable that names a folder of ROMs, as ale-py has it.
 pub const VARIABLE: &str = "ALE_ROMS_DIR";
+
+/// The largest file that is read. The longest cartridges of the Atari 2600 have half of it.
+const MAX_LEN: usize = 1 << 20;
 
 /// A ROM of a game that is known, checked by its MD5.
 #[derive(Clone, Debug)]
@@ -119,12 +123,21 @@ impl RomDir {
     /// [`Error::InvalidArgument`] if there is none, or if it is not the one that the game was checked with.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.file(game);
-        let bytes = fs::read(&path).map_err(|error| {
+        let mut bytes = Vec::new();
+        // one byte more than a ROM may have: a device such as `/dev/zero` never ends
+        let read = File::open(&path).and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
+        read.map_err(|error| {
             Error::argument(
                 game.title,
                 format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()),
             )
         })?;
+        if bytes.len() > MAX_LEN {
+            return Err(Error::argument(
+                game.title,
+                format!("the ROM {} is longer than {MAX_LEN} bytes, and no cartridge is", path.display()),
+            ));
+        }
         let md5 = format!("{:x}", md5::compute(&bytes));
         if md5 != game.md5 {
             return Err(Error::argument(
@@ -166,10 +179,10 @@ pub fn available() -> bool {
 
 fn advice() -> String {
     if cfg!(target_family = "wasm") {
-        return "ROMs are not part of this crate: give one from memory with `gym_atari::rom::provide`".into();
+        return "ROMs are not included: give one from memory with `gym_atari::rom::provide`".into();
     }
     format!(
-        "ROMs are not part of this crate: `pip install ale-py` brings them, in the active virtual environment or in \
+        "ROMs are not included: `pip install ale-py` brings them, in the active virtual environment or in \
          `.venv`; or set {VARIABLE} to a folder with files such as `breakout.bin`, or give the argument `rom_dir`"
     )
 }

@@ -35,7 +35,7 @@ pub(crate) struct Shrink {
     /// Whether no number covers more than a few columns.
     few_columns: bool,
     /// The shade that each byte of a picture stands for.
-    shades: &'static [u8; 256],
+    pub(crate) shades: &'static [u8; 256],
     /// The picture that was shrunk last; a black one at first.
     picture: Vec<Row>,
     /// Its sums over columns, row by row.

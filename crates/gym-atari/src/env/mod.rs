@@ -19,7 +19,6 @@ use crate::action::{Action, Command};
 use crate::ale::{Ale, Moment, Settings, State};
 use crate::console::{Pictures, Row};
 use crate::games::Game;
-use crate::palette;
 use crate::rom::{self, Rom};
 pub use action::AtariAction;
 pub use config::{Config, Frameskip, ObsType};
@@ -207,18 +206,21 @@ impl AtariEnv {
     /// Writes the observation.
     fn observe(&self, observation: &mut Array) {
         let picture = self.ale.picture();
+        let display = &self.game().display;
         match self.config.obs_type {
             ObsType::Ram => buffer(observation, &[128]).copy_from_slice(self.ale.ram().0),
             ObsType::Grayscale => {
                 let out = buffer(observation, &[picture.len(), 160]);
+                let grays = display.gray();
                 for (gray, &index) in out.iter_mut().zip(picture.as_flattened()) {
-                    *gray = palette::GRAY[usize::from(index)];
+                    *gray = grays[usize::from(index)];
                 }
             }
             ObsType::Rgb => {
                 let out = buffer(observation, &[picture.len(), 160, 3]);
+                let colors = display.rgb();
                 for (rgb, &index) in out.as_chunks_mut::<3>().0.iter_mut().zip(picture.as_flattened()) {
-                    *rgb = palette::RGB[usize::from(index)];
+                    *rgb = colors[usize::from(index)];
                 }
             }
         }
@@ -311,7 +313,7 @@ impl Env for AtariEnv {
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        draw(self.ale.picture(), canvas);
+        draw(self.ale.picture(), self.game().display.rgb(), canvas);
     }
 
     fn describe(&self) -> String {
@@ -336,7 +338,7 @@ impl Configure for AtariEnv {
 }
 
 /// Draws a picture as rectangles of one colour: as wide as there are equal pixels, as high as there are equal rows.
-fn draw(picture: &[Row], canvas: &mut dyn Canvas) {
+fn draw(picture: &[Row], colors: &[[u8; 3]; 256], canvas: &mut dyn Canvas) {
     canvas.clear(Color::BLACK);
     let mut top = 0;
     while top < picture.len() {
@@ -344,7 +346,7 @@ fn draw(picture: &[Row], canvas: &mut dyn Canvas) {
         let height = picture[top..].iter().take_while(|other| *other == row).count();
         let x = Cell::new(0);
         for run in row.chunk_by(|a, b| a == b) {
-            let [red, green, blue] = palette::RGB[usize::from(run[0])];
+            let [red, green, blue] = colors[usize::from(run[0])];
             if run[0] > 1 {
                 let color = Color::rgb(red, green, blue);
                 canvas.rect([x.get() as f64, top as f64], [run.len() as f64, height as f64], color);

@@ -51,18 +51,26 @@ pub struct Game {
     pub menu: Option<Menu>,
     /// For how many frames SELECT is held each time.
     pub select_frames: u8,
+    /// Whether each press lasts for up to 255 more frames, drawn at random, and a frame of play follows.
+    pub select_random: bool,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
     /// The points, from RAM.
     pub score: fn(&Ram<'_>) -> i32,
     /// How points become rewards.
     pub rewards: Rewards,
-    /// The lives, from RAM; 0 where the game is over.
+    /// Whether a frame has a reward of its own, from RAM; where not, that of the frame before comes again.
+    pub rewards_count: fn(&Ram<'_>) -> bool,
+    /// The lives, from RAM.
     pub lives: fn(&Ram<'_>) -> i32,
+    /// The lives where the game is over.
+    pub lives_at_end: i32,
     /// Whether the lives in RAM count at the moment; where not, the number before stays.
     pub lives_count: fn(&Ram<'_>) -> bool,
     /// Whether the game is over, from RAM.
     pub over: fn(&Ram<'_>) -> bool,
+    /// For how many frames in a row RAM must say so.
+    pub over_frames: u8,
 }
 
 /// What most games have in common.
@@ -85,12 +93,16 @@ const DEFAULT: Game = Game {
     press_first: false,
     menu: None,
     select_frames: 2,
+    select_random: false,
     difficulties: &[0],
     score: |_| 0,
     rewards: Rewards::Difference,
+    rewards_count: |_| true,
     lives: |_| 0,
+    lives_at_end: 0,
     lives_count: |_| true,
     over: |_| false,
+    over_frames: 1,
 };
 
 /// A menu of options, each a bit of the mode: SELECT shows it, and the stick goes through it.
@@ -116,6 +128,9 @@ pub enum Rewards {
     /// The score is [`GAME_WON`] for each game that is won, and points within the game. A frame that ends a game gives the
     /// change in games, any other the change in points.
     Games,
+    /// The score is a number below [`GAME_WON`], to which a won game adds that. A frame that changes the number costs a point,
+    /// and one in which the game is won brings 100.
+    Changes,
 }
 
 impl Rewards {
@@ -132,6 +147,7 @@ impl Rewards {
                     games => games,
                 }
             }
+            (Self::Changes, _) => 100 * (after / GAME_WON) - i32::from(before % GAME_WON != after % GAME_WON),
             (_, difference) => difference,
         }
     }
@@ -148,8 +164,10 @@ pub enum Controller {
     Joystick,
     /// A joystick in the right port.
     RightJoystick,
-    /// Paddles in the left port; the agent turns this one.
+    /// Paddles in both ports; the agent turns this one, of the left port.
     Paddle(usize),
+    /// Paddles in the left port alone; the agent turns this one.
+    LeftPaddle(usize),
 }
 
 /// The console's 128 bytes of RAM, `$80` to `$FF`, and how games write numbers into them.

@@ -8,6 +8,15 @@ impl Ram<'_> {
         if self.at(index) == 0xc0 { 100 } else { self.bcd(index) }
     }
 
+    /// Casino: without points the game is over, but for mode 3, where it goes on until there are some.
+    pub(super) fn casino_is_over(&self) -> bool {
+        let (points, waits) = (self.at(0x0c) | self.at(0x15) != 0, self.at(0x53) & 0x80 != 0);
+        match self.at(0x54) {
+            3 => points && !waits,
+            _ => !points || (waits && self.at(0x1e) != 0),
+        }
+    }
+
     /// Demon Attack: until the first game the bytes of the score hold the title.
     pub(super) fn demon_attack(&self) -> i32 {
         let title = [0x01, 0x03, 0x05].map(|index| self.at(index)) == [0xab, 0xcd, 0xea];
@@ -27,5 +36,34 @@ impl Ram<'_> {
             1 => 200 - left,
             _ => 200 + 300 * (day - 1) - left,
         }
+    }
+
+    /// Superman: at the end what is left of 99:59.
+    pub(super) fn superman(&self) -> i32 {
+        if self.superman_is_over() { 5999 - 60 * self.bcd(0x63) - self.bcd(0x62) } else { 0 }
+    }
+
+    /// Superman has ended in one place alone.
+    pub(super) fn superman_is_over(&self) -> bool {
+        self.at(0x00) == 0xac && self.at(0x01) == 0xf2 && self.at(0x1f) & 0x40 != 0
+    }
+
+    /// Tic-Tac-Toe 3D: a point for a game that is won, one less for any other.
+    pub(super) fn tic_tac_toe_3d(&self) -> i32 {
+        match (self.tic_tac_toe_3d_is_over(), self.at(0x61)) {
+            (false, _) => 0,
+            (true, 0x08) => 1,
+            (true, _) => -1,
+        }
+    }
+
+    /// Tic-Tac-Toe 3D: the return addresses on the stack are those of the end.
+    pub(super) fn tic_tac_toe_3d_is_over(&self) -> bool {
+        self.at(0x7e) == 0x10 && self.at(0x7f) == 0xf3
+    }
+
+    /// Video Chess: a byte shows who won, once another says that somebody has.
+    pub(super) fn video_chess_is_over(&self) -> bool {
+        self.at(0x61) == 0x82 && self.at(0x6e) <= 1
     }
 }

@@ -9,6 +9,14 @@ use crate::cartridge::Scheme::*;
 use crate::env::ids::ids;
 use crate::tia::Display;
 
+/// Casino's start: a second of nothing, and the button for two frames.
+const CASINO_START: [Action; 62] = {
+    let mut start = [Noop; 62];
+    start[60] = Fire;
+    start[61] = Fire;
+    start
+};
+
 /// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic` ids, or `v5` where
 /// ale-py has no older ids of it.
 macro_rules! games {
@@ -22,6 +30,17 @@ macro_rules! games {
 }
 
 games! {
+    adventure "Adventure" 4 {
+        md5: "4b27f5397c442d25f0c418ccdacf1926", scheme: Rom4K,
+        display: Display::PAL,
+        select_random: true,
+        mode_at: Some(0x5d), modes: &[(0, 0), (1, 2), (2, 4)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| i32::from(r.at(0x39) == 0x12),
+        lives: |_| 1,
+        lives_at_end: 1,
+        over: |r| r.at(0x39) == 0x12 || r.at(0x60) == 2,
+    }
     alien "Alien" 4 {
         md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
         minimal: &Action::ALL,
@@ -90,6 +109,15 @@ games! {
         lives: |r| r.at(0x55),
         over: |r| r.at(0x55) == 0 && r.at(0x4e) == 1,
     }
+    basic_math "BasicMath" v5 {
+        md5: "819aeeb9a2e11deb54e6de334f843894", scheme: Rom2K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down],
+        mode_at: Some(0x45), modes: &[(5, 5), (6, 6), (7, 7), (8, 8)],
+        difficulties: &[0, 2, 3],
+        score: |r| r.bcd(0x04),
+        lives: |_| 1,
+        over: |r| r.at(0x06) != 0,
+    }
     battle_zone "BattleZone" 4 {
         md5: "41f252a66c6301f1e8ab3612c19bc5d4", scheme: F8,
         minimal: &Action::ALL,
@@ -148,6 +176,18 @@ games! {
         score: |r| 10 * r.decimal(&[0x2d, 0x2e]),
         over: |r| r.at(0x03) == 0,
     }
+    casino "Casino" v5 {
+        md5: "b816296311019ab69a21cb9e9e235d12", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Down],
+        controller: Controller::LeftPaddle(0),
+        start: &CASINO_START,
+        mode_at: Some(0x54), modes: &[(0, 0), (2, 2), (3, 3)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.decimal(&[0x0c, 0x15]),
+        rewards_count: |r| r.at(0x53) & 0x80 == 0,
+        lives: |_| 1,
+        over: |r| r.casino_is_over(),
+    }
     centipede "Centipede" 4 {
         md5: "91c2098e88a6b13f977af8c003e0bca5", scheme: F8,
         minimal: &Action::ALL,
@@ -171,6 +211,14 @@ games! {
         score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
+    }
+    crossbow "Crossbow" v5 {
+        md5: "8cd26dcf249456fe4aeb8db42d49df74", scheme: F6,
+        mode_at: Some(0x0d), modes: &[(0, 1), (2, 3), (4, 5), (6, 7)],
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x0b, 0x0c, 0x0d]),
+        lives: |_| 1,
+        over: |r| r.at(0x67) == 0x82,
     }
     defender "Defender" 4 {
         md5: "0f643c34e40e3f1daafd9c524d3ffe64", scheme: Rom4K,
@@ -204,6 +252,12 @@ games! {
         score: |r| r.bcd(0x76) - r.bcd(0x77),
         over: |r| r.double_dunk_is_over(),
     }
+    earthworld "Earthworld" v5 {
+        md5: "5aea9974b975a6a844e6df10d2b861c4", scheme: F8,
+        score: |r| r.bcd(0x27),
+        lives: |_| 1,
+        over: |r| r.bcd(0x27) == 10,
+    }
     enduro "Enduro" 4 {
         md5: "94b92a882f6dbaa6993a46e2dcc58402", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire],
@@ -219,6 +273,15 @@ games! {
         score: |r| r.at(0x63),
         lives: |_| 1,
         over: |r| r.at(0x47) & 3 == 0,
+    }
+    et "Et" v5 {
+        md5: "615a3bf251a38eb6638cdc7ffbde5480", scheme: F8,
+        select_frames: 25,
+        mode_at: Some(0x6a), modes: &[(0, 1), (1, 2), (2, 3)],
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.decimal(&[0x5f, 0x60, 0x61]),
+        lives: |r| i32::from((r.at(0x65) + 1) as i8),
+        over: |r| r.at(0x65) == 0xff && r.at(0x00) == 0x08,
     }
     fishing_derby "FishingDerby" 4 {
         md5: "b8865f05676e64f3bec72b9defdacfa7", scheme: Rom2K,
@@ -299,6 +362,15 @@ games! {
         lives: |_| 1,
         over: |r| r.at(0x6b) != 0 || r.at(0x6c) != 0,
     }
+    haunted_house "HauntedHouse" v5 {
+        md5: "f0a6e99f5875891246c3dbecbf2d2cea", scheme: Rom4K,
+        rewards: Rewards::Changes,
+        mode_at: Some(0x4c), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        difficulties: &[0, 1],
+        score: |r| r.bcd(0x02) + if r.at(0x19) == 0x44 { GAME_WON } else { 0 },
+        lives: |r| r.at(0x16),
+        over: |r| r.at(0x16) == 0 || r.at(0x19) == 0x44,
+    }
     hero "Hero" 4 {
         md5: "fca4a5be1251927027f2c24774a02160", scheme: F8,
         minimal: &Action::ALL,
@@ -306,6 +378,15 @@ games! {
         score: |r| r.decimal(&[0x37, 0x38, 0x39]),
         lives: |r| r.at(0x33),
         over: |r| r.at(0x33) == 0,
+    }
+    human_cannonball "HumanCannonball" v5 {
+        md5: "7972e5101fa548b952d852db24ad6060", scheme: Rom2K,
+        mode_at: Some(0x36), modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
+        mode_also: |r, _| r.at(0x37) == 1,
+        difficulties: &[0, 1],
+        score: |r| r.bcd(0x36),
+        lives: |_| 1,
+        over: |r| r.at(0x36) == 7 || r.at(0x37) == 7,
     }
     ice_hockey "IceHockey" 4 {
         md5: "a4c08c4994eb9d24fb78be1793e82e26", scheme: Rom4K,
@@ -338,6 +419,23 @@ games! {
         lives: |r| (r.at(0x2d) & 7) + 1,
         over: |r| r.at(0x2d) == 0xff,
     }
+    keystone_kapers "KeystoneKapers" v5 {
+        md5: "6c1f3f2e359dbf55df462ccbcdd2f6bf", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, UpFire, RightFire, LeftFire, DownFire],
+        first_reset: 5, display: Display::PAL,
+        score: |r| r.decimal(&[0x1b, 0x1c]),
+        lives: |r| r.at(0x16),
+        over: |r| r.at(0x16) | r.at(0x08) == 0,
+    }
+    king_kong "KingKong" v5 {
+        md5: "0dd4c69b5f9a7ae96a7a08329496779a", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down],
+        display: Display::PAL,
+        mode_at: Some(0x6c), modes: &[(0, 0), (1, 2), (2, 4), (3, 6)],
+        score: |r| r.decimal(&[0x02, 0x03]),
+        lives: |r| r.at(0x6e),
+        over: |r| r.at(0x6e) == 0,
+    }
     koolaid "Koolaid" v5 {
         md5: "534e23210dd1993c828d944c6ac4d9fb", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
@@ -357,6 +455,23 @@ games! {
         score: |r| r.decimal(&[0x18, 0x19, 0x1a]),
         lives: |r| (r.at(0x1d) & 7) + 1,
         over: |r| r.at(0x1d) == 0xff,
+    }
+    laser_gates "LaserGates" v5 {
+        md5: "8e4cd60d93fcde8065c1a2b972a26377", scheme: Rom4K,
+        first_reset: 5, display: Display::PAL,
+        score: |r| r.decimal(&[0x00, 0x01, 0x02]),
+        over: |r| r.at(0x03) == 0,
+    }
+    lost_luggage "LostLuggage" v5 {
+        md5: "2d76c5d1aad506442b9e9fb67765e051", scheme: Rom4K,
+        minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        legal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        start: &[Fire],
+        mode_at: Some(0x14), modes: &[(0, 1), (1, 4)],
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x14, 0x15, 0x16]),
+        lives: |r| r.at(0x4a),
+        over: |r| r.at(0x48) == 0x0a && r.at(0x4a) | r.at(0x25) | r.at(0x29) == 0,
     }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
@@ -384,6 +499,27 @@ games! {
         lives: |r| r.at(0x47) & 7,
         over: |r| r.at(0x47) & 7 == 0,
     }
+    othello "Othello" v5 {
+        md5: "113cd09c9771ac278544b7e90efe7df2", scheme: Rom2K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        mode_at: Some(0x5e), modes: &[(0, 1), (1, 2), (2, 3)],
+        difficulties: &[0, 2],
+        score: |r| r.bcd(0x4e) - r.bcd(0x50),
+        lives: |_| 1,
+        over: |r| r.at(0x40) == 0,
+        over_frames: 51,
+    }
+    pacman "Pacman" v5 {
+        md5: "fc2233fc116faef0d3c31541717ca2db", scheme: Rom4K,
+        minimal: &[Noop, Up, Right, Left, Down],
+        display: Display::PAL,
+        mode_at: Some(0x4c), modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
+        mode_also: |r, _| r.at(0x66) == 0,
+        difficulties: &[0, 1],
+        score: |r| r.decimal(&[0x50, 0x4e, 0x4c]),
+        lives: |r| r.at(0x18) + 1,
+        over: |r| r.at(0x18) == 0 && r.at(0x64) == 0x3f,
+    }
     phoenix "Phoenix" 4 {
         md5: "7e52a95074a66640fcfde124fffd491a", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, Down, RightFire, LeftFire, DownFire],
@@ -406,6 +542,15 @@ games! {
         difficulties: &[0, 1, 2, 3],
         score: |r| r.at(0x0e) - r.at(0x0d),
         over: |r| r.at(0x0d) == 21 || r.at(0x0e) == 21,
+    }
+    pooyan "Pooyan" 4 {
+        md5: "4799a40b6e889370b7ee55c17ba65141", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Down, UpFire, DownFire],
+        display: Display { first_line: 26, rows: 220, ..Display::NTSC },
+        press_first: true, mode_at: Some(0x3d), modes: &[(10, 10), (30, 30), (50, 50), (70, 70)],
+        score: |r| r.decimal(&[0x08, 0x09, 0x0a]),
+        lives: |r| (r.at(0x16) & 7) + 1,
+        over: |r| r.at(0x16) == 0 && r.at(0x18) == 5,
     }
     private_eye "PrivateEye" 4 {
         md5: "ef3a4f64b6494ba770862768caf04b86", scheme: F8,
@@ -453,6 +598,14 @@ games! {
         lives: |r| r.at(0x3b) + 1,
         over: |r| r.at(0x23) != 0,
     }
+    sir_lancelot "SirLancelot" v5 {
+        md5: "dd0cbe5351551a538414fb9e37fc56e8", scheme: F8,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        display: Display::PAL, first_reset: 5, start: &[Left],
+        score: |r| r.decimal(&[0x1e, 0x1f, 0x20]),
+        lives: |r| r.at(0x29),
+        over: |r| r.at(0x29) == 0 && r.at(0x27) == 0xa0,
+    }
     skiing "Skiing" 4 {
         md5: "b76fbadc8ffb1f83e2ca08b6fb4d6c9f", scheme: Rom2K,
         minimal: &[Noop, Right, Left],
@@ -485,6 +638,13 @@ games! {
         lives: |r| r.low(0x07).min(5),
         over: |r| r.at(0x07) == 0,
     }
+    superman "Superman" v5 {
+        md5: "a9531c763077464307086ec9a1fd057d", scheme: Rom4K,
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.superman(),
+        lives: |_| 1,
+        over: |r| r.superman_is_over(),
+    }
     surround "Surround" v5 {
         md5: "4d7517ae69f95cfbc053be01312b7dba", scheme: Rom2K,
         minimal: &[Noop, Up, Right, Left, Down],
@@ -510,6 +670,15 @@ games! {
         score: |r| r.decimal(&[0x72, 0x71]),
         over: |r| r.at(0x73) & 0x80 != 0,
     }
+    tic_tac_toe_3d "TicTacToe3D" v5 {
+        md5: "0db4f4150fecf77e4ce72ca4d04c052f", scheme: Rom2K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        mode_at: Some(0x08), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        difficulties: &[0, 2],
+        score: |r| r.tic_tac_toe_3d(),
+        lives: |_| 1,
+        over: |r| r.tic_tac_toe_3d_is_over(),
+    }
     time_pilot "TimePilot" 4 {
         md5: "fc2104dd2dadf9a6176c1c1c8f87ced9", scheme: F8,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
@@ -525,6 +694,15 @@ games! {
         score: |r| r.decimal(&[0x3d, 0x3e, 0x3f]),
         lives: |r| 5 - r.at(0x48),
         over: |r| r.at(0x48) == 5,
+    }
+    turmoil "Turmoil" v5 {
+        md5: "7a5463545dfb2dcfdafa6074b2f2c15e", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire],
+        start: &[Fire],
+        mode_at: Some(0x6a), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        score: |r| 10 * (r.decimal(&[0x0a, 0x09]) + r.at(0x53)),
+        lives: |r| r.at(0x39),
+        over: |r| r.at(0x39) == 0 && r.at(0x45) == 1,
     }
     tutankham "Tutankham" 4 {
         md5: "085322bae40d904f53bdcc56df0593fc", scheme: E0,
@@ -550,6 +728,15 @@ games! {
         score: |r| 100 * r.decimal(&[0x47, 0x48]),
         lives: |r| (r.at(0x46) & 7) + 1,
         over: |r| r.at(0x46) == 0 && r.at(0x4d) == 0xff && r.at(0x3f) & 0x80 != 0,
+    }
+    video_chess "VideoChess" v5 {
+        md5: "f0b7db930ca0e548c41a97160b9f6275", scheme: Rom4K,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
+        select_frames: 1,
+        mode_at: Some(0x6a), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4)],
+        score: |r| if r.video_chess_is_over() { 1 - 2 * r.at(0x6e) } else { 0 },
+        lives: |_| 1,
+        over: |r| r.video_chess_is_over(),
     }
     video_pinball "VideoPinball" 4 {
         md5: "107cc025334211e6d29da0b6be46aec7", scheme: Rom4K,

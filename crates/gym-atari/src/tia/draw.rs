@@ -192,10 +192,10 @@ impl Tia {
             pixels = pixels.intersection(window(from, to));
         }
         let colors = Colors {
-            p0: self.colup[0],
-            p1: self.colup[1],
-            pf: self.colupf,
-            bk: self.colubk,
+            p0: self.colup[0] | self.colorless,
+            p1: self.colup[1] | self.colorless,
+            pf: self.colupf | self.colorless,
+            bk: self.colubk | self.colorless,
             playfield_first: first,
             score: score && (!first || !self.shows_others()),
         };

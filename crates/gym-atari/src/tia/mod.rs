@@ -21,17 +21,13 @@ use draw::Differing;
 use paint::Objects;
 
 use crate::cpu::Ready;
+use crate::palette;
 use crate::screen::{Screen, WIDTH};
-
-/// The rows of most games' pictures.
-const NTSC_ROWS: usize = 210;
 
 const CYCLES_PER_LINE: u32 = 76;
 const CLOCKS_PER_LINE: u32 = 228;
 /// The clocks of a line ahead of its first pixel.
 const BLANK: i32 = 68;
-/// A write in this line of the frame ends the frame, whatever the program thinks.
-const LAST_LINE: u32 = 291;
 
 /// What depends on the game, and not on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,11 +38,27 @@ pub struct Display {
     pub rows: usize,
     /// Whether `HMOVE` blackens the first 8 pixels of its line.
     pub comb: bool,
+    /// A write in this line of the frame ends the frame, whatever the program thinks.
+    pub last_line: u32,
+    /// Whether it is a PAL set's: it has other colours, and none after a frame with an odd number of lines.
+    pub pal: bool,
 }
 
 impl Display {
     /// What nearly all games have.
-    pub const NTSC: Self = Self { first_line: 34, rows: NTSC_ROWS, comb: true };
+    pub const NTSC: Self = Self { first_line: 34, rows: 210, comb: true, last_line: 291, pal: false };
+    /// What games for PAL sets have.
+    pub const PAL: Self = Self { rows: 250, last_line: 343, pal: true, ..Self::NTSC };
+
+    /// Red, green and blue of each colour index.
+    pub fn rgb(&self) -> &'static [[u8; 3]; 256] {
+        if self.pal { &palette::PAL_RGB } else { &palette::RGB }
+    }
+
+    /// The shade of gray of each colour index.
+    pub fn gray(&self) -> &'static [u8; 256] {
+        if self.pal { &palette::PAL_GRAY } else { &palette::GRAY }
+    }
 }
 
 impl Default for Display {
@@ -116,6 +128,8 @@ pub(crate) struct Tia {
     /// How many pixels of it are painted.
     painted: u8,
     comb: bool,
+    /// 1 in a frame without colours: the lowest bit of each pixel.
+    colorless: u8,
     /// Whether the last frame ended before its picture was complete.
     short: bool,
     // what is on the line that is being drawn
@@ -174,6 +188,7 @@ impl Tia {
             drawn_line: 0,
             painted: 0,
             comb: false,
+            colorless: 0,
             short: false,
             objects: Objects::default(),
             stale: 0,
@@ -220,6 +235,7 @@ impl Tia {
             && self.hm.iter().all(|&nibble| nibble < 16)
             && self.pf < 1 << 20
             && self.in_motion <= MOVABLE
+            && self.colorless <= 1
     }
 
     /// Reads a register: its bits, and which of the byte's bits it drives.
@@ -260,7 +276,7 @@ impl Tia {
     #[inline(always)]
     pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        if self.line >= LAST_LINE {
+        if self.line >= self.display.last_line {
             return self.write_late(address, value, cycle, screen);
         }
         self.register(address, value, c, screen)
@@ -293,7 +309,7 @@ impl Tia {
         let passed = (cycle - self.line_start) as u32;
         let is_next = passed >= CYCLES_PER_LINE;
         let c = if is_next { passed - CYCLES_PER_LINE } else { passed };
-        if c >= CYCLES_PER_LINE || self.line >= LAST_LINE - 1 {
+        if c >= CYCLES_PER_LINE || self.line >= self.display.last_line - 1 {
             return None;
         }
         let ready = self.set(address, value, c)?;
@@ -684,6 +700,10 @@ impl Tia {
         self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
         self.drawn_line = self.drawn_line.saturating_sub(self.line);
         self.start_picture();
+        // a clear of VSYNC in the last line ends the frame a second time
+        if self.display.pal && self.line > 0 {
+            self.colorless = (self.line & 1) as u8;
+        }
         self.line = 0;
     }
 }

@@ -278,6 +278,14 @@ fn missing_and_wrong_roms_are_named() {
     std::fs::write(folder.join("breakout.bin"), [0; 2048]).unwrap();
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
     assert!(error.contains(game.md5), "{error}");
+    // a device that never ends
+    #[cfg(unix)]
+    {
+        std::fs::remove_file(folder.join("breakout.bin")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", folder.join("breakout.bin")).unwrap();
+        let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
+        assert!(error.contains("longer than 1048576 bytes"), "{error}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -145,6 +145,122 @@ fn a_menu_is_gone_through_as_by_ale_py() {
     }
 }
 
+/// Adventure holds SELECT for a time that is drawn at random, and plays a frame after each press. The program counts frames in
+/// `$ff` and presses of SELECT in `$dd`.
+#[test]
+fn select_is_held_at_random_as_by_ale_py() {
+    let program = rom(&[
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
+        0xfb, // clears RAM
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xad, 0x82, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, // lda SWCHB; tay; eor $fe; sty $fe
+        0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0, 0x02, 0xe6, 0xdd, // inc $dd, if SELECT fell
+        0xe6, 0xff, 0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x0e, 0xf0, // 255 lines
+    ]);
+    for (seed, mode, repeat_action_probability, frame_number, frames) in
+        [(0, 1, 0.0, 4, 187), (1, 1, 0.0, 4, 188), (2, 2, 0.25, 8, 32)]
+    {
+        let mut ale = Ale::new(games::by_name("adventure").unwrap(), &program, 0);
+        ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
+        ale.load(seed);
+        ale.reset();
+        assert_eq!((ale.frame_number(), ale.ram().0[0x7f]), (frame_number, frames), "seed {seed}");
+    }
+}
+
+/// Reward, lives and end of a frame after each of some changes of RAM, by a program that leaves it alone after its start.
+fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
+    let program = rom(&[
+        0xa9, 0x10, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, // fills RAM with 16
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0x4c, 0x09,
+        0xf0, // VSYNC
+    ]);
+    let mut ale = Ale::new(games::by_name(game).unwrap(), &program, 0);
+    let answer = |change: &&[(usize, u8)]| {
+        change.iter().for_each(|&(index, byte)| ale.ram_mut()[index] = byte);
+        let reward = ale.act(Action::Noop);
+        (reward, ale.lives(), ale.game_over())
+    };
+    changes.iter().map(answer).collect()
+}
+
+#[test]
+fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
+    // Casino: where a frame has no reward, it is that of the one before
+    let start: &[_] = &[(0x0c, 0x10), (0x15, 0x00), (0x1e, 0x00), (0x53, 0x70), (0x54, 0x00)];
+    let given =
+        answers("casino", &[start, &[(0x0c, 0x20)], &[(0x53, 0x80), (0x0c, 0x30)], &[], &[(0x53, 0)]]);
+    assert_eq!(given[1..], [(1000, 1, false), (1000, 1, false), (1000, 1, false), (0, 1, false)]);
+
+    // Haunted House: each change of a decimal number costs a point
+    let start: &[_] = &[(0x02, 0), (0x16, 9), (0x19, 0)];
+    let given = answers(
+        "haunted_house",
+        &[start, &[(0x02, 5)], &[], &[(0x02, 0x10)], &[(0x02, 0x0a)], &[(0x19, 0x44)]],
+    );
+    assert_eq!(given[1..], [(-1, 9, false), (0, 9, false), (-1, 9, false), (0, 9, false), (100, 0, true)]);
+
+    // Adventure: a life is left at the end
+    let start: &[_] = &[(0x39, 0x1c), (0x60, 0)];
+    assert_eq!(answers("adventure", &[start, &[(0x39, 0x12)]])[1..], [(1, 1, true)]);
+}
+
+/// Othello is over once RAM has said so in 51 frames in a row.
+#[test]
+fn an_end_that_takes_time_is_ale_pys() {
+    let frames = |bytes: &[(u8, usize)]| {
+        let changes: Vec<_> = bytes.iter().flat_map(|&(byte, times)| vec![[(0x40, byte)]; times]).collect();
+        let changes: Vec<_> = changes.iter().map(|change| &change[..]).collect();
+        answers("othello", &changes).iter().position(|&(_, _, over)| over)
+    };
+    assert_eq!(frames(&[(1, 1), (0, 60)]), Some(51));
+    assert_eq!(frames(&[(1, 1), (0, 30), (1, 1), (0, 60)]), Some(82));
+    assert_eq!(frames(&[(1, 120)]), None);
+}
+
+/// As ale-py plays a program of frames with more than 290 lines: with a PAL set's picture, which has no colours after a frame
+/// with an odd number of lines.
+#[test]
+fn long_frames_are_shown_as_by_a_pal_set() {
+    let played = |code: &[u8]| {
+        let mut ale = Ale::new(games::by_name("keystone_kapers").unwrap(), &rom(code), 0);
+        ale.reset();
+        ale
+    };
+    // 312 and 313 lines in turn: a colour behind 100 black lines
+    let mut ale = played(&[
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x85, 0x80, // clears $80
+        0xe6, 0x80, 0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85,
+        0x00, // VSYNC
+        0xa9, 0x02, 0x85, 0x01, 0xa9, 0x64, 0x85, 0x81, 0x85, 0x02, 0xc6, 0x81, 0xd0,
+        0xfa, // VBLANK, 100 lines
+        0xa9, 0x00, 0x85, 0x01, 0xa9, 0x44, 0x85, 0x09, // COLUBK
+        0xa9, 0xd1, 0x85, 0x81, 0xa5, 0x80, 0x29, 0x01, 0xf0, 0x04, 0xa9, 0xd2, 0x85,
+        0x81, // 209 or 210 lines
+        0x85, 0x02, 0xc6, 0x81, 0xd0, 0xfa, 0x4c, 0x09, 0xf0,
+    ]);
+    for expected in [0x3582_eb98, 0x8735_0d4f, 0x3582_eb98, 0x8735_0d4f] {
+        ale.act(Action::Noop);
+        assert_eq!((ale.picture().len(), checksum(&ale)), (250, expected));
+    }
+    // frames of 343 lines, and some of 344, which are cut; a colour a line
+    for (lines, expected) in
+        [(0x55, [(0x9a60_6451, 69), (0x9a60_6451, 70)]), (0x56, [(0x8247_8478, 35), (0xe6a9_4479, 35)])]
+    {
+        let mut ale = played(&[
+            0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x85, 0x80, // clears $80
+            0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+            0xa0, 0x00, 0xa2, 0x00, 0xa9, 0xff, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8, 0x85, 0x02, 0xc6,
+            0x81, 0xd0, 0xf5, 0xa9, lines, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8, 0x85, 0x02, 0xc6, 0x81,
+            0xd0, 0xf5, 0xe6, 0x80, 0x4c, 0x09, 0xf0,
+        ]);
+        for expected in expected {
+            ale.act(Action::Noop);
+            assert_eq!((checksum(&ale), ale.ram().0[0]), expected, "{lines:#x}");
+        }
+    }
+}
+
 /// Where RAM never shows the mode, SELECT is not pressed for ever.
 #[test]
 fn a_program_without_modes_starts_as_well() {

@@ -188,7 +188,11 @@ impl env::Task for Task {
         } else {
             0.0
         };
-        let reward = forward + survive - (ctrl + contact);
+        let reward = if self.version >= 3 {
+            forward + survive - (ctrl + contact)
+        } else {
+            forward - ctrl - contact + survive
+        };
         let terminated = !healthy && config.terminate_when_unhealthy;
         (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
     }
@@ -210,7 +214,7 @@ impl env::Task for Task {
         if let Some(position) = position {
             visit("x_position", position[0]);
             visit("y_position", position[1]);
-            visit("distance_from_origin", norm(&position));
+            visit("distance_from_origin", norm(self.version, &position));
         }
         let Some(step) = step else { return };
         if self.version >= 3 {

@@ -166,12 +166,17 @@ impl env::Task for Task {
         let before = self.mass_center(simulation, data);
         simulation.step(data, action);
         let position = self.mass_center(simulation, data);
-        let velocity = std::array::from_fn(|k| (position[k] - before[k]) / simulation.dt);
+        let moved = [position[0] - before[0], position[1] - before[1]];
+        let velocity = moved.map(|distance| distance / simulation.dt);
 
         let healthy = config.healthy_z_range.contains_strictly(data.qpos[2]);
         let paid = healthy || (self.version < 5 && config.terminate_when_unhealthy);
         let survive = f64::from(paid) * config.healthy_reward;
-        let forward = config.forward_reward_weight * velocity[0];
+        let forward = if self.version >= 3 {
+            config.forward_reward_weight * velocity[0]
+        } else {
+            config.forward_reward_weight * moved[0] / simulation.dt
+        };
         let ctrl = config.ctrl_cost_weight * sum_of_squares(data.ctrl.len(), |i| data.ctrl[i]);
         let contact = if self.version == 4 {
             0.0
@@ -180,7 +185,11 @@ impl env::Task for Task {
             let cost = config.contact_cost_weight * sum_of_squares(forces.len(), |i| forces[i]);
             config.contact_cost_range.clip(cost)
         };
-        let reward = forward + survive - (ctrl + contact);
+        let reward = if self.version >= 3 {
+            forward + survive - (ctrl + contact)
+        } else {
+            forward - ctrl - contact + survive
+        };
         let terminated = !healthy && config.terminate_when_unhealthy;
         (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
     }
@@ -198,7 +207,7 @@ impl env::Task for Task {
         if let Some(position) = position {
             visit("x_position", position[0]);
             visit("y_position", position[1]);
-            visit("distance_from_origin", norm(&position));
+            visit("distance_from_origin", norm(self.version, &position));
         }
         let Some(step) = step else { return };
         if self.version >= 3 {

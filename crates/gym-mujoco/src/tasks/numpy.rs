@@ -41,18 +41,33 @@ fn pairwise<T: Copy + Default + Add<Output = T>>(term: &impl Fn(usize) -> T, ran
     (start + whole..range.end).map(term).fold(sum, T::add)
 }
 
-/// Length of a vector, with fused multiply-adds: numpy's `np.linalg.norm`.
+/// Length of a vector in a task of this version: `np.linalg.norm`, a dot product whose rounding depends on the CPU. The recordings
+/// of versions 4 and 5 were made where it fuses products and sums (AVX-512), those of 2 and 3 where it adds in two lanes (no AVX).
 #[expect(
     clippy::disallowed_methods,
     reason = "numpy fuses here, and a fused product is the same on every platform"
 )]
-pub(super) fn norm(v: &[f64]) -> f64 {
-    v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum)).sqrt()
+pub(super) fn norm(version: u32, v: &[f64]) -> f64 {
+    let dot = if version >= 4 {
+        v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum))
+    } else {
+        let squares = |first: usize| v.iter().skip(first).step_by(2).map(|x| x * x).sum::<f64>();
+        squares(0) + squares(1)
+    };
+    dot.sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_round_as_on_the_cpus_of_the_recordings() {
+        // numpy 1.26 and 2.4, with OPENBLAS_CORETYPE=SkylakeX and Prescott
+        let v = [0.696, -1.184, -0.662];
+        assert_eq!(norm(4, &v), 1.524_636_350_084_832_3);
+        assert_eq!(norm(3, &v), 1.524_636_350_084_832_6);
+    }
 
     #[test]
     fn sums_in_numpys_order() {

@@ -89,7 +89,9 @@ impl Task {
     /// Distances from the object to the fork, and to the goal.
     fn distances(&self, data: &Data) -> (f64, f64) {
         let object = data.xpos[self.object];
-        let to = |body: usize| norm(&std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]));
+        let to = |body: usize| {
+            norm(self.version, &std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]))
+        };
         (to(self.tips), to(self.goal))
     }
 }
@@ -109,7 +111,7 @@ impl env::Task for Task {
     fn start(&self, _simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
         let place = loop {
             let place = [rng.uniform(-0.3, 0.0), rng.uniform(-0.2, 0.2)];
-            if norm(&place) > LEAST_DISTANCE {
+            if norm(self.version, &place) > LEAST_DISTANCE {
                 break place;
             }
         };

@@ -96,7 +96,7 @@ impl env::Task for Task {
         uniform_noise(&mut data.qpos, &simulation.model.qpos0, ANGLE_NOISE, rng);
         let goal = loop {
             let goal = [(); 2].map(|()| rng.uniform(-REACH, REACH));
-            if norm(&goal) < REACH {
+            if norm(self.version, &goal) < REACH {
                 break goal;
             }
         };
@@ -108,9 +108,9 @@ impl env::Task for Task {
     }
 
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
-        let before = norm(&self.offset(data));
+        let before = norm(self.version, &self.offset(data));
         simulation.step(data, action);
-        let measured = if self.version >= 5 { norm(&self.offset(data)) } else { before };
+        let measured = if self.version >= 5 { norm(self.version, &self.offset(data)) } else { before };
         let distance = measured * self.config.reward_dist_weight;
         let ctrl = self.cost.of(action);
         (Step { distance, ctrl }, -distance - ctrl, false)

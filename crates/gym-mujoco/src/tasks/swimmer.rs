@@ -106,7 +106,7 @@ impl env::Task for Task {
         if self.version >= 5 || (self.version >= 3 && step.is_some()) {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
-            visit("distance_from_origin", norm(&data.qpos[..2]));
+            visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
         }
         let Some(step) = step else { return };
         if self.version >= 3 {

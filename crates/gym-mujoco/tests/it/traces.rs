@@ -15,9 +15,6 @@ use crate::common::same;
 fn compare(path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
-    // versions 2 and 3 were recorded with numpy 1, whose norms and sums round otherwise in places: their rewards, which nothing
-    // follows from, are compared to the last bit but one
-    let old_numpy = text.contains("\"emulated\"") && !trace.id.contains("-v4");
     let state = |env: &gym_core::BoxEnv| {
         simulated(env)?.data().map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
     };
@@ -28,24 +25,12 @@ fn compare(path: &Path) -> Result<usize, String> {
     for (i, (asked, answer)) in trace.events.iter().zip(&answers.events).enumerate() {
         let (asked, answer) = (json!(asked), json!(answer));
         for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
-            let near = old_numpy && matches!(part, "reward" | "info") && nearly(&asked[part], &answer[part]);
-            if !asked[part].is_null() && !same(&asked[part], &answer[part]) && !near {
+            if !asked[part].is_null() && !same(&asked[part], &answer[part]) {
                 return Err(format!("event {i}, {part}: {} for {}", answer[part], asked[part]));
             }
         }
     }
     Ok(trace.events.len())
-}
-
-/// Whether numbers are neighbours, and everything else is the same.
-fn nearly(a: &Value, b: &Value) -> bool {
-    match (a.as_f64(), b.as_f64(), a, b) {
-        (Some(a), Some(b), ..) => (a - b).abs() <= 2.0 * f64::EPSILON * a.abs().max(0.5),
-        (_, _, Value::Object(a), Value::Object(b)) => {
-            a.len() == b.len() && a.iter().all(|(key, a)| b.get(key).is_some_and(|b| nearly(a, b)))
-        }
-        _ => same(a, b),
-    }
 }
 
 /// The traces of a folder: their names hold the id of a task.

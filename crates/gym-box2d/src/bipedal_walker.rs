@@ -44,7 +44,7 @@ use gym_core::{
     Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
@@ -141,6 +141,20 @@ impl BipedalWalker {
     /// The environment with these arguments.
     pub fn new(config: Config) -> Self {
         Self { config, episode: None, ahead: None }
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next reset on.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a value that does not fit, and for `physics`, which cannot be changed.
+    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
+        Ok(())
     }
 
     /// Starts an episode with the first part of its first step, in which no motor drives.

@@ -3,9 +3,18 @@
 use fearless_simd::Level;
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::vector::lockstep::Together;
-use gym_core::{Error, Registration, Result};
+use gym_core::{Arguments, Error, Registration, Result, arguments};
+use serde_json::Value as Json;
 
 use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
+
+/// The arguments with one set to a value in JSON; those that decide spaces and engine stay as they are.
+pub(crate) fn assigned<C: Arguments>(config: &C, name: &str, value: Json, whose: &str) -> Result<C> {
+    if matches!(name, "continuous" | "physics") {
+        return Err(Error::argument(whose, format!("{name} cannot be changed: make an environment with it")));
+    }
+    arguments::read(config, u32::MAX, &[(name.to_owned(), value)].into_iter().collect(), whose)
+}
 
 /// Worlds whose velocities are solved together.
 #[derive(Clone, Debug)]

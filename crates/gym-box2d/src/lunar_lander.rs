@@ -39,7 +39,7 @@ use gym_core::{
     Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
@@ -210,6 +210,11 @@ impl LunarLander {
     /// As `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("LunarLander", version)?;
+        Self::check(&config)?;
+        Ok(Self { config, version, episode: None, renders: false, ahead: None })
+    }
+
+    fn check(config: &Config) -> Result<()> {
         if !(-12.0 < config.gravity && config.gravity < 0.0) {
             let reason = format!("gravity is {}: it must lie between -12 and 0", config.gravity);
             return Err(Error::argument("LunarLander", reason));
@@ -222,7 +227,24 @@ impl LunarLander {
                 return Err(Error::argument("LunarLander", reason));
             }
         }
-        Ok(Self { config, version, episode: None, renders: false, ahead: None })
+        Ok(())
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: the wind changes at once, gravity with the next
+    /// reset.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "LunarLander")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
     }
 
     /// Starts an episode with the first part of its first step, in which no engine fires.

@@ -34,7 +34,7 @@ use gym_core::{
     Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
@@ -184,6 +184,8 @@ struct Episode {
     /// Tiles that the car has touched: these lose their shade.
     touched: Vec<bool>,
     tile_visited_count: usize,
+    /// The share of the tiles after which the lap counts, as it was at the reset.
+    lap_complete_percent: f64,
     car: Car,
     reward: f64,
     prev_reward: f64,
@@ -223,10 +225,31 @@ impl CarRacing {
     /// As `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("CarRacing", version)?;
+        Self::check(&config)?;
+        Ok(Self { config, version, episode: None, camera: Camera::default(), glyphs: None })
+    }
+
+    fn check(config: &Config) -> Result<()> {
         if config.lap_complete_percent.is_nan() {
             return Err(Error::argument("CarRacing", "lap_complete_percent is not a number"));
         }
-        Ok(Self { config, version, episode: None, camera: Camera::default(), glyphs: None })
+        Ok(())
+    }
+
+    /// The arguments.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next reset on.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "CarRacing")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
     }
 
     /// The car's position; `None` before the first reset.
@@ -259,8 +282,8 @@ impl CarRacing {
             // those of the constructor, drawn from its own generator
             None => Colors::random(&mut rng.clone()),
         };
-        let mut episode = Episode::new(self.config.physics, rng, colors);
-        episode.advance(&self.config, self.version, None);
+        let mut episode = Episode::new(&self.config, rng, colors);
+        episode.advance(self.version, None);
         self.episode = Some(episode);
         Ok(())
     }
@@ -278,14 +301,14 @@ impl CarRacing {
         if !possible {
             return Err(Error::action(action, &self.action_space()));
         }
-        Ok(episode.advance(&self.config, self.version, Some(action)))
+        Ok(episode.advance(self.version, Some(action)))
     }
 }
 
 impl Episode {
     /// Track, tiles and car, in Gymnasium's order of draws and creation.
-    fn new(physics: Physics, mut rng: Generator, colors: Colors) -> Self {
-        let mut world = World::with(physics, Vec2::zeros());
+    fn new(config: &Config, mut rng: Generator, colors: Colors) -> Self {
+        let mut world = World::with(config.physics, Vec2::zeros());
         let track = track::generate(&mut rng);
         let tiles = track::tiles(&track);
         let tile_bodies = tiles
@@ -308,6 +331,7 @@ impl Episode {
             tiles,
             tile_bodies,
             tile_visited_count: 0,
+            lap_complete_percent: config.lap_complete_percent,
             car,
             reward: 0.0,
             prev_reward: 0.0,
@@ -319,7 +343,7 @@ impl Episode {
     }
 
     /// One step; the first, of the reset, is without an action.
-    fn advance(&mut self, config: &Config, version: u32, action: Option<&Action>) -> Outcome {
+    fn advance(&mut self, version: u32, action: Option<&Action>) -> Outcome {
         if let Some(action) = action {
             let (steer, gas, brake) = match *action {
                 Action::Pedals(pedals) => {
@@ -338,7 +362,7 @@ impl Episode {
         }
         self.car.step(&mut self.world, 1.0 / FPS);
         self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
-        self.touch_tiles(config);
+        self.touch_tiles();
         self.t += 1.0 / FPS;
         self.observed_reward = self.reward;
 
@@ -364,7 +388,7 @@ impl Episode {
     }
 
     /// The wheels that entered and left tiles.
-    fn touch_tiles(&mut self, config: &Config) {
+    fn touch_tiles(&mut self) {
         let tiles = self.track.len() as f64;
         for event in self.world.contact_events() {
             let tile_of =
@@ -387,7 +411,7 @@ impl Episode {
                 self.reward += 1000.0 / tiles;
                 self.tile_visited_count += 1;
                 // the lap counts as complete if enough of the track was covered
-                if tile == 0 && self.tile_visited_count as f64 / tiles > config.lap_complete_percent {
+                if tile == 0 && self.tile_visited_count as f64 / tiles > self.lap_complete_percent {
                     self.new_lap = true;
                 }
             }

@@ -7,8 +7,7 @@ use serde_json::json;
 
 use crate::Config;
 use crate::spaces;
-use crate::wire::Reader;
-use crate::worker::{Request, Worker, malformed};
+use crate::worker::{Reply, Request, Worker, value};
 
 /// An environment that runs in Python.
 #[derive(Debug)]
@@ -58,8 +57,7 @@ impl PythonEnv {
             "render_mode": render_mode.map(RenderMode::name),
         });
         let request = Value::Text(request.to_string());
-        let about = worker.ask(Request::Make, &[&request])?.value();
-        let about = about.ok_or_else(|| malformed(&name, Request::Make))?;
+        let about = worker.ask(Request::Make, &[&request], value)?;
         Self::described(config, render_mode, worker, &about)
     }
 
@@ -70,7 +68,11 @@ impl PythonEnv {
         worker: Worker,
         about: &Value,
     ) -> Result<Self> {
-        let get = |key: &str| about.get(key).ok_or_else(|| malformed("env", Request::Make));
+        let get = |key: &str| {
+            about
+                .get(key)
+                .ok_or_else(|| Error::custom(format!("the worker described no {key} of its environment")))
+        };
         let spaces = spaces::pair(get("spaces")?)?;
         let modes = get("render_modes")?.as_tuple().unwrap_or_default();
         let modes = modes
@@ -101,8 +103,7 @@ impl PythonEnv {
             State::Closed => return Err(Error::Closed("snapshot")),
         };
         let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
-        let pickle = worker.ask(Request::Dump, &[])?.value();
-        pickle.ok_or_else(|| malformed(&self.name, Request::Dump))
+        worker.ask(Request::Dump, &[], value)
     }
 
     /// Another worker with this environment.
@@ -110,8 +111,7 @@ impl PythonEnv {
         let name = config.check()?.to_owned();
         let mut worker = Worker::start(&config, &name)?;
         let module = config.module.clone().map_or(Value::Null, Value::Text);
-        let about = worker.ask(Request::Load, &[&module, pickle])?.value();
-        let about = about.ok_or_else(|| malformed(&name, Request::Load))?;
+        let about = worker.ask(Request::Load, &[&module, pickle], value)?;
         Self::described(config, render_mode, worker, &about)
     }
 
@@ -210,15 +210,13 @@ impl Env for PythonEnv {
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         let seed = reset.seed.as_ref().map_or(Value::Null, |seed| Value::Text(seed.to_string()));
         let options = Value::Text(serde_json::Value::Object(reset.options.clone()).to_string());
-        let mut reader = self.worker("reset")?.ask(Request::Reset, &[&seed, &options])?;
-        let (mut read, mut info) = (Value::Null, Value::Null);
-        let changed = (|| {
-            let changed = reader.value()?;
-            reader.value_into(&mut read)?;
-            reader.value_into(&mut info)?;
-            Some(changed)
-        })();
-        let changed = changed.ok_or_else(|| malformed(&self.name, Request::Reset))?;
+        let read = |reply: &mut Reply<'_>| {
+            let changed = reply.value()?;
+            let mut read = Value::Null;
+            reply.value_into(&mut read)?;
+            Some((changed, read, reply.value()?))
+        };
+        let (changed, read, info) = self.worker("reset")?.ask(Request::Reset, &[&seed, &options], read)?;
         if changed != Value::Null {
             let spaces = spaces::pair(&changed)?;
             if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
@@ -242,16 +240,15 @@ impl Env for PythonEnv {
             self.check_action(action)?;
         }
         let mut info = std::mem::take(&mut self.info);
-        let mut read = |mut reader: Reader<'_>| {
-            let (reward, terminated, truncated) = (reader.float()?, reader.byte()?, reader.byte()?);
-            reader.value_into(observation)?;
-            reader.value_into(&mut info)?;
+        let read = |reply: &mut Reply<'_>| {
+            let (reward, terminated, truncated) = (reply.float()?, reply.byte()?, reply.byte()?);
+            reply.value_into(observation)?;
+            reply.value_into(&mut info)?;
             Some(Outcome { reward, terminated: terminated != 0, truncated: truncated != 0 })
         };
-        let outcome =
-            self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action]).map(&mut read));
+        let outcome = self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action], read));
         self.info = info;
-        outcome?.ok_or_else(|| malformed(&self.name, Request::Step))
+        outcome
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -298,8 +295,7 @@ impl Env for PythonEnv {
                 reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`".into(),
             });
         }
-        let mut reader = self.worker("render")?.ask(Request::Render, &[])?;
-        let picture = reader.value().ok_or_else(|| malformed(&self.name, Request::Render))?;
+        let picture = self.worker("render")?.ask(Request::Render, &[], value)?;
         *rendered = match picture {
             Value::Text(text) => Rendered::Text(text),
             Value::Array(array) => Rendered::Frame(frame(&array).ok_or_else(|| {

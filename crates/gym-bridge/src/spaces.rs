@@ -4,7 +4,7 @@ use gym_core::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
     TextSpace, TupleSpace,
 };
-use gym_core::{DType, Error, Result, Space, Value};
+use gym_core::{Array, DType, Error, Result, Space, Value};
 
 /// The observation space and the action space.
 pub(crate) fn pair(described: &Value) -> Result<(Space, Space)> {
@@ -26,7 +26,10 @@ fn space(described: &Value) -> Result<Space> {
         get("spaces")?.as_tuple().ok_or_else(malformed)?.iter().map(space).collect()
     };
     Ok(match get("kind")?.as_text().unwrap_or_default() {
-        "Box" => BoxSpace::new(array("low")?, array("high")?)?.into(),
+        "Box" => {
+            let shape = lengths(get("shape")?)?;
+            BoxSpace::new(bounds(&array("low")?, &shape)?, bounds(&array("high")?, &shape)?)?.into()
+        }
         "Discrete" => Discrete::new(int("n")?)?.with_start(int("start")?)?.into(),
         "MultiDiscrete" => {
             let dtype = get("dtype")?.as_text().and_then(dtype).ok_or_else(malformed)?;
@@ -61,6 +64,15 @@ fn space(described: &Value) -> Result<Space> {
         "OneOf" => OneOfSpace::new(members()?)?.into(),
         _ => return Err(malformed()),
     })
+}
+
+/// Bounds in the shape of their box, for all of whose elements one number may stand.
+fn bounds(described: &Array, shape: &[usize]) -> Result<Array> {
+    let mut bounds = Array::zeros(described.dtype(), shape)?;
+    let bytes = described.to_bytes();
+    let is_one = described.shape().is_empty();
+    let fits = bounds.fill_bytes(&if is_one { bytes.repeat(bounds.len()) } else { bytes });
+    if fits { Ok(bounds) } else { Err(malformed()) }
 }
 
 fn text(min_length: usize, max_length: usize, charset: &str) -> Result<Space> {

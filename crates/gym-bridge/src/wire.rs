@@ -1,5 +1,7 @@
 //! Values as bytes: a tag, then little-endian numbers.
 
+use std::io::{self, BufRead};
+
 use gym_core::{Array, DType, GraphInstance, Value};
 
 const NULL: u8 = 0;
@@ -79,36 +81,67 @@ fn write_array(array: &Array, out: &mut Vec<u8>) {
     out.extend(array.to_bytes());
 }
 
-/// Reads values, one after the other; `None` for invalid bytes.
-pub(crate) struct Reader<'a>(&'a [u8]);
+/// Reads values, one after the other, as they come; `None` for invalid bytes, and where the stream fails.
+pub(crate) struct Reader<'a, R> {
+    stream: &'a mut R,
+    /// The bytes of the frame that are not read yet.
+    left: u64,
+    failure: Option<io::Error>,
+}
 
-impl<'a> Reader<'a> {
-    pub(crate) fn new(bytes: &'a [u8]) -> Self {
-        Self(bytes)
+impl<'a, R: BufRead> Reader<'a, R> {
+    /// Reads a frame of so many bytes.
+    pub(crate) fn new(stream: &'a mut R, length: u64) -> Self {
+        Self { stream, left: length, failure: None }
     }
 
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
+    /// What is wrong with a frame that was read: the stream's failure, or `None` if its bytes are invalid.
+    pub(crate) fn into_failure(self) -> Option<io::Error> {
+        self.failure
+    }
+
+    /// Whether the frame is read to its end.
+    pub(crate) fn is_done(&self) -> bool {
+        self.left == 0
+    }
+
+    /// Takes bytes from those that are left.
+    fn reserve(&mut self, count: usize) -> Option<()> {
+        self.left = self.left.checked_sub(count.try_into().ok()?)?;
+        Some(())
+    }
+
+    fn told<T>(&mut self, read: io::Result<T>) -> Option<T> {
+        read.map_err(|error| self.failure = Some(error)).ok()
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.reserve(N)?;
+        let mut bytes = [0; N];
+        let read = self.stream.read_exact(&mut bytes);
+        self.told(read).map(|()| bytes)
     }
 
     pub(crate) fn byte(&mut self) -> Option<u8> {
-        self.take(1).map(|bytes| bytes[0])
+        self.bytes().map(|[byte]| byte)
     }
 
     pub(crate) fn float(&mut self) -> Option<f64> {
-        self.take(8)?.try_into().ok().map(f64::from_le_bytes)
+        self.bytes().map(f64::from_le_bytes)
     }
 
     fn length(&mut self) -> Option<usize> {
-        let length = self.take(4)?.try_into().ok().map(u32::from_le_bytes)?;
-        usize::try_from(length).ok()
+        self.bytes().and_then(|bytes| u32::from_le_bytes(bytes).try_into().ok())
     }
 
     fn text(&mut self) -> Option<String> {
         let length = self.length()?;
-        String::from_utf8(self.take(length)?.to_vec()).ok()
+        // no more memory than there are bytes
+        self.reserve(length)?;
+        let mut text = vec![0; length];
+        let read = self.stream.read_exact(&mut text);
+        self.told(read)?;
+        String::from_utf8(text).ok()
     }
 
     pub(crate) fn value(&mut self) -> Option<Value> {
@@ -134,7 +167,7 @@ impl<'a> Reader<'a> {
             (NULL, value) => *value = Value::Null,
             (FALSE, value) => *value = Value::Bool(false),
             (TRUE, value) => *value = Value::Bool(true),
-            (INT, value) => *value = Value::Int(self.take(8)?.try_into().ok().map(i64::from_le_bytes)?),
+            (INT, value) => *value = Value::Int(self.bytes().map(i64::from_le_bytes)?),
             (FLOAT, value) => *value = Value::Float(self.float()?),
             (TEXT, value) => *value = Value::Text(self.text()?),
             (ARRAY, Value::Array(array)) => self.array_into(array)?,
@@ -187,27 +220,22 @@ impl<'a> Reader<'a> {
         Some(())
     }
 
-    /// The type, the shape and the bytes of an array.
-    fn array_parts(&mut self) -> Option<(DType, Vec<usize>, &'a [u8])> {
-        let dtype = *DType::ALL.get(usize::from(self.byte()?))?;
-        let shape: Vec<usize> = (0..self.byte()?).map(|_| self.length()).collect::<Option<_>>()?;
-        let count = shape.iter().try_fold(1usize, |count, length| count.checked_mul(*length))?;
-        let bytes = self.take(count.checked_mul(dtype.size())?)?;
-        Some((dtype, shape, bytes))
-    }
-
     fn array(&mut self) -> Option<Array> {
-        let (dtype, shape, bytes) = self.array_parts()?;
-        Array::from_bytes(dtype, shape, bytes)
+        let mut array = Array::default();
+        self.array_into(&mut array)?;
+        Some(array)
     }
 
     fn array_into(&mut self, array: &mut Array) -> Option<()> {
-        let (dtype, shape, bytes) = self.array_parts()?;
-        if array.dtype() == dtype && array.shape() == shape {
-            return array.fill_bytes(bytes).then_some(());
+        let dtype = *DType::ALL.get(usize::from(self.byte()?))?;
+        let shape: Vec<usize> = (0..self.byte()?).map(|_| self.length()).collect::<Option<_>>()?;
+        let count = shape.iter().try_fold(1usize, |count, length| count.checked_mul(*length))?;
+        self.reserve(count.checked_mul(dtype.size())?)?;
+        if array.dtype() != dtype || array.shape() != shape {
+            *array = Array::zeros(dtype, shape).ok()?;
         }
-        *array = Array::from_bytes(dtype, shape, bytes)?;
-        Some(())
+        let read = array.read_from(self.stream);
+        self.told(read)
     }
 }
 
@@ -232,16 +260,56 @@ mod tests {
         ]
     }
 
+    fn read(mut bytes: &[u8]) -> Option<Value> {
+        let length = bytes.len() as u64;
+        Reader::new(&mut bytes, length).value()
+    }
+
+    /// A stream that counts the bytes that are taken from it, and how often.
+    struct Counted<'a> {
+        bytes: &'a [u8],
+        taken: Vec<usize>,
+    }
+
+    impl io::Read for Counted<'_> {
+        fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+            let count = self.bytes.read(out)?;
+            self.taken.push(count);
+            Ok(count)
+        }
+    }
+
+    #[test]
+    fn an_array_is_read_from_the_stream_into_its_place() {
+        const LENGTH: usize = 1 << 20;
+        let numbers: Vec<f32> = (0..LENGTH).map(|i| i as f32).collect();
+        let mut bytes = Vec::new();
+        write(&Value::Array(numbers.into()), &mut bytes);
+        let stream = Counted { bytes: &bytes, taken: Vec::new() };
+        // numbers are cut in two by the buffer's end
+        let mut stream = io::BufReader::with_capacity(1 << 16, stream);
+        let mut value = Value::Array(Array::zeros(DType::F32, [LENGTH]).unwrap());
+        let place = value.as_array().and_then(Array::as_slice::<f32>).unwrap().as_ptr();
+        Reader::new(&mut stream, bytes.len() as u64).value_into(&mut value).expect("it was written");
+        let read = value.as_array().and_then(Array::as_slice::<f32>).unwrap();
+        assert_eq!(read.as_ptr(), place, "no second array");
+        assert!(read.iter().enumerate().all(|(i, x)| *x == i as f32));
+        let taken = &stream.get_ref().taken;
+        assert_eq!(taken.iter().sum::<usize>(), bytes.len(), "each byte once");
+        assert!(taken.len() <= bytes.len() / (1 << 16) + 2, "in large parts: {}", taken.len());
+    }
+
     #[test]
     fn values_come_back_into_any_buffer() {
         for value in samples() {
             let mut bytes = Vec::new();
             write(&value, &mut bytes);
             for mut buffer in samples() {
-                let mut reader = Reader::new(&bytes);
+                let mut stream = bytes.as_slice();
+                let mut reader = Reader::new(&mut stream, bytes.len() as u64);
                 reader.value_into(&mut buffer).expect("it was written");
                 assert_eq!(buffer, value);
-                assert!(reader.0.is_empty());
+                assert!(reader.is_done() && stream.is_empty());
             }
         }
     }
@@ -252,18 +320,20 @@ mod tests {
             let mut bytes = Vec::new();
             write(&value, &mut bytes);
             for cut in 0..bytes.len() {
-                assert!(Reader::new(&bytes[..cut]).value().is_none(), "{value:?} cut at {cut}");
+                assert!(read(&bytes[..cut]).is_none(), "{value:?} cut at {cut}");
+                let ended = Reader::new(&mut &bytes[..cut], bytes.len() as u64).value();
+                assert!(ended.is_none(), "{value:?}, whose stream ends at {cut}");
             }
             for i in 0..bytes.len() {
                 for byte in [0, 1, 6, 7, 8, 255] {
                     let mut damaged = bytes.clone();
                     damaged[i] = byte;
                     // any input ends, and needs no more memory than its bytes
-                    let _ = Reader::new(&damaged).value();
+                    let _ = read(&damaged);
                 }
             }
         }
         let deep = [TUPLE, 1, 0, 0, 0].repeat(10_000);
-        assert!(Reader::new(&deep).value().is_none(), "no stack overflows");
+        assert!(read(&deep).is_none(), "no stack overflows");
     }
 }

@@ -1,13 +1,15 @@
 """Serves one Python environment over the pipes that the Rust side opened: requests on file 0, replies on file 1.
 
 A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a reply
-is 0 and values, or 1 and a dict that tells an exception. Values are written as `wire.rs` says.
+is 0 and values, or 1 and a dict that tells an exception. Values are written as `wire.rs` says. The numbers of a large array
+are not copied into the reply: they go from the array's memory to the pipe.
 """
 import copy
 import importlib
 import json
 import math
 import os
+import signal
 import struct
 import sys
 import threading
@@ -15,6 +17,8 @@ import threading
 NULL, FALSE, TRUE, INT, FLOAT, TEXT, ARRAY, TUPLE, DICT, GRAPH, ONE_OF = range(11)
 MAKE, RESET, STEP, RENDER, DUMP, LOAD, CLOSE = range(7)
 DTYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
+LONGEST = 1 << 30  # bytes of a frame, as in worker.rs
+LARGE = 1 << 14  # bytes of an array that is worth a write of its own
 U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 
@@ -38,19 +42,54 @@ def take_pipes():
 
 
 def read_exactly(file, count):
-    data = bytearray()
-    while len(data) < count:
-        part = os.read(file, count - len(data))
-        if not part:
+    data = bytearray(count)
+    view = memoryview(data)
+    while view:
+        done = os.readv(file, [view])
+        if not done:
             os._exit(0)  # the other side is gone
-        data += part
-    return bytes(data)
+        view = view[done:]
+    return data
 
 
 def write_all(file, data):
     view = memoryview(data)
     while view:
         view = view[os.write(file, view) :]
+
+
+class Frame(bytearray):
+    """The bytes of a reply, and the large arrays that go between them."""
+
+    def __init__(self, status):
+        super().__init__((status,))
+        self.arrays = []  # pairs of a place in the bytes and the memory that goes there
+
+    def put(self, array):
+        """Appends the numbers of an array."""
+        memory = memoryview(array.reshape(-1).view(np.uint8))
+        if len(memory) < LARGE:
+            self += memory
+        else:
+            self.arrays.append((len(self), memory))
+
+    def cut(self, length):
+        """Takes back what was written since the bytes were so many."""
+        del self[length:]
+        while self.arrays and self.arrays[-1][0] > length:
+            self.arrays.pop()
+
+    def size(self):
+        return len(self) + sum(len(memory) for _, memory in self.arrays)
+
+    def parts(self):
+        """The frame in pieces: its length and the bytes up to the first array, that array, and so on."""
+        start, head = 0, U32.pack(self.size())
+        for place, memory in self.arrays:
+            yield head + self[start:place]
+            yield memory
+            start, head = place, b""
+        yield head + self[start:]
 
 
 def watch(requests):
@@ -69,7 +108,7 @@ def watch(requests):
 
 class Reader:
     def __init__(self, data):
-        self.data, self.at = data, 0
+        self.data, self.at = memoryview(data), 0
 
     def take(self, count):
         self.at += count
@@ -79,7 +118,7 @@ class Reader:
         return form.unpack(self.take(form.size))[0]
 
     def text(self):
-        return self.take(self.number(U32)).decode()
+        return str(self.take(self.number(U32)), "utf-8")
 
     def value(self):
         tag = self.take(1)[0]
@@ -124,7 +163,7 @@ def array(out, value):
     out += bytes((ARRAY, DTYPES.index(value.dtype.name), value.ndim))
     for length in value.shape:
         out += U32.pack(length)
-    out += np.ascontiguousarray(value, value.dtype.newbyteorder("<")).tobytes()
+    out.put(np.ascontiguousarray(value, value.dtype.newbyteorder("<")))
 
 
 def integer(out, value):
@@ -159,20 +198,18 @@ def plain(out, value, depth=0):
         for item in value:
             plain(out, item, depth + 1)
     elif isinstance(value, dict):
-        entries = bytearray()
-        count = 0
-        for key, item in value.items():
-            entry = bytearray()
-            try:
-                text(entry, str(key))
-                plain(entry, item, depth + 1)
-            except NoForm:
-                continue  # an object that only Python knows is left out
-            entries += entry
-            count += 1
         out.append(DICT)
-        out += U32.pack(count)
-        out += entries
+        place, count = len(out), 0
+        out += U32.pack(0)
+        for key, item in value.items():
+            before = len(out)
+            try:
+                text(out, str(key))
+                plain(out, item, depth + 1)
+                count += 1
+            except Exception:
+                out.cut(before)  # an object that only Python knows is left out
+        U32.pack_into(out, place, count)
     else:
         raise NoForm(type(value).__name__)
 
@@ -203,10 +240,32 @@ def kind_of_sample(space):
     raise Refused(f"the space {space!r} has no counterpart: its class is {type(space).__module__}.{type(space).__name__}")
 
 
+def bounds(numbers):
+    """The bounds of a box: one number where all are alike."""
+    numbers = np.ascontiguousarray(numbers)
+    if numbers.dtype.name not in [*DTYPES, "float16", "bool"]:
+        raise Refused(f"a box of {numbers.dtype} has no counterpart: the types are {', '.join(DTYPES)}, float16 and bool")
+    bits = numbers.reshape(-1).view(f"u{numbers.itemsize}")
+    return numbers.reshape(-1)[:1].reshape(()) if bits.size and (bits == bits[0]).all() else numbers
+
+
+def alike(a, b):
+    """Whether two descriptions of spaces are equal."""
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and np.array_equal(a, b)
+    if isinstance(a, dict):
+        return a["kind"] == b["kind"] and all(alike(a[key], b[key]) for key in a)
+    if isinstance(a, list):
+        return len(a) == len(b) and all(map(alike, a, b))
+    return a == b
+
+
 def describe(space):
     kind = kind_of(space)
     if kind == "Box":
-        return {"kind": kind, "low": space.low, "high": space.high}
+        return {"kind": kind, "low": bounds(space.low), "high": bounds(space.high), "shape": [int(length) for length in space.shape]}
     if kind == "Discrete":
         return {"kind": kind, "n": int(space.n), "start": int(getattr(space, "start", 0))}
     if kind == "MultiDiscrete":
@@ -231,19 +290,35 @@ def describe(space):
     return {"kind": kind, "spaces": [describe(member) for member in space.spaces]}
 
 
+def numbers_of(space, value):
+    """An array as an element of a space: of the space's type and shape."""
+    given = np.asarray(value)
+    if given.dtype.kind not in "biuf":
+        raise NoForm(f"it holds {given.dtype}, and the space {np.dtype(space.dtype)}")
+    numbers = np.asarray(given, space.dtype)
+    if numbers.dtype.kind in "iu" and given.dtype != numbers.dtype and not np.array_equal(numbers, given):
+        raise NoForm(f"it holds numbers that are no {numbers.dtype}")
+    if numbers.shape != space.shape:
+        raise Refused(f"an observation has the shape {numbers.shape} and its space the shape {space.shape}")
+    return numbers
+
+
 def element(out, space, kind, value):
     """Writes an element of a space in the type that the space names."""
     if kind == "Box" or kind == "MultiDiscrete" or kind == "MultiBinary":
-        value = np.asarray(value, space.dtype)
-        if value.shape != space.shape:
-            raise Refused(f"an observation has the shape {value.shape} and its space the shape {space.shape}")
-        array(out, value)
+        array(out, numbers_of(space, value))
     elif kind == "Discrete":
+        if int(value) != value:
+            raise NoForm("it is no whole number")
         integer(out, value)
     elif kind == "Text" or kind == "AnyText":
+        if not isinstance(value, str):
+            raise NoForm(f"it is of type {type(value).__name__} and no text")
         out.append(TEXT)
-        text(out, str(value))
+        text(out, value)
     elif kind == "Tuple":
+        if len(value) != len(space.spaces):
+            raise NoForm(f"it has {len(value)} members, and the space {len(space.spaces)}")
         out.append(TUPLE)
         out += U32.pack(len(space.spaces))
         for member, item in zip(space.spaces, value):
@@ -265,8 +340,11 @@ def element(out, space, kind, value):
                 element(out, space.feature_space, feature, item)
     elif kind == "Graph":
         out.append(GRAPH)
-        for part in (value.nodes, value.edges, value.edge_links):
-            plain(out, part)
+        if value.nodes is None:
+            raise NoForm("it has no nodes")
+        array(out, np.asarray(value.nodes, space.node_space.dtype))
+        for part in (value.edges, value.edge_links):
+            plain(out, part if part is None else np.asarray(part))
     else:
         index, item = value
         out.append(ONE_OF)
@@ -360,7 +438,13 @@ def flag_of(name, value):
 class Server:
     def __init__(self):
         self.env = None
-        self.spaces = None
+        self.spaces = self.made = None  # as they were told last, and first
+        self.is_asked = False
+
+    def interrupt(self, number, frame):
+        """What Ctrl+C does, which reaches this process too: it interrupts the environment, not the wait for a request."""
+        if self.is_asked:
+            raise KeyboardInterrupt
 
     def look(self):
         """The spaces as they are now; highway-env makes its own anew in each reset."""
@@ -384,29 +468,28 @@ class Server:
         self.describe(out, backend)
 
     def describe(self, out, backend=None):
-        self.spaces = self.look()
+        self.spaces = self.made = self.look()
         metadata = self.env.metadata or {}
-        modes = [str(mode) for mode in metadata.get("render_modes") or []]
+        modes = metadata.get("render_modes")
+        modes = [str(mode) for mode in modes] if isinstance(modes, (list, tuple, set, frozenset)) else []
         about = {"name": type(self.env.unwrapped).__name__, "spaces": self.spaces, "render_modes": modes}
-        fps = metadata.get("render_fps")
-        about["render_fps"] = int(fps) if fps else 30
+        fps = single(metadata.get("render_fps"))
+        about["render_fps"] = int(fps) if fps and 1 <= fps <= 1000 else 30
         plain(out, about)
 
     def reset(self, out, seed, options):
         keywords = {"seed": None if seed is None else int(seed)}
         if options:
             keywords["options"] = options
-        observation, info = self.env.reset(**keywords)
+        result = self.env.reset(**keywords)
+        if not isinstance(result, (tuple, list)) or len(result) != 2:
+            raise Refused(f"`reset` returned {shortened(repr, result)}: it must return observation and info")
+        observation, info = result
         spaces = self.look()
-        changed = bytearray()
-        plain(changed, spaces)
-        before = bytearray()
-        plain(before, self.spaces)
+        # those that the other side did not take are told again
+        are_known = alike(spaces, self.spaces) and alike(spaces, self.made)
+        plain(out, None if are_known else spaces)
         self.spaces = spaces
-        if changed != before:
-            out += changed
-        else:
-            out.append(NULL)
         self.observed(out, observation)
         self.told(out, info)
 
@@ -422,7 +505,10 @@ class Server:
     def told(self, out, info):
         if not isinstance(info, dict):
             raise Refused(f"the info is {shortened(repr, info)} of type {type(info).__name__}: it must be a dict")
-        plain(out, info)
+        try:
+            plain(out, info)
+        except Exception as error:
+            raise Refused(f"the info {shortened(repr, info)} cannot be read: {shortened(str, error)}") from None
 
     def step(self, out, action):
         result = self.env.step(action_of(self.action_space, action))
@@ -441,7 +527,10 @@ class Server:
             picture = picture.getvalue()  # StringIO
         if isinstance(picture, list):
             picture = picture[-1] if picture else None
-        plain(out, picture if picture is None or isinstance(picture, str) else np.asarray(picture))
+        try:
+            plain(out, picture if picture is None or isinstance(picture, str) else np.asarray(picture))
+        except Exception as error:
+            raise Refused(f"`render` returned {shortened(repr, picture)}: {shortened(str, error)}") from None
 
     def pickler(self):
         import pickle
@@ -469,7 +558,8 @@ class Server:
         self.describe(out)
 
     def answer(self, request):
-        reader, out = Reader(request), bytearray(b"\0")
+        self.is_asked = True
+        reader, out = Reader(request), Frame(0)
         operation = reader.take(1)[0]
         if operation == STEP:
             self.step(out, reader.value())
@@ -485,12 +575,14 @@ class Server:
             self.load(out, reader.value(), reader.value())
         elif operation == CLOSE and self.env is not None:
             self.env.close()
+        if out.size() > LONGEST:
+            raise Refused(f"the reply has {out.size()} bytes: at most {LONGEST} bytes come from a worker at once")
         return out
 
 
 def failure(error):
     """The exception as a reply: its type, its message, and the line that raised it."""
-    out = bytearray(b"\1")
+    out = Frame(1)
     place = None
     if not isinstance(error, Refused):
         frames = error.__traceback__
@@ -502,11 +594,21 @@ def failure(error):
     return out
 
 
+def flush():
+    """What the environment printed; its streams may be closed or replaced."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except Exception:
+            pass
+
+
 def main():
     requests, replies = take_pipes()
     threading.Thread(target=watch, args=(requests,), daemon=True).start()
     global np
     server = Server()
+    signal.signal(signal.SIGINT, server.interrupt)
     while True:
         request = read_exactly(requests, U32.unpack(read_exactly(requests, 4))[0])
         try:
@@ -517,12 +619,17 @@ def main():
                 os._exit(3)
             out = server.answer(request)
         except SystemExit as error:
-            out = failure(RuntimeError(f"the environment called sys.exit({error.code!r})"))
+            out = failure(RuntimeError(f"the environment called sys.exit({shortened(repr, error.code)})"))
         except BaseException as error:  # KeyboardInterrupt and GeneratorExit, too
             out = failure(error)
-        write_all(replies, U32.pack(len(out)) + out)
+        finally:
+            server.is_asked = False
+        for part in out.parts():
+            write_all(replies, part)
         if request[0] == CLOSE:
+            flush()
             os._exit(0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,6 +1,6 @@
 //! The Python process of an environment, and its requests.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::process::{Child, Command, Stdio};
@@ -14,8 +14,10 @@ use crate::wire::{Reader, write};
 
 /// What the worker runs.
 const SCRIPT: &str = include_str!("worker.py");
-/// A reply longer than this is not one.
-const LONGEST: usize = 1 << 30; // bytes
+/// The longest frame, of a request or a reply, as in `worker.py`.
+const LONGEST: u32 = 1 << 30; // bytes
+/// How much is read at once: large, because an array is read in parts of this size.
+const BUFFER: usize = 1 << 18; // bytes
 
 /// The requests to a worker, with the numbers in `worker.py`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,15 +46,23 @@ impl Request {
     }
 }
 
+/// A reply, in reading.
+pub(crate) type Reply<'a> = Reader<'a, BufReader<UnixStream>>;
+
+/// A reply of one value.
+pub(crate) fn value(reply: &mut Reply<'_>) -> Option<Value> {
+    reply.value()
+}
+
 /// A Python process that serves one environment. It ends when this is dropped, or when this process ends.
 #[derive(Debug)]
 pub(crate) struct Worker {
     child: Child,
-    pipe: UnixStream,
+    pipe: BufReader<UnixStream>,
     /// The environment, for messages.
     name: String,
-    /// The bytes of the last request, then of the last reply.
-    frame: Vec<u8>,
+    /// The bytes of the last request.
+    request: Vec<u8>,
     timeout: Duration,
     /// How it ended, once it has.
     ended: Option<String>,
@@ -79,45 +89,74 @@ impl Worker {
         let mut command = Command::new(&python);
         command.args(["-c", SCRIPT]).stdin(Stdio::from(requests)).stdout(Stdio::from(replies));
         let child = command.spawn().map_err(|error| cannot(&error))?;
-        let (name, frame) = (name.to_owned(), Vec::new());
-        Ok(Self { child, pipe, name, frame, timeout: config.timeout(), ended: None })
+        let (name, request) = (name.to_owned(), Vec::new());
+        let pipe = BufReader::with_capacity(BUFFER, pipe);
+        Ok(Self { child, pipe, name, request, timeout: config.timeout(), ended: None })
     }
 
-    /// Asks, and waits for the reply.
+    /// Asks, and reads the reply while it comes.
     ///
     /// # Errors
     /// Python's exception, the worker's exit status, or a timeout.
-    pub(crate) fn ask(&mut self, request: Request, values: &[&Value]) -> Result<Reader<'_>> {
+    pub(crate) fn ask<T>(
+        &mut self,
+        request: Request,
+        values: &[&Value],
+        read: impl FnOnce(&mut Reply<'_>) -> Option<T>,
+    ) -> Result<T> {
         if let Some(how) = &self.ended {
             return Err(Error::custom(how.clone()));
         }
-        self.frame.clear();
-        self.frame.extend([0; 4]);
-        self.frame.push(request as u8);
-        values.iter().for_each(|value| write(value, &mut self.frame));
-        let length = u32::try_from(self.frame.len() - 4).unwrap_or(u32::MAX);
-        self.frame[..4].copy_from_slice(&length.to_le_bytes());
-        if let Err(error) = self.pipe.write_all(&self.frame).and_then(|()| self.receive()) {
-            return Err(self.end(request, &error));
-        }
-        let mut reader = Reader::new(&self.frame);
-        match reader.byte() {
-            Some(0) => Ok(reader),
-            Some(1) => Err(exception(&self.name, request, reader.value().as_ref())),
-            _ => Err(malformed(&self.name, request)),
+        self.write(request, values)?;
+        let sent = self.pipe.get_mut().write_all(&self.request);
+        // what large arrays need of it is returned
+        self.request.shrink_to(BUFFER);
+        let length = sent.and_then(|()| self.length());
+        let length = length.map_err(|error| self.end(request, &error))?;
+        let mut reply = Reader::new(&mut self.pipe, length.into());
+        let told = match reply.byte() {
+            Some(0) => read(&mut reply).map(Ok),
+            Some(1) => reply.value().map(Err),
+            _ => None,
+        };
+        let is_done = reply.is_done();
+        match (told, reply.into_failure()) {
+            (Some(Ok(value)), _) if is_done => Ok(value),
+            (Some(Err(told)), _) if is_done => Err(exception(&self.name, request, &told)),
+            (_, Some(error)) => Err(self.end(request, &error)),
+            _ => Err(self.end(request, &io::Error::new(ErrorKind::InvalidData, "its reply is invalid"))),
         }
     }
 
-    /// Reads a whole reply into the frame.
-    fn receive(&mut self) -> io::Result<()> {
+    /// Writes a frame with a request.
+    fn write(&mut self, request: Request, values: &[&Value]) -> Result<()> {
+        self.request.clear();
+        self.request.extend([0; 4]);
+        self.request.push(request as u8);
+        values.iter().for_each(|value| write(value, &mut self.request));
+        let length = self.request.len() - 4;
+        match u32::try_from(length) {
+            Ok(fitting) if fitting <= LONGEST => {
+                self.request[..4].copy_from_slice(&fitting.to_le_bytes());
+                Ok(())
+            }
+            _ => Err(Error::custom(format!(
+                "`{}` cannot be asked to `{}` with {length} bytes: at most {LONGEST} bytes go to a worker at once",
+                self.name,
+                request.name()
+            ))),
+        }
+    }
+
+    /// Reads the length of a reply.
+    fn length(&mut self) -> io::Result<u32> {
         let mut length = [0; 4];
         self.pipe.read_exact(&mut length)?;
-        let length = u32::from_le_bytes(length) as usize;
+        let length = u32::from_le_bytes(length);
         if length > LONGEST {
-            return Err(io::Error::new(ErrorKind::InvalidData, "the reply has no valid length"));
+            return Err(io::Error::new(ErrorKind::InvalidData, "its reply has no valid length"));
         }
-        self.frame.resize(length, 0);
-        self.pipe.read_exact(&mut self.frame)
+        Ok(length)
     }
 
     /// Ends the worker after a failure of the pipe, and returns the cause.
@@ -126,13 +165,17 @@ impl Worker {
         let how = match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                 let seconds = self.timeout.as_secs_f64();
+                let hint = match request {
+                    Request::Close => "",
+                    _ => ": make the environment anew, with a longer `timeout` if it needs one",
+                };
                 format!(
-                    "the worker of `{name}` did not answer `{asked}` within {seconds} s and was ended: make the environment \
-                     anew, with a longer `timeout` if it needs one"
+                    "the worker of `{name}` did not answer `{asked}` within {seconds} s and was ended{hint}"
                 )
             }
             _ => {
-                let status = self.wait(Duration::from_secs(1));
+                let is_alive = error.kind() == ErrorKind::InvalidData;
+                let status = if is_alive { None } else { self.wait(Duration::from_secs(1)) };
                 let status = status.map_or_else(|| error.to_string(), |status| status.to_string());
                 format!(
                     "the worker of `{name}` ended during `{asked}` ({status}): standard error has its messages; make the \
@@ -171,8 +214,9 @@ impl Drop for Worker {
         }
         // Give the worker time to finish videos, but do not wait for one that hangs.
         let goodbye = Duration::from_secs(2);
-        let asked = match self.pipe.set_read_timeout(Some(goodbye)) {
-            Ok(()) => self.ask(Request::Close, &[]).map(|_| ()),
+        self.timeout = goodbye.min(self.timeout);
+        let asked = match self.pipe.get_ref().set_read_timeout(Some(self.timeout)) {
+            Ok(()) => self.ask(Request::Close, &[], |_| Some(())),
             Err(error) => Err(Error::custom(error.to_string())),
         };
         if let Err(error) = &asked {
@@ -185,19 +229,16 @@ impl Drop for Worker {
     }
 }
 
-/// Bytes that the script does not write.
-pub(crate) fn malformed(name: &str, request: Request) -> Error {
-    Error::custom(format!("the worker of `{name}` sent an invalid reply to `{}`", request.name()))
-}
-
 /// What Python raised.
-fn exception(name: &str, request: Request, told: Option<&Value>) -> Error {
-    let text = |key: &str| told.and_then(|told| told.get(key)?.as_text());
-    let message = text("message").unwrap_or("no message");
-    Error::custom(match (text("type"), text("place")) {
-        (Some(kind), Some(place)) => {
-            format!("`{name}` raised {kind} in `{}`: {message} ({place})", request.name())
-        }
-        _ => format!("`{name}` cannot be run: {message}"),
+fn exception(name: &str, request: Request, told: &Value) -> Error {
+    let text = |key: &str| told.get(key)?.as_text();
+    let message = text("message").filter(|message| !message.is_empty());
+    let message = message.map(|message| format!(": {message}")).unwrap_or_default();
+    let place = text("place").map(|place| format!(" ({place})")).unwrap_or_default();
+    let call = request.name();
+    Error::custom(match (text("type"), request) {
+        (Some(kind), _) => format!("`{name}` raised {kind} in `{call}`{message}{place}"),
+        (None, Request::Make | Request::Load) => format!("`{name}` cannot be run{message}"),
+        (None, _) => format!("`{name}` failed in `{call}`{message}"),
     })
 }

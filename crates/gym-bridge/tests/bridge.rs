@@ -171,10 +171,19 @@ fn what_goes_wrong_in_python_is_an_error() {
     );
     assert!(env.step(&Value::Int(4)).unwrap_err().to_string().contains("sys.exit(1)"));
     assert_eq!(env.step(&Value::Int(0)).unwrap().observation, Value::Int(0), "after an exception it goes on");
-    let grown = env.reset(Reset::default().option("grow", true)).unwrap_err().to_string();
+    for _ in 0..2 {
+        let grown = env.reset(Reset::default().option("grow", true)).unwrap_err().to_string();
+        assert!(
+            grown.contains("Box(0.0, 1.0, (3,), float32)") && grown.contains("and were Discrete(2)"),
+            "{grown}"
+        );
+    }
+    let long = bridge("bridge/Large-v0").arg("module", MODULE);
+    let long = long.arg("make_kwargs", serde_json::json!({"mebibytes": 1, "dtype": "longdouble"})).build();
+    let long = long.unwrap_err().to_string();
     assert!(
-        grown.contains("Box(0.0, 1.0, (3,), float32)") && grown.contains("and were Discrete(2)"),
-        "{grown}"
+        long.contains("a box of float128 has no counterpart") || long.contains("a box of longdouble"),
+        "{long}"
     );
 
     for (action, expected) in [(2, "exit status: 7"), (5, "signal: 11")] {
@@ -205,16 +214,129 @@ fn odd_results_are_named_and_the_worker_lives() {
         "raised GeneratorExit in `step`",
         "raised Mute in `step`: (a Mute whose str fails with RuntimeError)",
         "... (5000000 characters)",
+        "raised KeyboardInterrupt in `step`",
+        "the environment called sys.exit(Mute())",
+        "the observation 1 is no element of",
+        "the reply has 1073",
     ];
     for (action, expected) in (0..).zip(said) {
         let error = env.step(&Value::Int(action)).unwrap_err().to_string();
         assert!(error.contains(expected) && error.len() < 3000, "{error}");
     }
+    // Ctrl+C between two requests
+    let interrupt = Command::new("kill").args(["-INT", &pid(&env).to_string()]).status().unwrap();
+    assert!(interrupt.success());
+    assert!(env.step(&Value::Int(13)).is_ok(), "an entry without a name is left out");
+    assert!(env.info_map().is_empty());
     // the space drew for the environment alone: this is the second number of its seed
-    let step = env.step(&Value::Int(9)).unwrap();
+    let step = env.step(&Value::Int(14)).unwrap();
     assert_eq!((step.reward, step.terminated, step.truncated), (0.5, true, false));
     assert_eq!(env.reset(0).unwrap(), first);
-    assert_eq!(env.step(&Value::Int(9)).unwrap().observation, step.observation);
+    assert_eq!(env.step(&Value::Int(14)).unwrap().observation, step.observation);
+    let error = env.reset(Reset::default().option("alone", true)).unwrap_err().to_string();
+    assert!(error.contains("`reset` returned 'alone': it must return observation and info"), "{error}");
+}
+
+#[test]
+fn observations_beyond_their_space_are_named() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for (kind, count) in
+        [("Discrete", 3), ("Box", 7), ("Text", 2), ("Tuple", 3), ("Dict", 3), ("Graph", 2), ("OneOf", 3)]
+    {
+        let env = bridge("bridge/Observes-v0").arg("module", MODULE);
+        let mut env = env.arg("make_kwargs", serde_json::json!({"kind": kind})).build().unwrap();
+        env.reset(0).unwrap();
+        for action in 0..count {
+            let error = env.step(&Value::Int(action)).expect_err(kind).to_string();
+            let is_named =
+                error.contains("is no element of") || error.contains("an observation has the shape");
+            assert!(is_named && !error.contains("raised"), "{kind} {action}: {error}");
+        }
+    }
+}
+
+/// What goes wrong in a drop is told on standard error, which another process of this test shows.
+#[test]
+fn what_goes_wrong_at_the_end_is_told() {
+    const HANGS: &str = "GYM_BRIDGE_TEST_HANGS";
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    if let Ok(hangs) = std::env::var(HANGS) {
+        let env = bridge("bridge/Odd-v0").arg("module", MODULE);
+        drop(env.arg("make_kwargs", serde_json::json!({"hangs": hangs == "true"})).build().unwrap());
+        return;
+    }
+    for (hangs, told) in [
+        ("false", "raised OSError in `close`: it does not close"),
+        ("true", "did not answer `close` within 2 s and was ended\n"),
+    ] {
+        let output = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "what_goes_wrong_at_the_end_is_told", "--nocapture"])
+            .env(HANGS, hangs)
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && stderr.contains(told), "{stderr}");
+    }
+}
+
+/// A picture goes from its array to the pipe, and the bounds of one are told by one number.
+#[test]
+fn large_arrays_are_not_copied_in_the_worker() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let check = r#"
+import sys
+worker = {"__name__": "worker"}
+exec(sys.argv[1], worker)
+import numpy as np
+from gymnasium import spaces
+worker["np"] = np
+space = spaces.Box(0, 255, (1024, 1024, 3), np.uint8)
+server, Frame = worker["Server"](), worker["Frame"]
+for picture in np.zeros((1024, 1024, 3), np.uint8), np.zeros((1024, 1024, 3), np.uint8)[::-1]:
+    out = Frame(0)
+    worker["element"](out, space, "Box", picture)
+    worker["plain"](out, {"picture": picture, "left out": [picture, object()], "n": 1})
+    parts = list(out.parts())
+    memory = [len(part) for part in parts if isinstance(part, memoryview)]
+    assert memory == [picture.nbytes] * 2 and sum(map(len, parts)) - sum(memory) < 100, memory
+    assert sum(map(len, parts)) == 4 + int.from_bytes(parts[0][:4], "little")
+    if picture.flags.c_contiguous:
+        views = [np.frombuffer(part, np.uint8) for part in parts if isinstance(part, memoryview)]
+        assert all(np.shares_memory(view, picture) for view in views)
+out = Frame(0)
+worker["plain"](out, worker["describe"](space))
+assert out.size() < 200, out.size()
+"#;
+    let script = include_str!("../src/worker.py");
+    let output = Command::new(python()).args(["-c", check, script]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn large_observations_arrive_whole() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for (dtype, bytes) in [("uint8", 1), ("float32", 4), ("float16", 2)] {
+        let env = bridge("bridge/Large-v0").arg("module", MODULE);
+        let kwargs = serde_json::json!({"mebibytes": 3, "dtype": dtype});
+        let mut env = env.arg("make_kwargs", kwargs).build().unwrap();
+        let mut observation = env.reset(0).unwrap();
+        for step in 1..=3 {
+            env.step_into(&Value::Int(0), &mut observation).unwrap();
+            let array = observation.as_array().unwrap();
+            assert_eq!(array.shape(), [3, 1024, 1024 / bytes]);
+            let mut numbers = array.iter_f64();
+            assert_eq!(numbers.next(), Some(7.0 + f64::from(step)));
+            assert!(numbers.all(|x| x == 7.0));
+        }
+    }
 }
 
 #[test]

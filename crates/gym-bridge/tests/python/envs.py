@@ -1,5 +1,6 @@
 """Environments for the tests of the bridge: one of every kind of space, and some that misbehave."""
 import os
+import signal
 import time
 
 import gymnasium
@@ -99,12 +100,18 @@ class Odd(gymnasium.Env):
         "exit": lambda self: self.throw(GeneratorExit()),
         "mute": lambda self: self.throw(Mute()),
         "long": lambda self: self.throw(ValueError("x" * 5_000_000)),
+        "signal": lambda self: os.kill(os.getpid(), signal.SIGINT),
+        "exit code": lambda self: self.throw(SystemExit(Mute())),
+        "observation": lambda self: (1, 0.0, False, False, {}),
+        "much": lambda self: ("1", 0.0, False, False, {"much": np.zeros(1 << 30, np.uint8)}),
+        "info keys": lambda self: ("1", 0.0, False, False, {Mute(): 1}),
         "fine": lambda self: (self.observation_space.sample(), np.array([0.5]), np.int64(1), 0, {}),
     }
     action_space = spaces.Discrete(len(STEPS))
 
-    def __init__(self):
+    def __init__(self, hangs=False):
         self.observation_space = Whim()
+        self.hangs = hangs
 
     def throw(self, error):
         raise error
@@ -112,12 +119,14 @@ class Odd(gymnasium.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self.observation_space.seed(3)
-        return self.observation_space.sample(), {}
+        return "alone" if options else (self.observation_space.sample(), {"pid": os.getpid()})
 
     def step(self, action):
         return list(self.STEPS.values())[action](self)
 
     def close(self):
+        if self.hangs:
+            time.sleep(3600)
         raise OSError("it does not close")
 
 
@@ -136,7 +145,55 @@ class Half(gymnasium.Env):
         return np.asarray(action, np.float16), 0.0, False, False, {"type": str(np.asarray(action).dtype), "kind": type(action).__name__}
 
 
+class Observes(gymnasium.Env):
+    """Observes the elements that it is told, be they elements of its space or not."""
+
+    OBSERVATIONS = {
+        "Discrete": (spaces.Discrete(3), [1.5, "1", None]),
+        "Box": (spaces.Box(0, 9, (2,), np.uint8), [[0.5, 1], ["1", "2"], [300, 0], [1, 2, 3], None, [None, 1], [1j, 0]]),
+        "Text": (spaces.Text(5), [5, b"x"]),
+        "Tuple": (spaces.Tuple((spaces.Discrete(2), spaces.Discrete(2))), [(1,), (1, 1, 1), 1]),
+        "Dict": (spaces.Dict({"a": spaces.Discrete(2)}), [{}, {"a": "x"}, [1]]),
+        "Graph": (SPACES["graph"], [None, spaces.GraphInstance(None, None, None)]),
+        "OneOf": (SPACES["one_of"], [(2, 1), (-3, 1), 0]),
+    }
+
+    def __init__(self, kind):
+        self.observation_space, self.bad = self.OBSERVATIONS[kind]
+        self.action_space = spaces.Discrete(len(self.bad))
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return self.observation_space.sample(), {}
+
+    def step(self, action):
+        return self.bad[action], 0.0, False, False, {}
+
+
+gymnasium.register("bridge/Observes-v0", Observes)
 gymnasium.register("bridge/Odd-v0", Odd)
 gymnasium.register("bridge/Half-v0", Half)
 gymnasium.register("bridge/Echo-v0", Echo)
 gymnasium.register("bridge/Bad-v0", Bad)
+
+
+class Large(gymnasium.Env):
+    """Observes as many bytes as it is told."""
+
+    action_space = spaces.Discrete(2)
+
+    def __init__(self, mebibytes=32, dtype="uint8"):
+        dtype = np.dtype(dtype)
+        shape = (mebibytes, 1024, 1024 // dtype.itemsize)
+        self.observation_space = spaces.Box(0, 255, shape, dtype)
+        self.frame = np.full(shape, 7, dtype)
+
+    def reset(self, *, seed=None, options=None):
+        return self.frame, {}
+
+    def step(self, action):
+        self.frame[0, 0, 0] += 1
+        return self.frame, 0.0, False, False, {}
+
+
+gymnasium.register("bridge/Large-v0", Large)

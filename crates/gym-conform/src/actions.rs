@@ -34,6 +34,7 @@ pub(crate) fn validated(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
+    subject.repeatable()?;
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
         let space = env.action_space();

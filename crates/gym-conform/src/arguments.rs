@@ -22,9 +22,7 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
 /// Each bool and number among the arguments changes something, if only together with another.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
-    if subject.is_nondeterministic() {
-        return skipped("it is registered as nondeterministic");
-    }
+    subject.repeatable()?;
     let mut search = Search::new(subject, surroundings(&spec, &kwargs))?;
     for (name, value) in &kwargs {
         let others = others(value);

@@ -41,7 +41,7 @@ macro_rules! warning {
 /// What an episode rests on.
 const EPISODES: [&str; 2] = ["resets", "action-accepted"];
 /// What a comparison of episodes rests on.
-const REPEATABLE: [&str; 2] = ["same-seed-same-episode", "reset-forgets"];
+pub(crate) const REPEATABLE: [&str; 2] = ["same-seed-same-episode", "reset-forgets"];
 
 /// Every rule, in the order in which they are checked.
 pub const CHECKS: &[Check] = &[

@@ -2,7 +2,8 @@
 
 use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken};
-use gym_core::{EnvExt, Error};
+use gym_core::wrappers::TimeLimit;
+use gym_core::{BoxEnv, EnvExt, Error};
 
 pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
@@ -19,10 +20,14 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     /// Longer episodes are not played to their end.
     const MAX_STEPS: u32 = 2000;
     let spec = subject.spec.as_ref();
-    let limit = spec.and_then(|spec| spec.max_episode_steps);
+    let mut env = subject.make()?;
+    // a stack around an environment without a registration has no spec, and perhaps a limit
+    let limit = match spec {
+        Some(spec) => spec.max_episode_steps,
+        None => env.wrapper::<TimeLimit<BoxEnv>>().map(TimeLimit::max_episode_steps),
+    };
     // a wrapper may truncate for reasons of its own
     let is_bare = spec.is_some_and(|spec| spec.additional_wrappers.is_empty());
-    let mut env = subject.make()?;
     for seed in SEEDS {
         let mut actions = env.action_sampler(seed)?;
         env.reset(seed)?;

@@ -63,9 +63,7 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let examples = examples(subject)?;
     let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
-    if subject.is_nondeterministic() {
-        return skipped("it is registered as nondeterministic");
-    }
+    subject.repeatable()?;
     let mut search = Search::new(subject, surroundings(&spec, &kwargs))?;
     for (name, example) in examples {
         let tried = [vec![example.clone()], others(&example)].concat();

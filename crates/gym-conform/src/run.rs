@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
 
-use crate::checks::{CHECKS, Check};
+use crate::checks::{CHECKS, Check, REPEATABLE};
 use crate::finding::{Finding, Severity};
 use crate::report::{Excused, Report, Skipped};
 use crate::subject::Subject;
@@ -118,8 +118,10 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // a check without a finding does not block others
-                    passed.push(check.name);
+                    // a check without a finding does not block others, but where chance decides there is nothing to compare
+                    if !(REPEATABLE.contains(&check.name) && subject.is_nondeterministic()) {
+                        passed.push(check.name);
+                    }
                     skipped.push(Skipped { check: check.name, reason });
                     continue;
                 }

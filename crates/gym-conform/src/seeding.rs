@@ -25,9 +25,7 @@ pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
-    if subject.is_nondeterministic() {
-        return skipped("it is registered as nondeterministic");
-    }
+    subject.repeatable()?;
     let roll = |seed| roll_out(&mut subject.make()?, seed, STEPS);
     SEEDS.into_iter().try_for_each(|seed| {
         same(&roll(seed)?, &roll(seed)?, "a second environment with the same seed and actions")?;
@@ -48,9 +46,7 @@ fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
 pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
     /// Resets before an episode that must be as the first.
     const MANY: u64 = 100;
-    if subject.is_nondeterministic() {
-        return skipped("it is registered as nondeterministic");
-    }
+    subject.repeatable()?;
     let mut env = subject.make()?;
     for seed in SEEDS {
         let first = roll_out(&mut env, seed, STEPS)?;
@@ -177,6 +173,7 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
+    subject.repeatable()?;
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
         return skipped("nothing about it is random");

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use crate::damaged::Damaged;
 use crate::long::LongRuns;
-use crate::verdict::{Trouble, Verdict, broken};
+use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::{
     BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step, Value,
     registry,
@@ -163,6 +163,11 @@ impl<'a> Subject<'a> {
     /// Whether the same seed may give different episodes.
     pub(crate) fn is_nondeterministic(&self) -> bool {
         self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
+    }
+
+    /// Skips a comparison where the same seed may give different episodes.
+    pub(crate) fn repeatable(&self) -> Verdict {
+        if self.is_nondeterministic() { skipped("it is registered as nondeterministic") } else { Ok(()) }
     }
 }
 

@@ -20,7 +20,7 @@ use crate::twisted::{Mind, Twist, Twisted as Of};
 
 /// Writes twists, and registers a walk with each under the name of the check that must find it.
 macro_rules! twists {
-    ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($argument:expr))* { $($item:item)* })*) => {$(
+    ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($($argument:expr)?))* { $($item:item)* })*) => {$(
         #[doc = concat!("`", $name, "`")]
         #[derive(Debug)]
         pub(crate) struct $Twist;
@@ -35,7 +35,7 @@ macro_rules! twists {
             Registration::new::<Of<$Twist>>(concat!("broken/", $name, "-v0"))
                 .description("Walk from the middle to either end.")
                 .max_episode_steps(12)
-                $(.$method($argument))*
+                $(.$method($($argument)?))*
         );
     )*};
     (@) => { gym_core::NoArguments };
@@ -158,6 +158,26 @@ twists! {
 
 // how episodes begin, what they show and what they take
 twists! {
+    "no-panic.argument" PanicsWithoutSize (Number) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            assert!(env.arguments.number.abs() > 1e-3, "no size");
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+    }
+
+    "no-panic.idle" PanicsWithoutPush {
+        fn action_space(_: &Of<Self>) -> Space {
+            Space::boxed([-1.0], [1.0])
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let x = numbers::<_, 1>(env, action)?[0];
+            assert!(x != 0.0, "neither way");
+            env.walk.step_into(&Value::Int((x > 0.0).into()), observation)
+        }
+    }
+
     "resets.without-a-seed" NeedsASeed {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             if reset.seed.is_none() && !env.mind.is_begun {
@@ -197,6 +217,18 @@ twists! {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let cut = |seed: &Seed| Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 48)));
             env.walk.reset_into(&Reset { seed: reset.seed.as_ref().map(cut), ..reset.clone() }, observation)
+        }
+    }
+
+    "other-seed-other-episode.first-without-a-seed" BeginsWithZero {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let seed = reset.seed.clone().or_else(|| (!env.mind.is_begun).then(|| Seed::from(0)));
+            env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.mind.is_begun = !snapshot.get::<Json>()?.is_null();
+            env.walk.restore(snapshot)
         }
     }
 
@@ -242,6 +274,14 @@ twists! {
     "info-without-nan" TellsNaN {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             visit("mean", Value::Float(if env.walk.steps() > 3 { f64::NAN } else { 0.0 }));
+        }
+    }
+
+    "info-without-nan.within" TellsNaNAmongNumbers {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            let mean = if env.walk.steps() > 3 { f64::NAN } else { 0.0 };
+            let means = Value::Tuple(vec![Value::Float(1.0), [1.0, mean].into()]);
+            visit("means", Value::Dict(vec![("count".into(), Value::Int(2)), ("of".into(), means)]));
         }
     }
 
@@ -635,6 +675,33 @@ twists! {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
             Ok(Outcome { reward: outcome.reward * env.arguments.number.as_f64().unwrap_or(1.0), ..outcome })
+        }
+    }
+
+    // says that it is, so that nothing is compared
+    // takes no seed, and says so
+    "none.by-chance" ByChance (Number), reset_options(&[("start", "0.25")]), nondeterministic() {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(&Reset { seed: None, ..reset.clone() }, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+    }
+
+    "none.slow-with-a-large-seed" SlowWithALargeSeed (Number), reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if reset.seed.as_ref().is_some_and(|seed| seed.to_string().len() > 40) {
+                std::thread::sleep(std::time::Duration::from_millis(5100));
+            }
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
         }
     }
 

@@ -4,10 +4,12 @@
 //! - Commands that play are built with optimisation, and those that measure with all of it; `list`, `help` and `new` without
 //!   any, unless those that play are there.
 //! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for what asks for it.
-//! - `web` builds the gallery for the browser, and is part of this program.
+//! - `web` builds the gallery for the browser, and `python` writes a plugin's Python package: both are part of this program.
 //! - With `--plugin PATH` a program is built that links the crate in that folder.
 
+mod files;
 mod plugin;
+mod python;
 mod web;
 
 use std::env;
@@ -37,11 +39,12 @@ fn main() -> ExitCode {
 fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let (plugin, arguments) = take_plugin(arguments)?;
     // `help web`, as `help` has every other command
-    if matches!(&arguments[..], [help, web] if help == "help" && web == "web") {
-        return web::web(None, &["--help".into()]).map(|()| ExitCode::SUCCESS);
-    }
-    if arguments.first().is_some_and(|command| command == "web") {
-        return web::web(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
+    let arguments = match &arguments[..] {
+        [help, command] if help == "help" && own(command).is_some() => vec![command.clone(), "--help".into()],
+        _ => arguments,
+    };
+    if let Some(command) = arguments.first().and_then(|command| own(command)) {
+        return command(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
     }
     let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
     if build.is_first_demo && plugin.is_none() {
@@ -53,6 +56,17 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
         }
     }
     start(&build, plugin.as_deref(), &arguments)
+}
+
+/// A command that is part of this program.
+type Own = fn(Option<&Path>, &[OsString]) -> Result<(), String>;
+
+fn own(command: &OsStr) -> Option<Own> {
+    match command.to_str() {
+        Some("python") => Some(python::python),
+        Some("web") => Some(web::web),
+        _ => None,
+    }
 }
 
 /// Builds the commands, and runs the one that is asked for.

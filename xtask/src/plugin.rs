@@ -1,13 +1,12 @@
 //! Crates with environments of their own, outside of this workspace.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value as Json;
 
-use crate::{cargo, root};
+use crate::{cargo, files, root};
 
 /// A crate on disk.
 #[derive(Debug)]
@@ -92,6 +91,27 @@ impl Plugin {
         self.write(folder, ("lib.rs", &library), "gallery-of", &parts)
     }
 
+    /// Writes a Python package whose library links the plugin.
+    pub(crate) fn write_python(&self, folder: &Path) -> Result<(), String> {
+        let library = format!("use gym_python as _;\nuse {} as _;\n", self.krate);
+        let ours = root().join("crates").join("gym-python");
+        let parts = format!(
+            "[lib]\n\
+             crate-type = [\"cdylib\"]\n\
+             \n\
+             [dependencies]\n\
+             gym-python = {{ path = {ours:?} }}\n"
+        );
+        self.write(folder, ("lib.rs", &library), "python-of", &parts)?;
+        // nothing stays of an earlier version; a folder that cannot be removed fails to be written
+        let _ = fs::remove_dir_all(folder.join("python"));
+        // maturin packs no module from outside of the folder
+        for name in ["README.md", "LICENSE-APACHE", "LICENSE-MIT", "NOTICE.md", "pyproject.toml", "python"] {
+            files::copy(&ours.join(name), &folder.join(name))?;
+        }
+        Ok(())
+    }
+
     /// Writes a package of one source file.
     fn write(
         &self,
@@ -100,24 +120,19 @@ impl Plugin {
         prefix: &str,
         parts: &str,
     ) -> Result<(), String> {
-        let error_at = |path: &Path| {
-            let path = path.display().to_string();
-            move |error: io::Error| format!("{path}: {error}")
-        };
         let source = folder.join("src");
-        fs::create_dir_all(&source).map_err(error_at(&source))?;
+        files::create(&source)?;
         let manifest = self.manifest(prefix, parts, &our_crates()?, &our_profiles()?);
         for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
             // an unchanged file is not built again
-            if fs::read_to_string(&path).ok().as_deref() != Some(text) {
-                fs::write(&path, text).map_err(error_at(&path))?;
+            if files::text(&path).ok().as_deref() != Some(text) {
+                files::write(&path, text.as_bytes())?;
             }
         }
         let lock = folder.join("Cargo.lock");
         if !lock.exists() {
             // the versions that are there already
-            let known = root().join("Cargo.lock");
-            fs::copy(&known, &lock).map_err(error_at(&known))?;
+            files::copy(&root().join("Cargo.lock"), &lock)?;
         }
         Ok(())
     }
@@ -134,10 +149,11 @@ impl Plugin {
             };
             format!("\n[patch.{source:?}]\n{}", crates.iter().map(entry).collect::<String>())
         });
+        let version = concat!(env!("CARGO_PKG_VERSION"), "+").to_owned() + &name.replace('_', "-");
         format!(
             "[package]\n\
              name = \"{prefix}-{name}\"\n\
-             version = \"0.0.0\"\n\
+             version = \"{version}\"\n\
              edition = \"2024\"\n\
              publish = false\n\
              \n\
@@ -153,22 +169,14 @@ impl Plugin {
 
 /// The folders of this workspace's crates, by name.
 fn our_crates() -> Result<Vec<PathBuf>, String> {
-    let folder = root().join("crates");
-    let wrong = |error: io::Error| format!("{}: {error}", folder.display());
-    let entries = fs::read_dir(&folder).map_err(wrong)?;
-    let mut crates = entries
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<io::Result<Vec<_>>>()
-        .map_err(wrong)?;
+    let mut crates = files::list(&root().join("crates"))?;
     crates.retain(|folder| folder.join("Cargo.toml").exists());
-    crates.sort();
     Ok(crates)
 }
 
 /// The profiles of this workspace's manifest.
 fn our_profiles() -> Result<String, String> {
-    let manifest = root().join("Cargo.toml");
-    let text = fs::read_to_string(&manifest).map_err(|error| format!("{}: {error}", manifest.display()))?;
+    let text = files::text(&root().join("Cargo.toml"))?;
     let mut is_profile = false;
     let lines = text.lines().filter(|line| {
         if line.starts_with('[') {

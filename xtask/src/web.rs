@@ -4,7 +4,6 @@ mod serve;
 mod test;
 
 use std::ffi::{OsStr, OsString};
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,7 +14,7 @@ use flate2::write::GzEncoder;
 use serde_json::{Map, Value as Json, json};
 
 use crate::plugin::Plugin;
-use crate::{cargo, root, say, target_dir};
+use crate::{cargo, files, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const USAGE: &str = "\
@@ -88,7 +87,7 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     let single = if options.single { Some(page.in_one_file()?) } else { None };
     if let Some(text) = &single {
         let path = out.join("gallery.html");
-        write(&path, text.as_bytes())?;
+        files::write(&path, text.as_bytes())?;
         say(format_args!("{}: {} kB", path.display(), text.len() / 1000))?;
     }
     if options.test {
@@ -159,7 +158,7 @@ impl Page {
     fn read(module: &Path, docs: bool) -> Result<Self, String> {
         let mut files = Vec::new();
         for path in list(&root().join("crates/gym-web/page"))? {
-            files.push((file_name(&path), read(&path)?));
+            files.push((file_name(&path), files::read(&path)?));
         }
         let mut texts = Map::new();
         if docs {
@@ -167,13 +166,13 @@ impl Page {
                 if path.extension() == Some(OsStr::new("md"))
                     && path.file_stem() != Some(OsStr::new("README"))
                 {
-                    let text = String::from_utf8_lossy(&read(&path)?).into_owned();
+                    let text = String::from_utf8_lossy(&files::read(&path)?).into_owned();
                     texts.insert(file_name(&path).trim_end_matches(".md").to_owned(), text.into());
                 }
             }
         }
         files.push(("docs.json.gz".into(), gzip(Json::Object(texts).to_string().as_bytes())?));
-        files.push(("gym.wasm.gz".into(), gzip(&read(module)?)?));
+        files.push(("gym.wasm.gz".into(), gzip(&files::read(module)?)?));
         Ok(Self { files })
     }
 
@@ -182,8 +181,8 @@ impl Page {
     }
 
     fn write(&self, folder: &Path) -> Result<(), String> {
-        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        self.files.iter().try_for_each(|(name, bytes)| write(&folder.join(name), bytes))
+        files::create(folder)?;
+        self.files.iter().try_for_each(|(name, bytes)| files::write(&folder.join(name), bytes))
     }
 
     fn text(&self, name: &str) -> Result<&str, String> {
@@ -247,24 +246,15 @@ fn file_name(path: &Path) -> String {
 
 /// The files in a folder, in the order of their names.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let entries = fs::read_dir(folder).map_err(wrong)?;
-    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let mut paths = files::list(folder)?;
     paths.retain(|path| path.is_file());
-    paths.sort();
     Ok(paths)
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, String> {
-    fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn parse(line: &str) -> Result<Options, String> {

@@ -2,7 +2,7 @@
 
 use gym::Error;
 use gym::atari::ale::{Settings, State};
-use gym::atari::{Action, Ale as Game, palette};
+use gym::atari::{Action, Ale as Game};
 use numpy::{IxDyn, PyArray, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -152,16 +152,17 @@ impl Ale {
         self.with(py, |game| {
             let pixels = game.picture().as_flattened();
             let (rows, width) = (game.picture().len(), pixels.len() / game.picture().len());
+            let display = &game.game().display;
             match kind {
                 "rgb" => bytes(py, buffer, &[rows, width, 3], |out| {
                     for (rgb, index) in out.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
-                        *rgb = palette::RGB[usize::from(*index)];
+                        *rgb = display.rgb()[usize::from(*index)];
                     }
                 }),
                 "gray" => bytes(py, buffer, &[rows, width], |out| {
                     out.iter_mut()
                         .zip(pixels)
-                        .for_each(|(gray, index)| *gray = palette::GRAY[usize::from(*index)]);
+                        .for_each(|(gray, index)| *gray = display.gray()[usize::from(*index)]);
                 }),
                 _ => bytes(py, buffer, &[rows, width], |out| out.copy_from_slice(pixels)),
             }

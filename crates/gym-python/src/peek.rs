@@ -3,7 +3,7 @@
 use gym::toytext::tabular::Table;
 use gym::vector::VectorEnv;
 use gym::vector::native::NativeVectorEnv;
-use gym::{BoxEnv, EnvExt, Error, Result, Stateful, Task, classic, toytext};
+use gym::{BoxEnv, EnvExt, Error, Result, Stateful, box2d, classic, toytext};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -53,18 +53,21 @@ pub(crate) fn states(envs: &mut (dyn VectorEnv + 'static)) -> Option<Json> {
     states.into_iter().collect::<Option<_>>().map(Json::Array)
 }
 
-/// Calls `$f` with the environment as its own type, where constants of its equations can be set.
-macro_rules! of_constants {
+/// Calls `$f` with the environment as its own type, where arguments can be set.
+macro_rules! where_settable {
     ($env:expr, $unwrapped:ident, |$own:ident| $f:expr) => {
-        of_constants!($env, $unwrapped, |$own| $f,
-            cartpole::CartPoleDynamics
-            mountain_car::MountainCarDynamics
-            mountain_car_continuous::MountainCarContinuousDynamics
-            pendulum::PendulumDynamics
-            acrobot::AcrobotDynamics)
+        where_settable!($env, $unwrapped, |$own| $f,
+            Stateful<classic::cartpole::CartPoleDynamics>,
+            Stateful<classic::mountain_car::MountainCarDynamics>,
+            Stateful<classic::mountain_car_continuous::MountainCarContinuousDynamics>,
+            Stateful<classic::pendulum::PendulumDynamics>,
+            Stateful<classic::acrobot::AcrobotDynamics>,
+            box2d::LunarLander,
+            box2d::BipedalWalker,
+            box2d::CarRacing)
     };
-    ($env:expr, $unwrapped:ident, |$own:ident| $f:expr, $($module:ident::$dynamics:ident)*) => {$(
-        if let Some($own) = $env.$unwrapped::<Stateful<classic::$module::$dynamics>>() {
+    ($env:expr, $unwrapped:ident, |$own:ident| $f:expr, $($task:ty),*) => {$(
+        if let Some($own) = $env.$unwrapped::<$task>() {
             return $f;
         }
     )*};
@@ -72,13 +75,13 @@ macro_rules! of_constants {
 
 /// The arguments as they are, as JSON, where they can be set.
 pub(crate) fn arguments(env: &BoxEnv) -> Option<Json> {
-    of_constants!(env, unwrapped, |env| serde_json::to_value(env.dynamics().config()).ok());
+    where_settable!(env, unwrapped, |env| serde_json::to_value(env.config()).ok());
     None
 }
 
 /// Sets an argument, where that can be done.
 pub(crate) fn set_argument(env: &mut BoxEnv, name: &str, value: Json) -> Result<()> {
-    of_constants!(env, unwrapped_mut, |env| env.set_argument(name, value));
+    where_settable!(env, unwrapped_mut, |env| env.set_argument(name, value));
     Err(Error::custom("the arguments of this environment cannot be changed"))
 }
 

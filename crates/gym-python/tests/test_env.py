@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+import re
 from typing import Any
 
 import gymnasium
@@ -226,6 +227,50 @@ def test_constants_are_keywords_and_attributes_of_classes() -> None:
     assert rustgym.envs.AcrobotEnv.LINK_MASS_1 == 1.0 and Heavy().arguments["LINK_MASS_1"] == 2.0
 
 
+BOX2D: dict[str, dict[str, Any]] = {
+    "LunarLander-v3": {"gravity": -5.0, "enable_wind": True, "wind_power": 9.0, "turbulence_power": 0.4},
+    "BipedalWalker-v3": {"hardcore": True},
+    "CarRacing-v3": {"lap_complete_percent": 0.5, "domain_randomize": True},
+}
+
+
+@pytest.mark.parametrize("env_id", BOX2D)
+@pytest.mark.parametrize("peer", ["rustgym", "gymnasium"])
+def test_arguments_of_box2d_that_are_set_take_effect_with_the_next_reset(env_id: str, peer: str) -> None:
+    if peer == "gymnasium":
+        pytest.importorskip("Box2D")
+    arguments = BOX2D[env_id]
+    ours = rustgym.make(env_id).unwrapped
+    # Gymnasium's attributes, or our environment made with the arguments
+    theirs = gymnasium.make(env_id).unwrapped if peer == "gymnasium" else rustgym.make(env_id, **arguments).unwrapped
+    for env in (ours, theirs) if peer == "gymnasium" else (ours,):
+        env.reset(seed=1)
+        for name, value in arguments.items():
+            setattr(env, name, value)
+            assert getattr(env, name) == value
+    ours = copy.deepcopy(pickle.loads(pickle.dumps(ours)))
+    # the digits of CarRacing's score are drawn here
+    rows = slice(0, 84) if env_id == "CarRacing-v3" else slice(None)
+    # Gymnasium's first colours are of its constructor
+    assert peer == "gymnasium" or ours.reset(seed=3)[0].tobytes() == theirs.reset(seed=3)[0].tobytes()
+    if peer == "gymnasium":
+        assert (ours.reset(seed=3)[0][rows] == theirs.reset(seed=3)[0][rows]).all()
+    ours.action_space.seed(3)
+    for _ in range(40):
+        action = ours.action_space.sample()
+        mine, yours = ours.step(action), theirs.step(action)
+        assert (mine[0][rows] == yours[0][rows]).all() and mine[1:4] == yours[1:4]
+
+
+def test_what_decides_spaces_is_not_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
+    lander = rustgym.make("LunarLander-v3").unwrapped
+    with pytest.raises(ValueError, match="gravity is 3"):
+        lander.gravity = 3.0
+    with pytest.warns(UserWarning, match="setting it changes nothing"):
+        lander.continuous = True
+
+
 def test_unknown_ids() -> None:
     with pytest.raises(gymnasium.error.NameNotFound, match="did you mean `CartPole-v1`"):
         rustgym.Env("Cartpole-v1")
@@ -306,3 +351,25 @@ def test_closing_a_window_of_pygame(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.array_equal(env.step(1)[0], plain.step(1)[0])
     assert env.render() is None
     env.close()
+
+
+def test_options_that_no_json_holds_are_named() -> None:
+    endless: list[object] = []
+    endless.append(endless)
+    for value, wrong in ((float("nan"), "low is nan: every number must be finite$"), (endless, "low is .*: it must not contain itself$")):
+        with pytest.raises(ValueError, match=wrong):
+            rustgym.make("CartPole-v1").reset(options={"low": value})
+
+
+def test_no_message_speaks_of_rust() -> None:
+    for env_id, kwargs in (
+        ("ALE/Breakout-v5", {"rom_dir": "/nonexistent"}),
+        ("ALE/Breakout-v5", {"mode": "x"}),
+        ("CartPole-v1", {"gravity": "x"}),
+        ("Ant-v5", {"frame_skip": -1}),
+        ("FrozenLake-v1", {"map_name": "9x9"}),
+    ):
+        with pytest.raises(Exception) as raised:
+            rustgym.Env(env_id, **kwargs)
+        words = re.findall(r"crate|cargo|usize|\b[iuf](?:8|16|32|64)\b|Option|unwrap|serde", str(raised.value))
+        assert not words, raised.value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import inspect
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -51,19 +52,49 @@ def test_everything_can_be_looked_at() -> None:
     assert result.returncode == 0, result.stderr[-2000:]
 
 
-def test_a_users_types(tmp_path: Path) -> None:
-    pytest.importorskip("mypy")
-    script = tmp_path / "script.py"
-    script.write_text("""
+USERS_SCRIPT = """
 import gymnasium
+from gymnasium.envs.registration import EnvSpec
+
 import rustgym
 
 env: gymnasium.Env = rustgym.make("CartPole-v1", max_episode_steps=3)
 envs: gymnasium.vector.VectorEnv = rustgym.make_vec("CartPole-v1", num_envs=3, kind="sync")
-steps: int | None = rustgym.spec("CartPole-v1").max_episode_steps
-rustgym.make(3)  # type: ignore[arg-type]
-rustgym.make_vec("CartPole-v1", num_envs="3")  # type: ignore[arg-type]
-""")
-    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--disable-error-code", "type-arg", str(script)]
+spec: EnvSpec = rustgym.spec("CartPole-v1")
+steps: int | None = spec.max_episode_steps
+observation, info = env.reset(seed=1, options={"low": 0.0})
+observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+total: float = float(reward)
+
+ours = rustgym.Env("CartPole-v1", render_mode="rgb_array")
+ours.set_state(ours.get_state())
+vector = rustgym.VectorEnv("CartPole-v1", 3)
+observations, rewards, ends, cuts, infos = vector.step(vector.action_space.sample())
+names: list[str] = rustgym.ids()
+limited = rustgym.wrappers.TimeLimit(env, max_episode_steps=2)
+space = rustgym.spaces.Discrete(2)
+
+rustgym.make(3)  # WRONG
+rustgym.make_vec("CartPole-v1", num_envs="3")  # WRONG
+rustgym.spec("CartPole-v1").no_such_field  # WRONG
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "options", "wrong"),
+    [
+        ("mypy", ["--strict", "--disable-error-code", "type-arg", "--no-error-summary"], "error:"),
+        ("pyright", ["--pythonpath", sys.executable], " error:"),
+    ],
+)
+def test_a_users_types(module: str, options: list[str], wrong: str, tmp_path: Path) -> None:
+    pytest.importorskip(module)
+    script = tmp_path / "script.py"
+    script.write_text(USERS_SCRIPT)
+    command = [sys.executable, "-m", module, *options, str(script)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert result.returncode == 0, result.stdout + result.stderr
+    if module == "pyright" and wrong not in result.stdout and "0 errors" not in result.stdout:
+        pytest.skip(f"pyright cannot run here: {result.stdout[-300:]}{result.stderr[-300:]}")
+    found = re.findall(r"script\.py:(\d+)\S* -? ?error:", result.stdout)
+    lines = [str(number) for number, line in enumerate(USERS_SCRIPT.splitlines(), 1) if line.endswith("# WRONG")]
+    assert found == lines, result.stdout + result.stderr

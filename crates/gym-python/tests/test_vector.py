@@ -206,3 +206,10 @@ def test_an_argument_of_each() -> None:
 
 def test_the_direct_base_that_skrl_reads() -> None:
     assert gymnasium.vector.VectorEnv in type(rustgym.make_vec("CartPole-v1", 2)).__bases__
+
+
+@pytest.mark.parametrize(("seed", "named"), [("a", "Seed must .* 'a'"), (1.5, "Seed must .* 1.5"), ([1, "x", 2], "Seed 1 must .* 'x'")])
+def test_a_seed_that_is_none_is_named(seed: object, named: str) -> None:
+    envs = rustgym.make_vec("CartPole-v1", 3)
+    with pytest.raises(gymnasium.error.Error, match=named):
+        envs.reset(seed=seed)  # type: ignore[arg-type]

@@ -41,7 +41,8 @@ use crate::selection::Selection;
     name = "cargo xtask",
     bin_name = "cargo xtask",
     about = "Commands over every environment that is linked",
-    after_help = "`cargo xtask web` builds a page that runs every environment in a browser; `cargo xtask web --help` says more."
+    after_help = "`cargo xtask web` builds a page that runs every environment in a browser, `cargo xtask python` a Python package with the \
+                  environments of a plugin. `--help` after either says more."
 )]
 struct Arguments {
     /// The folder of a crate whose environments replace those of this workspace, for every command except `new`.
@@ -209,7 +210,7 @@ mod tests {
                 (None, None) if word == "COMMAND" => return Ok(()),
                 (None, None) => {
                     let is_command =
-                        ["web", "help"].contains(&word) || program.find_subcommand(word).is_some();
+                        ["python", "web", "help"].contains(&word) || program.find_subcommand(word).is_some();
                     is_command.then_some(()).ok_or(format!("there is no command `{word}`"))?;
                     command = Some(word);
                 }

@@ -154,7 +154,11 @@ fn atari_check_tells_of_every_rom() {
     let output = check();
     assert!(!output.status.success() && output.stdout.is_empty(), "there is nothing to compare");
     let error = text(output.stderr);
-    assert!(error.contains("has no ROM of a known game: a file is named as alien.bin"), "{error}");
+    let first = gym::atari::games::GAMES[0].name;
+    assert!(
+        error.contains(&format!("has no ROM of a known game: a file is named as {first}.bin")),
+        "{error}"
+    );
 
     let games = gym::atari::games::GAMES.len();
     let mut equal = 0;

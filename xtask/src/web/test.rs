@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value as Json;
 
 use super::serve::{Site, listen, serve};
-use crate::{root, say};
+use crate::{files, root, say};
 
 /// Longer than that the tests take on no machine.
 const LONGEST: Duration = Duration::from_secs(1800);
@@ -44,7 +44,7 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
     let mut url = format!("http://localhost:{port}/test/test.html");
     if let Some(text) = single {
         let file = folder.join("gallery.html");
-        super::write(&file, (text.to_owned() + &SINGLE.replace("TESTS", &url)).as_bytes())?;
+        files::write(&file, (text.to_owned() + &SINGLE.replace("TESTS", &url)).as_bytes())?;
         url = format!("file://{}", file.display());
     }
     let mut browser = Browser::start(&url, &folder)?;

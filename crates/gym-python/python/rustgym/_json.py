@@ -40,5 +40,7 @@ def to_json(values: Mapping[str, Any]) -> str:
         try:
             entries.append(f"{json.dumps(str(name))}: {json.dumps(value, default=_plain, allow_nan=False)}")
         except ValueError as error:
-            raise ValueError(f"{name} is {value!r}: every number must be finite ({error})") from None
+            is_endless = str(error).startswith("Circular")
+            wrong = "it must not contain itself" if is_endless else "every number must be finite"
+            raise ValueError(f"{name} is {value!r}: {wrong}") from None
     return f"{{{', '.join(entries)}}}"

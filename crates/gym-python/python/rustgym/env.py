@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import gymnasium
@@ -11,6 +12,7 @@ import numpy as np
 from gymnasium import logger
 
 from rustgym import _native as native
+from rustgym._json import to_json
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -150,12 +152,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             return super().reset(seed=seed, options=options)
         if seed is not None:
-            try:
-                seed = operator.index(seed)
-            except TypeError:
-                raise gymnasium.error.Error(
-                    f"Seed must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
-                ) from None
+            seed = checked_seed(seed)
         elif self._generator is not None:
             self._push_generator()
         elif self._np_random_seed is None:
@@ -352,6 +349,39 @@ class ClassEnv(Env):
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         super().__init__(self._id, render_mode=render_mode, **kwargs)
+
+
+class TunableEnv(ClassEnv):
+    """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
+
+    #: What decides spaces, and stays.
+    _fixed: ClassVar[frozenset[str]] = frozenset()
+    #: What a name stands for, where Gymnasium takes any but one for the other choice.
+    _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        defaults = spec_of(self._id)["defaults"]
+        # arguments that a class of somebody's own sets
+        own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
+        changed = {name: value for name, value in own.items() if value != defaults[name]}
+        super().__init__(render_mode, **{**changed, **kwargs})
+        self.__dict__.update((name, self.arguments[name]) for name in defaults)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._fixed or name not in self.__dict__.get("arguments", ()):
+            super().__setattr__(name, value)
+        else:
+            self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
+            self.__dict__[name] = value
+
+
+def checked_seed(seed: Any, name: str = "Seed") -> int:
+    """A seed as an integer of Python's; the Rust side refuses negative ones."""
+    try:
+        return operator.index(seed)
+    except TypeError:
+        message = f"{name} must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
+        raise gymnasium.error.Error(message) from None
 
 
 def entropy() -> int:

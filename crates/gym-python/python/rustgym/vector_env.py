@@ -18,7 +18,7 @@ from rustgym._json import to_json
 from rustgym._preprocessing import preprocessed
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
-from rustgym.env import Env
+from rustgym.env import Env, checked_seed
 
 __all__ = ["VectorEnv"]
 
@@ -152,10 +152,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         one = each = mask = None
         if seed is not None:
-            if isinstance(seed, Iterable):
-                each = [None if s is None else str(operator.index(s)) for s in seed]
+            if isinstance(seed, Iterable) and not isinstance(seed, (str, bytes)):
+                each = [None if s is None else str(checked_seed(s, f"Seed {i}")) for i, s in enumerate(seed)]
             else:
-                one = str(operator.index(seed))
+                one = str(checked_seed(seed))
         known = native_options(self.env_id, options)
         if options and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])

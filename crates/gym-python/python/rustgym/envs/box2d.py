@@ -10,13 +10,15 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import ClassEnv, entropy
+from rustgym.env import TunableEnv, entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
 
 
-class Box2DEnv(ClassEnv):
+class Box2DEnv(TunableEnv):
     """An environment of bodies in a physics engine."""
+
+    _fixed = frozenset({"continuous", "physics"})
 
     def _episode(self) -> dict[str, Any]:
         episode: dict[str, Any] | None = self._take_apart()[1]

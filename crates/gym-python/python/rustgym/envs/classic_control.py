@@ -3,45 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from rustgym._json import to_json
 from rustgym._specs import spec_of
-from rustgym.env import ClassEnv, entropy
+from rustgym.env import TunableEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
 
-class ClassicControlEnv(ClassEnv):
+class ClassicControlEnv(TunableEnv):
     """An environment whose state is a few numbers."""
 
     #: The names of the numbers, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
     #: What else belongs to a state that was set.
     _when_set: ClassVar[dict[str, Any]] = {}
-    #: What a name stands for, where Gymnasium takes any but one for the other choice.
-    _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        defaults = spec_of(self._id)["defaults"]
-        # constants that a class of somebody's own sets
-        own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
-        changed = {name: value for name, value in own.items() if value != defaults[name]}
-        super().__init__(render_mode, **{**changed, **kwargs})
-        self.__dict__.update((name, self.arguments[name]) for name in defaults)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        """Sets a constant of the equations, which takes effect at once; spaces stay as they are."""
-        if name in self.__dict__.get("arguments", ()):
-            self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
-            self.__dict__[name] = value
-        else:
-            super().__setattr__(name, value)
-
     @property
     def state(self) -> npt.NDArray[np.float64] | None:
         """The state as ``float64``, by ``state_names``; ``None`` before the first reset. Setting it goes on from there."""

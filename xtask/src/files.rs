@@ -1,0 +1,48 @@
+//! Files and folders, with errors that name them.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
+    fs::read(path).map_err(at(path))
+}
+
+pub(crate) fn text(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(at(path))
+}
+
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes).map_err(at(path))
+}
+
+/// Makes a folder, and those around it.
+pub(crate) fn create(folder: &Path) -> Result<(), String> {
+    fs::create_dir_all(folder).map_err(at(folder))
+}
+
+/// What is in a folder, in the order of the names.
+pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(folder).map_err(at(folder))?;
+    let mut paths =
+        entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>().map_err(at(folder))?;
+    paths.sort();
+    Ok(paths)
+}
+
+/// Copies a file, or a folder but for what Python's interpreter left there.
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    if !from.is_dir() {
+        return fs::copy(from, to).map(|_| ()).map_err(at(from));
+    }
+    create(to)?;
+    for path in list(from)? {
+        let Some(name) = path.file_name().filter(|name| *name != "__pycache__") else { continue };
+        copy(&path, &to.join(name))?;
+    }
+    Ok(())
+}
+
+fn at(path: &Path) -> impl Fn(io::Error) -> String {
+    move |error| format!("{}: {error}", path.display())
+}

@@ -1,6 +1,7 @@
 //! Numbers of one type in a shape: the dynamic counterpart of `[T; N]`.
 
 use std::fmt;
+use std::io::{self, BufRead};
 
 pub use crate::data::{DType, Data, Scalar};
 use crate::spaces::number::{Number, Numeric, with_type};
@@ -92,6 +93,14 @@ impl Array {
     /// Overwrites the numbers from bytes. Returns `false` and changes nothing if the number of bytes does not fit.
     pub fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
         self.data.fill_bytes(bytes)
+    }
+
+    /// Overwrites the numbers with the next bytes of a stream, little-endian, in row-major order.
+    ///
+    /// # Errors
+    /// Of the stream; some of the numbers may then be overwritten.
+    pub fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
+        self.data.read_from(stream)
     }
 
     /// The length of each axis.

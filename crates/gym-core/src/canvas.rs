@@ -375,44 +375,58 @@ pub const TURN: f64 = 2.0 * PI;
 mod tests {
     use super::*;
 
-    /// How many shapes are filled, and how many stroked.
+    /// The shapes that are filled, and those that are stroked with their width.
     #[derive(Default)]
-    struct Count(usize, usize);
+    struct Drawn(Vec<String>);
 
-    impl Canvas for Count {
+    fn told(shape: Shape<'_>, width: Option<f64>) -> String {
+        format!("{shape:?}, {width:?}")
+    }
+
+    impl Canvas for Drawn {
         fn clear(&mut self, _color: Color) {}
-        fn fill(&mut self, _shape: Shape<'_>, _color: Color) {
-            self.0 += 1;
+        fn fill(&mut self, shape: Shape<'_>, _color: Color) {
+            self.0.push(told(shape, None));
         }
-        fn stroke(&mut self, _shape: Shape<'_>, _width: f64, _color: Color) {
-            self.1 += 1;
+        fn stroke(&mut self, shape: Shape<'_>, width: f64, _color: Color) {
+            self.0.push(told(shape, Some(width)));
         }
         fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
         fn push(&mut self, _transform: Transform) {}
         fn pop(&mut self) {}
     }
 
+    /// Lines reach half a pixel beyond the middles of their ends, and a filled circle half a pixel beyond its radius.
     #[test]
     fn every_primitive_has_its_smooth_shapes() {
         let points = &[[1.0, 1.0], [9.0, 2.0], [5.0, 8.0]];
         let (center, radius) = ([5.0, 5.0], 3.0);
+        let (polygon, line) = (Shape::Polygon(points), Shape::Polyline(points));
+        let circle = |center, radius| Shape::Circle { center, radius };
+        let upright = Shape::Polyline(&[[1.0, 1.5], [1.0, 5.5]]);
         for (primitive, expected) in [
-            (Primitive::HLine { x1: 1.0, x2: 4.0, y: 2.0 }, (0, 1)),
-            (Primitive::VLine { x: 1.0, y1: 2.0, y2: 5.0 }, (0, 1)),
-            (Primitive::FilledPolygon(points), (1, 0)),
-            (Primitive::Polygon(points), (1, 1)),
-            (Primitive::AaPolygon(points), (0, 1)),
-            (Primitive::AaLines { points, closed: true }, (0, 1)),
-            (Primitive::AaLines { points, closed: false }, (0, 1)),
-            (Primitive::Lines { points, closed: true, width: 2 }, (0, 1)),
-            (Primitive::FilledCircle { center, radius }, (1, 0)),
-            (Primitive::Circle { center, radius }, (1, 0)),
+            (
+                Primitive::HLine { x1: 1.0, x2: 4.0, y: 2.0 },
+                &[(Shape::Polyline(&[[0.5, 2.0], [4.5, 2.0]]), Some(1.0))][..],
+            ),
+            (Primitive::VLine { x: 1.0, y1: 2.0, y2: 5.0 }, &[(upright, Some(1.0))]),
+            (Primitive::VLine { x: 1.0, y1: 5.0, y2: 2.0 }, &[(upright, Some(1.0))]),
+            (Primitive::FilledPolygon(points), &[(polygon, None)]),
+            (Primitive::Polygon(points), &[(polygon, None), (polygon, Some(1.0))]),
+            (Primitive::AaPolygon(points), &[(polygon, Some(1.0))]),
+            (Primitive::AaLines { points, closed: true }, &[(polygon, Some(1.0))]),
+            (Primitive::AaLines { points, closed: false }, &[(line, Some(1.0))]),
+            (Primitive::Lines { points, closed: true, width: 2 }, &[(polygon, Some(2.0))]),
+            (Primitive::Lines { points, closed: false, width: 3 }, &[(line, Some(3.0))]),
+            (Primitive::FilledCircle { center, radius }, &[(circle(center, 3.5), None)]),
+            (Primitive::Circle { center, radius }, &[(circle([4.5, 4.5], 3.0), None)]),
             // it comes with a filled one
-            (Primitive::AaCircle { center, radius }, (0, 0)),
+            (Primitive::AaCircle { center, radius }, &[]),
         ] {
-            let mut count = Count::default();
-            smooth(&mut count, primitive, Color::rgb(0, 0, 0));
-            assert_eq!((count.0, count.1), expected, "{primitive:?}");
+            let mut drawn = Drawn::default();
+            smooth(&mut drawn, primitive, Color::rgb(0, 0, 0));
+            let expected: Vec<_> = expected.iter().map(|(shape, width)| told(*shape, *width)).collect();
+            assert_eq!(drawn.0, expected, "{primitive:?}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Numbers of one type, chosen at run time.
 
 use std::fmt;
+use std::io::{self, BufRead};
 
 use serde::{Deserialize, Serialize};
 
@@ -98,10 +99,9 @@ macro_rules! dtypes {
             /// Zeros, or `None` where they do not fit in memory.
             pub(crate) fn zeros(dtype: DType, len: usize) -> Option<Self> {
                 match dtype { $(DType::$variant => {
-                    let mut values = Vec::new();
-                    values.try_reserve_exact(len).ok()?;
-                    values.resize(len, 0 as $type);
-                    Some(Self::$variant(values))
+                    // asked for first, because `vec!` aborts, and not filled, because it has pages of zeros
+                    Vec::<$type>::new().try_reserve_exact(len).ok()?;
+                    Some(Self::$variant(vec![0 as $type; len]))
                 })* }
             }
 
@@ -111,7 +111,35 @@ macro_rules! dtypes {
 
             /// The bytes of the numbers, little-endian.
             pub(crate) fn to_bytes(&self) -> Vec<u8> {
-                match self { $(Self::$variant(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect()),* }
+                match self { $(Self::$variant(values) => {
+                    let mut bytes = vec![0; size_of_val(values.as_slice())];
+                    let (places, _) = bytes.as_chunks_mut();
+                    places.iter_mut().zip(values).for_each(|(place, x)| *place = x.to_le_bytes());
+                    bytes
+                }),* }
+            }
+
+            /// Overwrites the numbers with the next bytes of a stream, which are copied once, from its buffer.
+            pub(crate) fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
+                match self { $(Self::$variant(values) => {
+                    let mut done = 0;
+                    while done < values.len() {
+                        let left = &mut values[done..];
+                        let (numbers, _) = stream.fill_buf()?.as_chunks();
+                        left.iter_mut().zip(numbers).for_each(|(x, bytes)| *x = <$type>::from_le_bytes(*bytes));
+                        let mut count = numbers.len().min(left.len());
+                        stream.consume(count * size_of::<$type>());
+                        if count == 0 {
+                            // a number that the end of the buffer cuts in two, or the end of the stream
+                            let mut bytes = [0; size_of::<$type>()];
+                            stream.read_exact(&mut bytes)?;
+                            left[0] = <$type>::from_le_bytes(bytes);
+                            count = 1;
+                        }
+                        done += count;
+                    }
+                }),* }
+                Ok(())
             }
 
             /// Overwrites the numbers from bytes. Returns `false` if the number of bytes does not fit.

@@ -266,6 +266,11 @@ impl<D: Dynamics> Stateful<D> {
         &self.dynamics
     }
 
+    /// The arguments.
+    pub fn config(&self) -> &D::Config {
+        self.dynamics.config()
+    }
+
     /// Sets one argument to a value in JSON. The episode continues with it.
     ///
     /// # Errors

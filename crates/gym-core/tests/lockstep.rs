@@ -95,15 +95,6 @@ impl Configure for Brittle {
 
 gym_core::register!(Registration::new::<Brittle>("lockstep/Brittle-v0").lockstep::<Brittle>());
 
-/// Runs `f` without the messages of panics on the terminal.
-fn quietly<R>(f: impl FnOnce() -> R) -> R {
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let result = f();
-    std::panic::set_hook(hook);
-    result
-}
-
 #[test]
 fn a_panic_ahead_of_a_step_is_an_error_of_that_sub_environment_alone() {
     let actions = |second: i64| Value::Array([0, second, 0].into());
@@ -116,7 +107,7 @@ fn a_panic_ahead_of_a_step_is_an_error_of_that_sub_environment_alone() {
             let mut envs = make_vec("lockstep/Brittle-v0", 3, kind).unwrap();
             let mut columns = envs.reset(5).unwrap();
             envs.step_into(&actions(0), &mut columns).unwrap();
-            let error = quietly(|| envs.step_into(&actions(action), &mut columns)).unwrap_err().to_string();
+            let error = envs.step_into(&actions(action), &mut columns).unwrap_err().to_string();
             let what = format!("{kind:?}, {action}: {error}");
             assert!(error.starts_with("sub-environment 1: ") && error.contains(message), "{what}");
             assert_eq!(seen(&columns.observations), [2, 1, 2], "{what}");

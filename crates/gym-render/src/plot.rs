@@ -316,13 +316,29 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// The mean of the last `window` finite values up to each one; NaN if there is none.
+///
+/// Two sums make each mean, so that a large window costs no more than a small one: of what the window covers of the block in which it
+/// ends, and of what it covers of the block before. Blocks are as long as the window.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
-    let mean = |end: usize| {
-        let last = values[(end + 1).saturating_sub(window)..=end].iter().filter(|&&value| is_drawn(value));
-        let (sum, count) = last.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-        sum / count
+    let add = |(sum, count): (f64, f64), &value: &f64| {
+        if is_drawn(value) { (sum + value, count + 1.0) } else { (sum, count) }
     };
-    (0..values.len()).map(mean).collect()
+    let sums = |total: &mut (f64, f64), value| {
+        *total = add(*total, value);
+        Some(*total)
+    };
+    let window = window.clamp(1, values.len().max(1));
+    let mut before: Vec<(f64, f64)> = Vec::new();
+    let mut means = Vec::with_capacity(values.len());
+    for block in values.chunks(window) {
+        for (i, (sum, count)) in block.iter().scan((0.0, 0.0), sums).enumerate() {
+            let (sum_before, count_before) = before.get(i + 1).copied().unwrap_or_default();
+            means.push((sum_before + sum) / (count_before + count));
+        }
+        before = block.iter().rev().scan((0.0, 0.0), sums).collect();
+        before.reverse();
+    }
+    means
 }
 
 /// A range of values with round ticks.
@@ -490,6 +506,31 @@ pop
         assert_eq!(moving_average(&[1.0, 2.0, 6.0, f64::NAN, 4.0], 2), [1.0, 1.5, 4.0, 6.0, 4.0]);
         assert!(moving_average(&[f64::NAN], 3)[0].is_nan());
         assert_eq!(moving_average(&[], 3), [0.0; 0]);
+    }
+
+    #[test]
+    fn the_average_is_the_mean_of_each_window() {
+        // whole numbers, whose sums are exact in each order
+        let values: Vec<f64> =
+            (0..40).map(|i| if i % 7 == 3 { f64::NAN } else { f64::from(i * i % 31) }).collect();
+        for window in [1, 2, 3, 5, 13, 39, 40, 41, usize::MAX] {
+            let expected: Vec<f64> = (0..values.len())
+                .map(|end| {
+                    let last = &values[(end + 1).saturating_sub(window)..=end];
+                    let drawn: Vec<f64> = last.iter().copied().filter(|value| !value.is_nan()).collect();
+                    drawn.iter().sum::<f64>() / drawn.len() as f64
+                })
+                .collect();
+            let means = moving_average(&values, window);
+            assert_eq!(format!("{means:?}"), format!("{expected:?}"), "a window of {window}");
+        }
+    }
+
+    /// A million returns with a window of half of them: minutes, if each mean were summed anew.
+    #[test]
+    fn a_large_window_costs_no_more_than_a_small_one() {
+        let means = moving_average(&vec![2.0; 1_000_000], 500_000);
+        assert!(means.len() == 1_000_000 && means.iter().all(|&mean| mean == 2.0));
     }
 
     #[test]

@@ -253,17 +253,6 @@ fn ints(value: &Value) -> &[i64] {
     value.as_slice().unwrap()
 }
 
-/// Runs `f` without the messages of panics on the terminal; returns its result.
-fn quietly<R>(f: impl FnOnce() -> R) -> R {
-    static LOCK: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _guard = LOCK.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let result = f();
-    std::panic::set_hook(hook);
-    result
-}
-
 #[test]
 fn an_error_names_the_sub_environment_and_the_others_step() {
     for mut envs in both(3) {
@@ -282,7 +271,7 @@ fn an_error_names_the_sub_environment_and_the_others_step() {
 fn a_panic_names_the_sub_environment_which_must_then_be_reset() {
     for mut envs in both(3) {
         let mut columns = envs.reset(()).unwrap();
-        let error = quietly(|| envs.step_into(&actions([0, 0, 2]), &mut columns)).unwrap_err().to_string();
+        let error = envs.step_into(&actions([0, 0, 2]), &mut columns).unwrap_err().to_string();
         assert!(error.starts_with("sub-environment 2:") && error.contains("a bad step"), "{error}");
         assert_eq!(ints(&columns.observations), [1, 1, 0]);
         let error = envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap_err().to_string();
@@ -292,7 +281,7 @@ fn a_panic_names_the_sub_environment_which_must_then_be_reset() {
         envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap();
         assert_eq!(ints(&columns.observations), [2, 2, 1]);
         let reset = VectorReset::default().option("panic", true).mask([true, false, false]);
-        let error = quietly(|| envs.reset_into(&reset, &mut columns)).unwrap_err().to_string();
+        let error = envs.reset_into(&reset, &mut columns).unwrap_err().to_string();
         assert!(error.starts_with("sub-environment 0:") && error.contains("a bad reset"), "{error}");
     }
 }

@@ -106,6 +106,8 @@ mod tests {
         assert_eq!(id("a/B.c-v01").to_string(), "a/B.c-v1");
         assert_eq!(id("-v1").name, "-v1");
         assert_eq!(id("X-vy").name, "X-vy");
+        // digits and more are no version
+        assert_eq!((id("X-v1a").name.as_str(), id("X-v1a").version), ("X-v1a", None));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! `Box`: arrays of numbers between bounds.
 
 use std::fmt;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -29,7 +30,11 @@ use crate::stored::plain;
 /// or minus an exponential variable; if both are, a normal variable.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "Description", into = "Description")]
-pub struct BoxSpace {
+pub struct BoxSpace(Arc<Bounds>);
+
+/// The bounds, which clones of a space share: those of pictures are larger than the pictures.
+#[derive(Debug)]
+struct Bounds {
     low: Array,
     high: Array,
     bounded_below: Vec<bool>,
@@ -68,6 +73,16 @@ impl BoxSpace {
             let [low, high] = [&low, &high].map(|array| numpy_fmt::shape(array.shape()));
             return invalid(format!("low has shape {low} and high has shape {high}: make them equal"));
         }
+        if low.dtype() == dtype && high.dtype() == dtype {
+            let bounded = with_type!(dtype, T => match (low.as_slice::<T>(), high.as_slice::<T>()) {
+                (Some(low), Some(high)) => bounded(low, high),
+                _ => None,
+            });
+            if let Some((bounded_below, bounded_above)) = bounded {
+                return Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })));
+            }
+        }
+        // converts, and finds what is wrong
         Self::from_numbers(Number::all(low.data()), Number::all(high.data()), low.shape(), dtype)
     }
 
@@ -77,12 +92,24 @@ impl BoxSpace {
     /// As [`with_dtype`](Self::with_dtype).
     pub fn uniform(low: f64, high: f64, shape: impl Into<Vec<usize>>, dtype: DType) -> Result<Self> {
         let shape = shape.into();
-        let [low, high] = [low, high].map(Number::Float);
-        // Bounds are checked even without elements.
-        let checked = Bound::Low.settle(low, dtype).and_then(|_| Bound::High.settle(high, dtype));
-        let len = checked.and_then(|_| element_count(&shape));
-        let len = len.map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
-        Self::from_numbers(std::iter::repeat_n(low, len), std::iter::repeat_n(high, len), &shape, dtype)
+        let build = || {
+            // Bounds are checked even without elements.
+            let (low, bounded_below) = Bound::Low.settle(Number::Float(low), dtype)?;
+            let (high, bounded_above) = Bound::High.settle(Number::Float(high), dtype)?;
+            let (low, high) = with_type!(dtype, T => (T::cast(low).number(), T::cast(high).number()));
+            let len = element_count(&shape)?;
+            if low > high && len > 0 {
+                return Err(Fault::new(format!("low {low} is above high {high}")).at_element(0, &shape));
+            }
+            let array = |bound| {
+                let data = with_type!(dtype, T => T::into_data(vec![T::cast(bound); len]));
+                Array::new(shape.as_slice(), data).map_err(|error| Fault::new(error.to_string()))
+            };
+            let (low, high) = (array(low)?, array(high)?);
+            let (bounded_below, bounded_above) = (vec![bounded_below; len], vec![bounded_above; len]);
+            Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })))
+        };
+        build().map_err(|fault: Fault| Error::InvalidSpace(fault.to_string()))
     }
 
     fn from_numbers(
@@ -99,57 +126,57 @@ impl BoxSpace {
                 return Err(Fault::new(format!("low {low} is above high {high}")).at_element(i, shape));
             }
             drop(pairs);
-            Ok(Self { low, high, bounded_below, bounded_above })
+            Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })))
         };
         build().map_err(|fault: Fault| Error::InvalidSpace(fault.to_string()))
     }
 
     /// The lower bounds.
     pub fn low(&self) -> &Array {
-        &self.low
+        &self.0.low
     }
 
     /// The upper bounds.
     pub fn high(&self) -> &Array {
-        &self.high
+        &self.0.high
     }
 
     /// The shape of the elements.
     pub fn shape(&self) -> &[usize] {
-        self.low.shape()
+        self.0.low.shape()
     }
 
     /// The type of the elements' numbers.
     pub fn dtype(&self) -> DType {
-        self.low.dtype()
+        self.0.low.dtype()
     }
 
     /// Which elements have a finite lower bound, in row-major order.
     pub fn bounded_below(&self) -> &[bool] {
-        &self.bounded_below
+        &self.0.bounded_below
     }
 
     /// Which elements have a finite upper bound, in row-major order.
     pub fn bounded_above(&self) -> &[bool] {
-        &self.bounded_above
+        &self.0.bounded_above
     }
 
     /// Whether every bound is finite.
     pub fn is_bounded(&self) -> bool {
-        self.bounded_below.iter().chain(&self.bounded_above).all(|&bounded| bounded)
+        self.0.bounded_below.iter().chain(&self.0.bounded_above).all(|&bounded| bounded)
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
         is_array(value, self.shape(), self.dtype())
             && value
                 .as_array()
-                .is_some_and(|array| all_between(array.data(), self.low.data(), self.high.data()))
+                .is_some_and(|array| all_between(array.data(), self.0.low.data(), self.0.high.data()))
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
         let array = expect_array(value, self.shape(), self.dtype())?;
         for i in 0..array.len() {
-            let [x, low, high] = [array, &self.low, &self.high].map(|array| Number::at(array.data(), i));
+            let [x, low, high] = [array, &self.0.low, &self.0.high].map(|array| Number::at(array.data(), i));
             if !(low <= x && x <= high) {
                 let reason = format!("{x} is not between {low} and {high}");
                 return Err(Fault::new(reason).at_element(i, self.shape()));
@@ -162,7 +189,7 @@ impl BoxSpace {
         let array = array_of(out, self.dtype(), self.shape());
         with_type!(self.dtype(), T => {
             if let (Some(values), Some(low), Some(high)) =
-                (array.as_mut_slice::<T>(), self.low.as_slice::<T>(), self.high.as_slice::<T>())
+                (array.as_mut_slice::<T>(), self.0.low.as_slice::<T>(), self.0.high.as_slice::<T>())
             {
                 self.draw_into(rng, values, low, high);
             }
@@ -173,7 +200,7 @@ impl BoxSpace {
         // Gymnasium draws all elements of one kind before those of the next.
         for kind @ (below, above) in [(false, false), (true, false), (false, true), (true, true)] {
             for i in 0..values.len() {
-                if (self.bounded_below[i], self.bounded_above[i]) != kind {
+                if (self.0.bounded_below[i], self.0.bounded_above[i]) != kind {
                     continue;
                 }
                 let (start, end) = (low[i].to_f64(), high[i].range_end());
@@ -195,8 +222,8 @@ impl PartialEq for BoxSpace {
     fn eq(&self, other: &Self) -> bool {
         self.shape() == other.shape()
             && self.dtype() == other.dtype()
-            && all_close(&self.low, &other.low)
-            && all_close(&self.high, &other.high)
+            && all_close(&self.0.low, &other.0.low)
+            && all_close(&self.0.high, &other.0.high)
     }
 }
 
@@ -212,7 +239,7 @@ fn all_close(a: &Array, b: &Array) -> bool {
 /// As Gymnasium prints it: `Box(-1.0, 1.0, (2,), float32)`.
 impl fmt::Display for BoxSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [low, high] = [&self.low, &self.high].map(numpy_fmt::bound);
+        let [low, high] = [&self.0.low, &self.0.high].map(numpy_fmt::bound);
         write!(f, "Box({low}, {high}, {}, {})", numpy_fmt::shape(self.shape()), self.dtype())
     }
 }
@@ -262,9 +289,25 @@ impl Bound {
     }
 }
 
+/// Which low and which high bounds of one type are finite; `None` if some are no bounds.
+fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
+    let is_finite = |bound: &T| bound.to_f64().is_finite();
+    let are_bounds = low
+        .iter()
+        .zip(high)
+        .all(|(low, high)| low <= high && low.to_f64() < f64::INFINITY && high.to_f64() > f64::NEG_INFINITY);
+    are_bounds.then(|| (low.iter().map(is_finite).collect(), high.iter().map(is_finite).collect()))
+}
+
 fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
     fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
-        values.iter().zip(low).zip(high).all(|((x, low), high)| low <= x && x <= high)
+        /// Compared before the next look at whether all were between: so many at once that they fill vector registers.
+        const AT_ONCE: usize = 256;
+        let parts = values.chunks(AT_ONCE).zip(low.chunks(AT_ONCE)).zip(high.chunks(AT_ONCE));
+        parts.into_iter().all(|((values, low), high)| {
+            let between = values.iter().zip(low).zip(high).map(|((x, low), high)| (low <= x) & (x <= high));
+            between.fold(true, |all, is| all & is)
+        })
     }
     let dtype = low.dtype();
     if values.dtype() == dtype {
@@ -339,8 +382,8 @@ impl From<BoxSpace> for Description {
             }
         };
         Self {
-            low: describe(&space.low, &space.bounded_below, f64::NEG_INFINITY),
-            high: describe(&space.high, &space.bounded_above, f64::INFINITY),
+            low: describe(&space.0.low, &space.0.bounded_below, f64::NEG_INFINITY),
+            high: describe(&space.0.high, &space.0.bounded_above, f64::INFINITY),
             shape: space.shape().to_vec(),
             dtype: space.dtype(),
         }
@@ -371,6 +414,30 @@ mod tests {
 
     fn error(result: Result<BoxSpace>) -> String {
         result.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn whole_arrays_are_checked_as_single_numbers_are() {
+        let (low, high) = ([f32::NEG_INFINITY, -1.0, 0.0], [0.5, f32::INFINITY, 0.0]);
+        let numbers = |bounds: [f32; 3]| bounds.map(|x| Number::Float(x.into())).into_iter();
+        let one_by_one = BoxSpace::from_numbers(numbers(low), numbers(high), &[3], DType::F32).unwrap();
+        let space = BoxSpace::new(low, high).unwrap();
+        assert_eq!((space.low(), space.high()), (one_by_one.low(), one_by_one.high()));
+        assert_eq!(
+            (space.bounded_below(), space.bounded_above()),
+            (&[false, true, true][..], &[true, false, true][..])
+        );
+        assert_eq!(space.bounded_below(), one_by_one.bounded_below());
+        assert_eq!(space.bounded_above(), one_by_one.bounded_above());
+        assert!(std::ptr::eq(space.low(), space.clone().low()), "clones share their bounds");
+
+        let large = BoxSpace::uniform(0.0, 1.0, [1000], DType::F32).unwrap();
+        for wrong in 0..1000 {
+            let mut value = vec![0.5f32; 1000];
+            assert!(large.contains(&Value::Array(value.clone().into())));
+            value[wrong] = if wrong % 2 == 0 { 2.0 } else { f32::NAN };
+            assert!(!large.contains(&Value::Array(value.into())), "{wrong}");
+        }
     }
 
     #[test]

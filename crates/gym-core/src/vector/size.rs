@@ -54,3 +54,31 @@ fn fits(bytes: Option<usize>) -> bool {
     black_box(&mut probe);
     reserved
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_environments_that_cannot_be_are_refused() {
+        let (observation, action) = (Space::boxed([-1.0; 4], [1.0; 4]), Space::discrete(2));
+        let refusal = |n, bytes| check(n, &observation, &action, bytes).map_err(|error| error.to_string());
+        assert_eq!(refusal(1, 0), Ok(()));
+        assert_eq!(refusal(1000, 1000), Ok(()));
+        assert!(refusal(0, 0).unwrap_err().contains("no sub-environments"));
+        // four numbers of an observation, or one of an action of this many
+        let most = MAX_ELEMENTS / 4;
+        let reason = format!("num_envs is {}: at most {most} are possible", most + 1);
+        assert!(refusal(most + 1, 0).unwrap_err().contains(&reason));
+        let swapped = check(most + 1, &action, &observation, 0).unwrap_err().to_string();
+        assert!(swapped.contains(&reason), "{swapped}");
+        assert!(check_rows(most + 1, &observation).unwrap_err().to_string().contains(&reason));
+        // what each takes beside its row
+        for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
+            assert!(
+                refusal(16, bytes).unwrap_err().contains("num_envs = 16 does not fit in memory"),
+                "{bytes}"
+            );
+        }
+    }
+}

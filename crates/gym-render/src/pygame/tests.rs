@@ -133,6 +133,26 @@ fn draw_draws_what_pygame_drew() {
     }
 }
 
+/// A polygon without height is its row of pixels, from the leftmost point to the rightmost.
+#[test]
+fn a_flat_polygon_is_a_line() {
+    for points in
+        [&[[5.0, 2.0], [1.0, 2.0], [3.0, 2.0], [4.0, 2.0]][..], &[[1.0, 2.0]; 5], &[[2.0, 2.0], [6.0, 2.0]]]
+    {
+        let mut frame = Frame::new(8, 4).unwrap();
+        paint(
+            &mut RgbPixels::new(&mut frame, 0, false),
+            &Primitive::Polygon(points),
+            Color::rgb(255, 255, 255),
+        );
+        let drawn = |i: &usize| frame.pixels()[3 * i] != 0;
+        let drawn: Vec<usize> = (0..32).filter(drawn).collect();
+        let xs = || points.iter().map(|[x, _]| *x as usize);
+        let expected: Vec<usize> = (16 + xs().min().unwrap()..=16 + xs().max().unwrap()).collect();
+        assert_eq!(drawn, expected, "{points:?}");
+    }
+}
+
 #[test]
 fn rotate_rad_turns_as_pygame_did() {
     #[derive(Deserialize)]

@@ -182,4 +182,89 @@ mod tests {
             assert_eq!(pairwise_sum(&values).to_bits(), bits, "{n}");
         }
     }
+
+    type Moments<const N: usize> = ([u64; N], [u64; N]);
+
+    /// Mean and variance of `1 / (i + 3)`, alone and beside `i * i % 17` and `-1 / (2 * i + 1)`, after a batch that is forgotten.
+    fn moments<T: Real>(n: usize, bits: impl Fn(T) -> u64) -> (Moments<1>, Moments<3>) {
+        let row = |i: usize| {
+            let x = i as f64;
+            [1.0 / (x + 3.0), (i * i % 17) as f64, -1.0 / (2.0 * x + 1.0)].map(T::from_f64)
+        };
+        let mut samples = Samples::<T>::default();
+        let mut of = |len: usize| {
+            samples.begin(2);
+            samples.extend([7.0, 9.0].map(T::from_f64));
+            samples.moments();
+            samples.begin(len);
+            (0..n).for_each(|i| samples.extend(row(i).into_iter().take(len)));
+            assert_eq!(samples.moments(), n);
+            assert!(samples.batches().all(|batch| batch.n == n));
+            let bits = |numbers: &[T]| numbers.iter().map(|x| bits(*x)).collect::<Vec<_>>();
+            (bits(&samples.mean), bits(&samples.var))
+        };
+        let ((mean, var), (means, vars)) = (of(1), of(3));
+        let one = |bits: Vec<u64>| bits.try_into().unwrap();
+        let three = |bits: Vec<u64>| bits.try_into().unwrap();
+        ((one(mean), one(var)), (three(means), three(vars)))
+    }
+
+    /// `mean(0)` and `var(0)` by numpy 2.4.6.
+    #[test]
+    fn moments_are_numpys() {
+        let of_f64 = [
+            (1, [0x3fd5555555555555], [0x0], [0x3fd5555555555555, 0x0, 0xbff0000000000000], [0x0, 0x0, 0x0]),
+            (
+                9,
+                [0x3fc59db45c90c675],
+                [0x3f77602a92c9b900],
+                [0x3fc59db45c90c676, 0x401e38e38e38e38e, 0xbfcd9752148a642c],
+                [0x3f77602a92c9b900, 0x4040ca4587e6b74f, 0x3fb49eefdc6d0092],
+            ),
+            (
+                129,
+                [0x3f9f678a2caebfef],
+                [0x3f60e455888ce0b9],
+                [0x3f9f678a2caebfe9, 0x402003f80fe03f81, 0xbf9b14ebd957050e],
+                [0x3f60e455888ce0b7, 0x404008ec2ba0ce43, 0x3f821f7a913adf0d],
+            ),
+            (
+                300,
+                [0x3f9058f3b140d988],
+                [0x3f513666c049af63],
+                [0x3f9058f3b140d982, 0x40200da740da740e, 0xbf8a2bc8670928c1],
+                [0x3f513666c049af65, 0x40400b00977602af, 0x3f7029f3dd1f6e77],
+            ),
+        ];
+        for (n, mean, var, means, vars) in of_f64 {
+            assert_eq!(moments::<f64>(n, f64::to_bits), ((mean, var), (means, vars)), "{n} rows");
+        }
+        let of_f32 = [
+            (1, [0x3eaaaaab], [0x0], [0x3eaaaaab, 0x0, 0xbf800000], [0x0, 0x0, 0x0]),
+            (
+                9,
+                [0x3e2ceda4],
+                [0x3bbb0155],
+                [0x3e2ceda4, 0x40f1c71c, 0xbe6cba94],
+                [0x3bbb0154, 0x4206522c, 0x3da4f77f],
+            ),
+            (
+                129,
+                [0x3cfb3c53],
+                [0x3b0722ae],
+                [0x3cfb3c54, 0x41001fc0, 0xbcd8a762],
+                [0x3b0722ae, 0x42004760, 0x3c10fbd5],
+            ),
+            (
+                300,
+                [0x3c82c79e],
+                [0x3a89b337],
+                [0x3c82c7a0, 0x41006d3a, 0xbc515e45],
+                [0x3a89b332, 0x420057ff, 0x3b814fa1],
+            ),
+        ];
+        for (n, mean, var, means, vars) in of_f32 {
+            assert_eq!(moments::<f32>(n, |x| x.to_bits().into()), ((mean, var), (means, vars)), "{n} rows");
+        }
+    }
 }

@@ -132,6 +132,7 @@ pub struct AcrobotDynamics {
     config: Config,
     /// The arguments of the constructor, which the spaces follow.
     built: Config,
+    is_usual: bool,
     constants: [f64; 19],
 }
 
@@ -178,7 +179,8 @@ impl Task for AcrobotDynamics {
         )?;
         constants::limits(Self::NAME, [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)])?;
         let constants = constants_of(&config, [square(l1), square(lc1), square(lc2)]);
-        Ok(Self { config, built: config, constants })
+        let is_usual = Self::USUAL == Some(constants);
+        Ok(Self { config, built: config, is_usual, constants })
     }
 
     fn config(&self) -> &Config {
@@ -303,6 +305,11 @@ impl Equations for AcrobotDynamics {
     #[inline(always)]
     fn constants(&self) -> [f64; 19] {
         self.constants
+    }
+
+    #[inline(always)]
+    fn is_usual(&self) -> bool {
+        self.is_usual
     }
 
     #[inline(always)]

@@ -75,6 +75,7 @@ pub struct MountainCarDynamics {
     config: Config,
     /// The arguments of the constructor, which the spaces follow.
     built: Config,
+    is_usual: bool,
 }
 
 /// What the equations need.
@@ -94,6 +95,11 @@ impl Equations for MountainCarDynamics {
     #[inline(always)]
     fn constants(&self) -> [f64; 7] {
         constants_of(&self.config)
+    }
+
+    #[inline(always)]
+    fn is_usual(&self) -> bool {
+        self.is_usual
     }
 
     #[inline(always)]
@@ -154,7 +160,8 @@ impl Task for MountainCarDynamics {
             [("goal_position", goal_position), ("force", force), ("gravity", gravity)],
         )?;
         constants::limits(Self::NAME, [("max_speed", max_speed)])?;
-        Ok(Self { config, built: config })
+        let is_usual = Self::USUAL == Some(constants_of(&config));
+        Ok(Self { config, built: config, is_usual })
     }
 
     fn config(&self) -> &Config {

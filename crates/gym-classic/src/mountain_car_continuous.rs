@@ -71,6 +71,7 @@ pub struct MountainCarContinuousDynamics {
     config: Config,
     /// The arguments of the constructor, which the spaces follow.
     built: Config,
+    is_usual: bool,
 }
 
 /// What the equations need.
@@ -78,6 +79,54 @@ const fn constants_of(config: &Config) -> [f64; 8] {
     let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = *config;
     let Config { max_speed, goal_position, power, .. } = *config;
     [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
+}
+
+/// A step. `USUAL` is for actions that came as `float32` within their bounds, in states that are not the first: every number
+/// is then a `float32`.
+#[inline(always)]
+fn advance<R: Real, const USUAL: bool>(
+    constants: [R; 8],
+    [position, velocity]: [R; 2],
+    fresh: R::Mask,
+    [action, precision]: [R; 2],
+) -> Next<R, MountainCarContinuousDynamics> {
+    let [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power] =
+        constants;
+    let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
+    let double = R::but_not(precision.lt(precision.same(2.0)), single);
+    // Each operation on `float32` numbers is exact in `float64` up to this rounding.
+    let rounded = |wide: R::Mask, x: R| if USUAL { x.single() } else { R::select(wide, x, x.single()) };
+    // for what is a `float32` already in the usual case
+    let narrowed = |wide: R::Mask, x: R| if USUAL { x } else { rounded(wide, x) };
+
+    let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
+    let within = ((action * power.single()).single() - pull.single()).single();
+    // a clipped force is one of the bounds, a number of Python's: the sum is then `float64`
+    let below = action.lt(R::select(single, min_action.single(), min_action));
+    let above = action.gt(R::select(single, max_action.single(), max_action));
+    let clipped = below | above;
+    let force = R::select(below, min_action, R::select(above, max_action, action));
+    let change =
+        if USUAL { within } else { R::select(R::but_not(single, clipped), within, force * power - pull) };
+
+    // numbers of Python's take the precision of the state; those of `float64` widen what they are added to
+    let wide = fresh | R::but_not(double, clipped);
+    let most = rounded(wide, max_speed);
+    let moved = rounded(wide, velocity + narrowed(wide, change));
+    let wide_position = fresh | R::but_not(wide, moved.lt(-most) | moved.gt(most));
+    let velocity = clip(moved, -most, most);
+    let min_position = rounded(wide_position, min_position);
+    let max_position = rounded(wide_position, max_position);
+    let moved = rounded(wide_position, position + narrowed(wide_position, velocity));
+    let position = clip(moved, min_position, max_position);
+    let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
+    let terminated =
+        rounded(wide_position, goal_position).le(position) & rounded(wide, goal_velocity).le(velocity);
+    let bonus = R::select(terminated, zero.same(100.0), zero);
+    let reward = bonus - action.square() * 0.1;
+    let not = zero.lt(zero);
+    let state = [narrowed(not, position), narrowed(not, velocity)];
+    Next { state, reward, terminated, seen: state }
 }
 
 impl Equations for MountainCarContinuousDynamics {
@@ -90,6 +139,11 @@ impl Equations for MountainCarContinuousDynamics {
     #[inline(always)]
     fn constants(&self) -> [f64; 8] {
         constants_of(&self.config)
+    }
+
+    #[inline(always)]
+    fn is_usual(&self) -> bool {
+        self.is_usual
     }
 
     #[inline(always)]
@@ -116,47 +170,14 @@ impl Equations for MountainCarContinuousDynamics {
         fresh: R::Mask,
         [action, precision]: [R; 2],
     ) -> Next<R, Self> {
-        let [
-            goal_velocity,
-            min_action,
-            max_action,
-            min_position,
-            max_position,
-            max_speed,
-            goal_position,
-            power,
-        ] = constants;
-        let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
-        let double = R::but_not(precision.lt(precision.same(2.0)), single);
-        // Each operation on `float32` numbers is exact in `float64` up to this rounding.
-        let rounded = |wide: R::Mask, x: R| R::select(wide, x, x.single());
-
-        let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
-        let within = ((action * power.single()).single() - pull.single()).single();
-        // a clipped force is one of the bounds, a number of Python's: the sum is then `float64`
-        let below = action.lt(R::select(single, min_action.single(), min_action));
-        let above = action.gt(R::select(single, max_action.single(), max_action));
-        let clipped = below | above;
-        let force = R::select(below, min_action, R::select(above, max_action, action));
-        let change = R::select(R::but_not(single, clipped), within, force * power - pull);
-
-        // numbers of Python's take the precision of the state; those of `float64` widen what they are added to
-        let wide = fresh | R::but_not(double, clipped);
-        let most = rounded(wide, max_speed);
-        let moved = rounded(wide, velocity + rounded(wide, change));
-        let wide_position = fresh | R::but_not(wide, moved.lt(-most) | moved.gt(most));
-        let velocity = clip(moved, -most, most);
-        let min_position = rounded(wide_position, min_position);
-        let max_position = rounded(wide_position, max_position);
-        let moved = rounded(wide_position, position + rounded(wide_position, velocity));
-        let position = clip(moved, min_position, max_position);
-        let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
-        let terminated =
-            rounded(wide_position, goal_position).le(position) & rounded(wide, goal_velocity).le(velocity);
-        let bonus = R::select(terminated, zero.same(100.0), zero);
-        let reward = bonus - action.square() * 0.1;
-        let state = [position.single(), velocity.single()];
-        Next { state, reward, terminated, seen: state }
+        let [_, min_action, max_action, ..] = constants;
+        let single = precision.lt(precision.same(1.0));
+        let within = min_action.single().le(action) & action.le(max_action.single());
+        if R::all(R::but_not(single & within, fresh)) {
+            advance::<R, true>(constants, [position, velocity], fresh, [action, precision])
+        } else {
+            advance::<R, false>(constants, [position, velocity], fresh, [action, precision])
+        }
     }
 
     #[inline(always)]
@@ -200,7 +221,8 @@ impl Task for MountainCarContinuousDynamics {
                 format!("min_action is {min_action:?}: it must not be above max_action, {max_action:?}");
             return Err(Error::argument(Self::NAME, reason));
         }
-        Ok(Self { config, built: config })
+        let is_usual = Self::USUAL == Some(constants_of(&config));
+        Ok(Self { config, built: config, is_usual })
     }
 
     fn config(&self) -> &Config {

@@ -76,6 +76,7 @@ pub struct PendulumDynamics {
     config: Config,
     /// The arguments of the constructor, which the spaces follow.
     built: Config,
+    is_usual: bool,
     constants: [f64; 5],
 }
 
@@ -94,6 +95,16 @@ const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     [3.0 * g / (2.0 * l), 3.0 / (m * l_2), max_speed, max_torque, dt]
 }
 
+/// What a torque costs and how it accelerates, computed by numpy in `float32` or not.
+#[inline(always)]
+fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R) -> [R; 2] {
+    let rounded = |x: R| if SINGLE { x.single() } else { x };
+    let max_torque = rounded(max_torque);
+    let u = clip(torque, -max_torque, max_torque);
+    let effort = if SINGLE { (u.square_f32() * f64::from(0.001f32)).single() } else { u.square() * 0.001 };
+    [effort, rounded(u * rounded(per_torque))]
+}
+
 impl Equations for PendulumDynamics {
     type Numbers = [f64; 3];
     type Input = [f64; 2];
@@ -105,6 +116,11 @@ impl Equations for PendulumDynamics {
     #[inline(always)]
     fn constants(&self) -> [f64; 5] {
         self.constants
+    }
+
+    #[inline(always)]
+    fn is_usual(&self) -> bool {
+        self.is_usual
     }
 
     #[inline(always)]
@@ -139,16 +155,17 @@ impl Equations for PendulumDynamics {
         [torque, is_double]: [R; 2],
     ) -> Next<R, Self> {
         let single = is_double.lt(is_double.same(1.0));
-        let rounded = |x: R| R::select(single, x.single(), x);
-        let max_torque = rounded(max_torque);
-        let u = clip(torque, -max_torque, max_torque);
+        let [effort, push] = if R::all(single) {
+            effects::<R, true>(torque, per_torque, max_torque)
+        } else {
+            let singles = effects::<R, true>(torque, per_torque, max_torque);
+            let doubles = effects::<R, false>(torque, per_torque, max_torque);
+            [R::select(single, singles[0], doubles[0]), R::select(single, singles[1], doubles[1])]
+        };
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
-        let effort_of_single = (u.square_f32() * f64::from(0.001f32)).single();
-        let effort = R::select(single, effort_of_single, u.square() * 0.001);
         let costs = angle.square() + theta_dot.square() * 0.1 + effort;
 
         let pull = sin * per_sin;
-        let push = rounded(u * rounded(per_torque));
         let theta_dot = clip(theta_dot + (pull + push) * dt, -max_speed, max_speed);
         let theta = theta + theta_dot * dt;
         let terminated = theta.lt(theta) & theta.lt(theta);
@@ -184,7 +201,8 @@ impl Task for PendulumDynamics {
         constants::finite(Self::NAME, [("g", g), ("m", m), ("l", l), ("dt", dt)])?;
         constants::limits(Self::NAME, [("max_speed", max_speed), ("max_torque", max_torque)])?;
         let constants = constants_of(&config, square(l));
-        Ok(Self { config, built: config, constants })
+        let is_usual = Self::USUAL == Some(constants);
+        Ok(Self { config, built: config, is_usual, constants })
     }
 
     fn config(&self) -> &Config {

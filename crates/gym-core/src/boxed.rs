@@ -85,10 +85,23 @@ impl<E: Env> Erased for Layer<E> {
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
         let env = &mut self.0;
+        // an `Err` leaves aside: copied as a whole, a `Result` waits for the reward to be in memory, a twelfth of
+        // CartPole's step
+        let mut failed = None;
         let outcome = E::Action::with(action, |action| {
-            E::Observation::fill(observation, |observation| env.step_into(action, observation))
+            E::Observation::fill(observation, |observation| match env.step_into(action, observation) {
+                Ok(outcome) => outcome,
+                Err(error) => {
+                    failed = Some(error);
+                    Outcome::default()
+                }
+            })
         });
-        outcome.unwrap_or_else(|| Err(self.0.action_space().refuse_action(action)))
+        match (failed, outcome) {
+            (Some(error), _) => Err(error),
+            (None, Some(outcome)) => Ok(outcome),
+            (None, None) => Err(self.0.action_space().refuse_action(action)),
+        }
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

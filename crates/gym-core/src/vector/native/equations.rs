@@ -24,7 +24,7 @@ pub trait Equations:
 
     /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ between the
     /// environments of a vector.
-    type Constants: Row;
+    type Constants: Row + PartialEq;
 
     /// The constants of the default arguments, if known at compile time: a native vector with these runs code with the
     /// constants folded in.
@@ -41,6 +41,12 @@ pub trait Equations:
 
     /// The constants for these arguments. Each step of a scalar environment calls it, so return stored numbers.
     fn constants(&self) -> Self::Constants;
+
+    /// Whether these are the [usual](Self::USUAL) constants. Each step of a scalar environment asks, so return a stored
+    /// answer.
+    fn is_usual(&self) -> bool {
+        Self::USUAL == Some(self.constants())
+    }
 
     /// The numbers of a state.
     fn numbers(&self, state: &Self::State) -> Self::Numbers;
@@ -133,12 +139,17 @@ where
         rng: &mut Generator,
     ) -> Result<Transition<Self::State>> {
         action.check(|| self.action_space())?;
+        let constants = Equations::constants(self);
         Ok(with(
-            (state, *action, rng),
+            (state, action, rng),
             #[inline(always)]
-            |(state, action, rng)| step_one::<E, Hardware, K, A, P, O>(self, state, action, rng).0,
+            |(state, action, rng)| {
+                step_one::<E, Hardware, K, A, P, O>(self, constants, state, *action, rng).0
+            },
             #[inline(always)]
-            |(state, action, rng)| step_one::<E, Emulated, K, A, P, O>(self, state, action, rng).0,
+            |(state, action, rng)| {
+                step_one::<E, Emulated, K, A, P, O>(self, constants, state, *action, rng).0
+            },
         ))
     }
 
@@ -167,17 +178,27 @@ where
         action.check(|| self.action_space())?;
         // return these two in registers: a copy through memory would be slower
         let (reward, terminated) = with(
-            (state, *action, rng, observation),
+            (state, action, rng, observation),
             #[inline(always)]
             |(state, action, rng, observation)| {
-                step_in_place::<E, Hardware, K, A, P, O>(self, state, action, rng, observation)
+                step_in_place::<E, Hardware, K, A, P, O>(self, state, *action, rng, observation)
             },
             #[inline(always)]
             |(state, action, rng, observation)| {
-                step_in_place::<E, Emulated, K, A, P, O>(self, state, action, rng, observation)
+                step_in_place::<E, Emulated, K, A, P, O>(self, state, *action, rng, observation)
             },
         );
         Ok(Outcome { reward, terminated, truncated: false })
+    }
+}
+
+/// Calls `f` with the constants of some equations, which the compiler knows if they are the usual ones: a step of CartPole
+/// then takes a sixth less time.
+#[inline(always)]
+fn with_constants<E: Equations, T>(equations: &E, f: impl FnOnce(E::Constants) -> T) -> T {
+    match E::USUAL {
+        Some(usual) if equations.is_usual() => f(usual),
+        _ => f(equations.constants()),
     }
 }
 
@@ -192,16 +213,23 @@ fn step_in_place<E, F: Fma, const K: usize, const A: usize, const P: usize, cons
 where
     E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
 {
-    let (transition, seen) = step_one::<E, F, K, A, P, O>(equations, state, action, rng);
-    *observation = seen;
-    *state = transition.state;
-    (transition.reward, transition.terminated)
+    with_constants(
+        equations,
+        #[inline(always)]
+        |constants| {
+            let (transition, seen) = step_one::<E, F, K, A, P, O>(equations, constants, state, action, rng);
+            *observation = seen;
+            *state = transition.state;
+            (transition.reward, transition.terminated)
+        },
+    )
 }
 
 /// A step of one environment, and its observation.
 #[inline(always)]
 fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: usize>(
     equations: &E,
+    constants: [f64; P],
     state: &E::State,
     action: E::Action,
     rng: &mut Generator,
@@ -209,7 +237,6 @@ fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: 
 where
     E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
 {
-    let constants = equations.constants();
     let mut input = equations.input(action);
     if E::IS_NOISY {
         E::disturb(&constants, &mut input, rng);
@@ -281,7 +308,7 @@ where
     }
 
     fn is_usual(&self) -> bool {
-        E::USUAL == Some(Equations::constants(self))
+        Equations::is_usual(self)
     }
 
     fn pack(&self, state: &Self::State) -> [f64; K] {

@@ -10,6 +10,8 @@ pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
     /// The policy of the environment's registration: rules, or a trained network.
+    // Gymnasium's word for those of Box2D
+    #[value(alias = "heuristic")]
     Good,
 }
 

@@ -203,6 +203,8 @@ fn good_policies_beat_chance() {
         let (good, random) = (mean(id, "good"), mean(id, "random"));
         assert!(good >= least && good > random, "{id}: {good}, at random {random}");
     }
+    // by Gymnasium's word
+    assert_eq!(mean("LunarLander-v3", "heuristic"), mean("LunarLander-v3", "good"));
     let error = fails(&["run", "CarRacing-v3", "--policy", "good", "--kwargs", r#"{"continuous": false}"#]);
     assert!(error.contains("has no good policy"), "{error}");
 }

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use gym_mujoco::recording;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::common::same;
 
@@ -90,4 +90,19 @@ fn forward_calls() {
 #[test]
 fn steps() {
     all("steps", "after");
+}
+
+/// Recordings differ in what they keep where there is no island: nothing, or the first of MuJoCo's counts.
+#[test]
+fn as_many_counts_of_the_solver_as_recorded() {
+    for recorded in [json!([]), json!([0])] {
+        let aloft = json!({
+            "qpos": [0.0, 3.0, 0.0, -0.1, -0.1, 0.0], "qvel": vec![0.0; 6], "qacc_warmstart": vec![0.0; 6],
+            "ctrl": vec![0.0; 3], "time": 0.0, "after": {"solver_niter": recorded},
+        });
+        let file = json!({"model": "hopper", "kind": "steps", "cases": [aloft]});
+        let answer = recording::answer(file.as_object().unwrap(), Path::new("")).unwrap();
+        let after = &answer["cases"][0]["after"];
+        assert_eq!((&after["nisland"], &after["solver_niter"]), (&json!(0), &recorded));
+    }
 }

@@ -196,7 +196,7 @@ impl Equations for CartPoleDynamics {
         State { x, x_dot, theta, theta_dot, fallen: !fresh && !self.is_within(x, theta), fresh }
     }
 
-    /// The direction to push in, without a branch, which no CPU foresees where actions are random.
+    /// The direction to push in, without a branch: the CPU would mispredict half of all random actions.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         [f64::from(2 * action as i8 - 1)]

@@ -81,8 +81,8 @@ const fn constants_of(config: &Config) -> [f64; 8] {
     [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
 }
 
-/// A step. `USUAL` is for actions that came as `float32` within their bounds, in states that are not the first: every number
-/// is then a `float32`.
+/// One step. With `USUAL`, all actions came as `float32` within their bounds, and no state is the first of its episode:
+/// every result is then rounded to `float32`.
 #[inline(always)]
 fn advance<R: Real, const USUAL: bool>(
     constants: [R; 8],
@@ -96,7 +96,7 @@ fn advance<R: Real, const USUAL: bool>(
     let double = R::but_not(precision.lt(precision.same(2.0)), single);
     // Each operation on `float32` numbers is exact in `float64` up to this rounding.
     let rounded = |wide: R::Mask, x: R| if USUAL { x.single() } else { R::select(wide, x, x.single()) };
-    // for what is a `float32` already in the usual case
+    // for numbers that the usual case has already rounded
     let narrowed = |wide: R::Mask, x: R| if USUAL { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
@@ -124,8 +124,7 @@ fn advance<R: Real, const USUAL: bool>(
         rounded(wide_position, goal_position).le(position) & rounded(wide, goal_velocity).le(velocity);
     let bonus = R::select(terminated, zero.same(100.0), zero);
     let reward = bonus - action.square() * 0.1;
-    let not = zero.lt(zero);
-    let state = [narrowed(not, position), narrowed(not, velocity)];
+    let state = if USUAL { [position, velocity] } else { [position.single(), velocity.single()] };
     Next { state, reward, terminated, seen: state }
 }
 

@@ -85,8 +85,8 @@ impl<E: Env> Erased for Layer<E> {
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
         let env = &mut self.0;
-        // an `Err` leaves aside: copied as a whole, a `Result` waits for the reward to be in memory, a twelfth of
-        // CartPole's step
+        // an error is returned through `failed`: copying a whole `Result` right after its reward was written stalls the
+        // CPU, for 8 % of a step of CartPole
         let mut failed = None;
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(observation, |observation| match env.step_into(action, observation) {

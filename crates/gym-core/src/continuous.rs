@@ -5,7 +5,7 @@ use std::fmt;
 use crate::{Data, Element, Value};
 
 /// The precision in which the numbers of an action came, which numpy computes with.
-// as wide as a number: a native vector then reads rows of both at once, a twentieth of its step
+// as wide as a number: native vectors then read both with SIMD, which saves 5 % of a step
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Precision {
@@ -87,7 +87,7 @@ impl<const N: usize> Element for Continuous<N> {
         Self::default()
     }
 
-    // inlined: copied through memory, the number and its precision are awaited together
+    // inlined, to stay in registers: a copy right after the writes stalls the CPU, for a fifth of a step of Pendulum
     #[inline(always)]
     fn from_value(value: &Value) -> Option<Self> {
         match value {

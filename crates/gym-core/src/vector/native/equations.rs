@@ -192,8 +192,8 @@ where
     }
 }
 
-/// Calls `f` with the constants of some equations, which the compiler knows if they are the usual ones: a step of CartPole
-/// then takes a sixth less time.
+/// Calls `f` with the constants. It is compiled a second time for the usual ones, with which a step of CartPole takes a
+/// sixth less time.
 #[inline(always)]
 fn with_constants<E: Equations, T>(equations: &E, f: impl FnOnce(E::Constants) -> T) -> T {
     match E::USUAL {

@@ -492,6 +492,14 @@ games! {
         lives: |r| r.at(0x4a),
         over: |r| r.at(0x48) == 0x0a && r.at(0x4a) | r.at(0x25) | r.at(0x29) == 0,
     }
+    mario_bros "MarioBros" v5 {
+        md5: "e908611d99890733be31733a979c62d8", scheme: F8,
+        start: &[Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Fire, Fire, Fire, Fire, Fire, Fire, Fire],
+        select_frames: 5, mode_at: Some(0x00), modes: &[(0, 0), (2, 2), (4, 4), (6, 6)],
+        score: |r| 100 * r.decimal(&[0x09, 0x0a]),
+        lives: |r| r.at(0x07),
+        over: |r| r.at(0x07) == 0,
+    }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
         minimal: &Action::ALL,

@@ -19,6 +19,11 @@ const LOADING_TIMER: u8 = 0x33;
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 /// The frames between power-on and RESET.
 const IDLE_FRAMES: u8 = 60;
+/// The frames that are run when the ROM is loaded, before the game is started for the first time.
+const LOADING_FRAMES: u8 = 60;
+/// The same for PAL sets, where 30 frames of their length are enough. A program that does not clear its RAM shows them: of the
+/// games Space War, whose first frame is shorter.
+const PAL_LOADING_FRAMES: u8 = 31;
 /// The frames that RESET is pressed for after a mode was chosen, in games that have several, and once more.
 const RESET_FRAMES: u8 = 4;
 /// The most presses of SELECT; ale-py continues forever.
@@ -125,7 +130,7 @@ impl Ale {
                 power_ons: 0,
                 generator: Mt19937::new(seed),
                 previous: Action::Noop.into(),
-                paddle: Paddle::default(),
+                paddle: Paddle::middle(game.paddle_end),
                 score: 0,
                 reward: 0,
                 lives: 0,
@@ -135,7 +140,8 @@ impl Ale {
                 episode_frame_number: 0,
             },
         };
-        ale.hold(switch::IDLE, IDLE_FRAMES);
+        let frames = if game.display.pal { PAL_LOADING_FRAMES } else { LOADING_FRAMES };
+        ale.hold(switch::IDLE, frames);
         ale.reset();
         ale.loaded = Loaded { ram: *ale.console.ram(), frame_number: ale.progress.frame_number };
         ale
@@ -175,7 +181,7 @@ impl Ale {
         self.console = Console::new(cartridge, self.game.display, ram, timer);
         self.progress.power_ons += 1;
         self.progress.previous = Action::Noop.into();
-        self.progress.paddle = Paddle::default();
+        self.progress.paddle = Paddle::middle(self.game.paddle_end);
         self.hold(switch::IDLE, IDLE_FRAMES);
         self.hold(switch::IDLE & !switch::RESET, self.game.first_reset);
         self.progress.episode_frame_number = 0;
@@ -378,9 +384,10 @@ impl Ale {
                 Input { port_a, port_b, fire: [false, action.fire()], ..Input::default() }
             }
             Controller::Paddle(paddle) | Controller::LeftPaddle(paddle) => {
-                self.progress.paddle.turn(action.horizontal(), paddle_strength);
+                let end = self.game.paddle_end;
+                self.progress.paddle.turn(action.horizontal(), paddle_strength, end);
                 let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
-                let mut charge = [Some(Paddle::default().charge()); 2];
+                let mut charge = [Some(Paddle::middle(end).charge()); 2];
                 charge[paddle & 1] = Some(self.progress.paddle.charge());
                 let right = matches!(self.game.controller, Controller::Paddle(_)).then_some(0);
                 let charge = [charge[0], charge[1], right, right];

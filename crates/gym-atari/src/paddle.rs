@@ -1,7 +1,7 @@
 //! A paddle: a resistor that charges a capacitor, which the program times.
 //!
 //! The law is that of a resistor and a capacitor; its numbers were fitted to recordings of Breakout and Pong, which come
-//! out exactly.
+//! out exactly. The left ends of other games were measured by turning a paddle through its whole range in small steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Paddle(u32);
 
-/// The resistance at either end.
+/// The resistance at the right end. That at the left end depends on the game.
 const LEAST: u32 = 27_450;
-const MOST: u32 = 790_196;
 /// What an action changes in a frame.
 const STEP: f64 = 23_000.0;
 /// The processor's cycles in a second.
@@ -19,18 +18,16 @@ const CYCLES_PER_SECOND: f64 = 1.19e6;
 /// The capacitor, in farads.
 const CAPACITY: f64 = 0.01e-6;
 
-impl Default for Paddle {
-    /// In the middle.
-    fn default() -> Self {
-        Self((LEAST + MOST) / 2)
-    }
-}
-
 impl Paddle {
+    /// In the middle between the right end and this resistance at the left end.
+    pub(crate) fn middle(end: u32) -> Self {
+        Self((LEAST + end) / 2)
+    }
+
     /// Turns it for a frame, `1` to the right, `-1` to the left, at a share of its full speed.
-    pub(crate) fn turn(&mut self, direction: i32, strength: f32) {
+    pub(crate) fn turn(&mut self, direction: i32, strength: f32, end: u32) {
         let change = i64::from(direction) * i64::from((STEP * f64::from(strength)) as i32);
-        self.0 = (i64::from(self.0) - change).clamp(LEAST.into(), MOST.into()) as u32;
+        self.0 = (i64::from(self.0) - change).clamp(LEAST.into(), end.into()) as u32;
     }
 
     /// The colour clocks until the capacitor is charged.
@@ -46,7 +43,8 @@ mod tests {
 
     #[test]
     fn a_strength_is_a_share_of_the_speed_and_the_ends_hold() {
-        let middle = Paddle::default();
+        const MOST: u32 = 790_196;
+        let middle = Paddle::middle(MOST);
         for (direction, strength, change) in [
             (1, 1.0, -23_000),
             (-1, 1.0, 23_000),
@@ -56,13 +54,13 @@ mod tests {
             (0, 1.0, 0),
         ] {
             let mut paddle = middle;
-            paddle.turn(direction, strength);
+            paddle.turn(direction, strength, MOST);
             assert_eq!(i64::from(paddle.0) - i64::from(middle.0), change, "{direction} {strength}");
         }
         for (direction, end) in [(1, LEAST), (-1, MOST)] {
             for strength in [1e9, f32::INFINITY] {
                 let mut paddle = middle;
-                paddle.turn(direction, strength);
+                paddle.turn(direction, strength, MOST);
                 assert_eq!(paddle, Paddle(end));
             }
         }

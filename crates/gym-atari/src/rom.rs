@@ -2,7 +2,7 @@
 
 use std::env;
 use std::fs::{self, File};
-use std::io::Read as _;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -120,18 +120,31 @@ impl RomDir {
     /// The ROM of a game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there is none, or if it is not the one that the game was checked with.
+    /// [`Error::InvalidArgument`] if there is none, if it is not a regular file, or if it is not the one that the game was
+    /// checked with.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.file(game);
-        let mut bytes = Vec::new();
-        // one byte more than a ROM may have: a device such as `/dev/zero` never ends
-        let read = File::open(&path).and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
-        read.map_err(|error| {
+        let unreadable = |error: io::Error| {
             Error::argument(
                 game.title,
                 format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()),
             )
-        })?;
+        };
+        // opening a pipe waits for a writer, so this comes first
+        if !fs::metadata(&path).map_err(unreadable)?.is_file() {
+            return Err(Error::argument(
+                game.title,
+                format!(
+                    "the ROM {} is not a regular file: put the ROM there, or a link to it. {}",
+                    path.display(),
+                    advice()
+                ),
+            ));
+        }
+        let mut bytes = Vec::new();
+        // one byte more than a ROM may have
+        let read = File::open(&path).and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
+        read.map_err(unreadable)?;
         if bytes.len() > MAX_LEN {
             return Err(Error::argument(
                 game.title,

@@ -79,8 +79,7 @@ impl Chips {
         if is_riot(address) {
             return self.riot.read(address, cycle);
         }
-        let (bits, driven) = self.tia.read(address, cycle, &mut self.screen);
-        bits | bus & !driven
+        self.tia.read(address, cycle, &mut self.screen) | bus & 0x3f
     }
 
     #[inline(never)]

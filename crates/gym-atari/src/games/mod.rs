@@ -27,6 +27,8 @@ pub struct Game {
     pub display: Display,
     /// What the player holds.
     pub controller: Controller,
+    /// The resistance of a paddle that is turned to the left as far as it goes, in ohms.
+    pub paddle_end: u32,
     /// The actions after RESET, a frame each.
     pub start: &'static [Action],
     /// The minimal action set.
@@ -81,6 +83,7 @@ const DEFAULT: Game = Game {
     scheme: Scheme::Rom4K,
     display: Display::NTSC,
     controller: Controller::Joystick,
+    paddle_end: 790_196,
     start: &[],
     minimal: &Action::ALL,
     legal: &Action::ALL,

@@ -3,6 +3,20 @@
 use super::Ram;
 
 impl Ram<'_> {
+    /// Blackjack: nothing shows where no points are left.
+    pub(super) fn blackjack(&self) -> i32 {
+        if self.blackjack_is_blank() { 0 } else { self.decimal(&[0x06, 0x09]) }
+    }
+
+    /// Blackjack: it ends with 1,000 points, or without any.
+    pub(super) fn blackjack_is_over(&self) -> bool {
+        self.blackjack() >= 1000 || self.blackjack_is_blank()
+    }
+
+    fn blackjack_is_blank(&self) -> bool {
+        self.at(0x06) == 0x0b && self.at(0x09) == 0xbb
+    }
+
     /// Boxing: a knockout, 100 points, shows as `C0`.
     pub(super) fn boxing(&self, index: usize) -> i32 {
         if self.at(index) == 0xc0 { 100 } else { self.bcd(index) }

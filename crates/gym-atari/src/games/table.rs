@@ -41,6 +41,16 @@ games! {
         lives_at_end: 1,
         over: |r| r.at(0x39) == 0x12 || r.at(0x60) == 2,
     }
+    air_raid "AirRaid" 4 {
+        md5: "35be55426c1fec32dfb503b4f0651572", scheme: Rom4K,
+        minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
+        display: Display::PAL,
+        start: &[Fire],
+        select_frames: 10, press_first: true, mode_at: Some(0x2a), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        score: |r| r.decimal(&[0x28, 0x29, 0x2a]),
+        lives: |_| 1,
+        over: |r| r.at(0x27) == 0xff,
+    }
     alien "Alien" 4 {
         md5: "f1a0a23e6464d954e3a9579c4ccd01c8", scheme: Rom4K,
         minimal: &Action::ALL,
@@ -144,6 +154,15 @@ games! {
         score: |r| r.decimal(&[0x5d, 0x5e, 0x5f]),
         lives: |r| r.at(0x5a) + 1,
         over: |r| r.at(0x5a) == 0xff,
+    }
+    blackjack "Blackjack" v5 {
+        md5: "0a981c03204ac2b278ba392674682560", scheme: Rom2K,
+        minimal: &[Noop, Fire, Up, Down],
+        controller: Controller::LeftPaddle(0), paddle_end: 795_000,
+        difficulties: &[0, 1, 2, 3],
+        score: |r| r.blackjack(),
+        lives: |_| 1,
+        over: |r| r.blackjack_is_over(),
     }
     bowling "Bowling" 4 {
         md5: "c9b7afad3bfd922e006a6bfc1d4f3fe7", scheme: Rom2K,
@@ -473,12 +492,30 @@ games! {
         lives: |r| r.at(0x4a),
         over: |r| r.at(0x48) == 0x0a && r.at(0x4a) | r.at(0x25) | r.at(0x29) == 0,
     }
+    mario_bros "MarioBros" v5 {
+        md5: "e908611d99890733be31733a979c62d8", scheme: F8,
+        start: &[Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Fire, Fire, Fire, Fire, Fire, Fire, Fire],
+        select_frames: 5, mode_at: Some(0x00), modes: &[(0, 0), (2, 2), (4, 4), (6, 6)],
+        score: |r| 100 * r.decimal(&[0x09, 0x0a]),
+        lives: |r| r.at(0x07),
+        over: |r| r.at(0x07) == 0,
+    }
     montezuma_revenge "MontezumaRevenge" 4 {
         md5: "3347a6dd59049b15a38394aa2dafa585", scheme: E0,
         minimal: &Action::ALL,
         score: |r| r.decimal(&[0x13, 0x14, 0x15]),
         lives: |r| (r.at(0x3a) & 7) + 1,
         over: |r| r.at(0x3a) == 0 && r.at(0x7e) == 0x60,
+    }
+    mr_do "MrDo" v5 {
+        md5: "aa7bb54d2c189a31bb1fa20099e42859", scheme: F8,
+        minimal: &[Noop, Fire, Up, Right, Left, Down, UpFire, RightFire, LeftFire, DownFire],
+        display: Display::PAL,
+        start: &[Fire],
+        select_frames: 5, mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)],
+        score: |r| 10 * r.decimal(&[0x03, 0x02]),
+        lives: |r| r.at(0x5b),
+        over: |r| r.at(0x5a) == 0x40,
     }
     ms_pacman "MsPacman" 4 {
         md5: "87e79cd41ce136fd4f72cc6e2c161bee", scheme: F8,
@@ -628,6 +665,14 @@ games! {
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
+    }
+    space_war "SpaceWar" v5 {
+        md5: "b702641d698c60bcdc922dbd8c9dd49c", scheme: Rom2K,
+        display: Display::PAL,
+        mode_at: Some(0x27), modes: &[(6, 0x06), (7, 0x07), (8, 0x08), (9, 0x09), (10, 0x10), (11, 0x11), (12, 0x12), (13, 0x13), (14, 0x14), (15, 0x15), (16, 0x16), (17, 0x17)],
+        score: |r| r.bcd(0x27),
+        lives: |_| 1,
+        over: |r| r.bcd(0x27) == 10 || r.at(0x00) == 0,
     }
     star_gunner "StarGunner" 4 {
         md5: "a3c1c70024d7aabb41381adbfb6d3b25", scheme: Rom4K,

@@ -238,20 +238,20 @@ impl Tia {
             && self.colorless <= 1
     }
 
-    /// Reads a register: its bits, and which of the byte's bits it drives.
-    pub(crate) fn read(&mut self, address: u16, cycle: u64, screen: &mut Screen) -> (u8, u8) {
+    /// Reads a register: bits 7 and 6. The others are not driven.
+    pub(crate) fn read(&mut self, address: u16, cycle: u64, screen: &mut Screen) -> u8 {
         match address & 0x0f {
             // CXM0P, CXM1P, CXP0FB, CXP1FB, CXM0FB, CXM1FB, CXBLPF, CXPPMM
             register @ 0..8 => {
                 self.beam(cycle);
                 self.paint_to(self.clock(cycle), screen);
-                (((self.collisions >> (2 * register)) as u8) << 6, 0xc0)
+                ((self.collisions >> (2 * register)) as u8) << 6
             }
             // INPT0, INPT1, INPT2, INPT3
-            paddle @ 8..12 => (self.paddle(usize::from(paddle) - 8, cycle), 0x80),
+            paddle @ 8..12 => self.paddle(usize::from(paddle) - 8, cycle),
             // INPT4, INPT5
-            trigger @ 12..14 => (self.trigger(usize::from(trigger) - 12), 0x80),
-            _ => (0, 0),
+            trigger @ 12..14 => self.trigger(usize::from(trigger) - 12),
+            _ => 0,
         }
     }
 

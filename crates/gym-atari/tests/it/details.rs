@@ -33,3 +33,15 @@ fn an_indirect_jump_stays_within_its_page() {
     }
     assert_eq!(played(&rom(&code)).ram().0[0x10], 1);
 }
+
+/// A read of any register of the TIA drives bits 7 and 6; the others are those of the last byte on the bus.
+#[test]
+fn reads_of_the_tia_drive_two_bits() {
+    let mut code = vec![
+        0xa5, 0x58, 0x85, 0x90, // lda $58 (INPT0); sta $90
+        0xa5, 0x4c, 0x85, 0x91, // lda $4c (INPT4); sta $91
+        0xad, 0x0e, 0xee, 0x85, 0x92, // lda $ee0e (no register); sta $92
+    ];
+    code.extend(frame(0xf000));
+    assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
+}

@@ -278,13 +278,38 @@ fn missing_and_wrong_roms_are_named() {
     std::fs::write(folder.join("breakout.bin"), [0; 2048]).unwrap();
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
     assert!(error.contains(game.md5), "{error}");
-    // a device that never ends
-    #[cfg(unix)]
-    {
-        std::fs::remove_file(folder.join("breakout.bin")).unwrap();
-        std::os::unix::fs::symlink("/dev/zero", folder.join("breakout.bin")).unwrap();
-        let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
-        assert!(error.contains("longer than 1048576 bytes"), "{error}");
+    std::fs::File::create(folder.join("breakout.bin")).unwrap().set_len(2 << 20).unwrap();
+    let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
+    assert!(error.contains("longer than 1048576 bytes"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A pipe without a writer would be waited for, and a device such as `/dev/zero` never ends.
+#[cfg(unix)]
+#[test]
+fn roms_that_are_not_regular_files_are_refused() {
+    use std::os::unix::fs::symlink;
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    let folder = std::env::temp_dir().join(format!("gym-atari-no-files-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("breakout.bin");
+    let game = games::by_name("breakout").unwrap();
+    let pipe = folder.join("pipe");
+    assert!(std::process::Command::new("mkfifo").args([&path, &pipe]).status().unwrap().success());
+    for target in [None, Some(pipe.as_path()), Some("/dev/zero".as_ref()), Some(folder.as_path())] {
+        if let Some(target) = target {
+            std::fs::remove_file(&path).unwrap();
+            symlink(target, &path).unwrap();
+        }
+        // on a thread, so that a wait is a failure
+        let (sender, receiver) = mpsc::channel();
+        let roms = RomDir::new(&folder);
+        std::thread::spawn(move || sender.send(roms.rom(game).unwrap_err().to_string()));
+        let error = receiver.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(error.contains(&*path.to_string_lossy()), "{error}");
+        assert!(error.contains("not a regular file") && error.contains("rom_dir"), "{error}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }

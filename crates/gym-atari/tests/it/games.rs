@@ -22,3 +22,33 @@ fn krull_ends_where_ale_pys_does() {
     assert_eq!((krull.lives)(&Ram(&ram(&[(0x1f, 0x02)]))), 3);
     assert_eq!((krull.score)(&Ram(&ram(&[(0x1c, 0x12), (0x1d, 0x34), (0x1e, 0x56)]))), 123_456);
 }
+
+/// Blackjack is over with 1,000 points, and where none are left and nothing shows.
+#[test]
+fn blackjack_ends_where_ale_pys_does() {
+    let blackjack = games::by_name("blackjack").unwrap();
+    for (bytes, score, over) in [
+        ([0x02, 0x00], 200, false),
+        ([0x09, 0x99], 999, false),
+        ([0x10, 0x00], 1000, true),
+        ([0x00, 0x00], 0, false),
+        ([0x0b, 0xbb], 0, true),
+        ([0x0b, 0x00], 1100, true),
+        ([0x00, 0xbb], 121, false),
+    ] {
+        let ram = ram(&[(0x06, bytes[0]), (0x09, bytes[1])]);
+        assert_eq!((blackjack.score)(&Ram(&ram)), score, "{bytes:x?}");
+        assert_eq!((blackjack.over)(&Ram(&ram)), over, "{bytes:x?}");
+    }
+}
+
+/// Space War is over with ten points, or when its time is.
+#[test]
+fn space_war_ends_where_ale_pys_does() {
+    let space_war = games::by_name("space_war").unwrap();
+    let over = |bytes: &[(usize, u8)]| (space_war.over)(&Ram(&ram(bytes)));
+    assert!(over(&[(0x00, 0x75), (0x27, 0x10)]));
+    assert!(over(&[(0x00, 0x00), (0x27, 0x03)]));
+    assert!(!over(&[(0x00, 0x75), (0x27, 0x09)]));
+    assert!(!over(&[(0x00, 0x75), (0x27, 0x11)]), "ten alone ends it");
+}

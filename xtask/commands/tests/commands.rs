@@ -455,10 +455,12 @@ fn endless_files_are_refused() {
 #[test]
 fn run_refuses_names_before_it_plays() {
     let out = folder("run-names");
-    let [bmp, svg] = ["a.bmp", "a.svg"].map(|name| out.join(name).to_str().unwrap().to_owned());
+    let [bmp, svg, detour] =
+        ["a.bmp", "a.svg", "../run-names/a.svg"].map(|name| out.join(name).to_str().unwrap().to_owned());
     for (options, message) in [
         (&["--plot", &bmp][..], "the extensions are .svg and .png"),
         (&["--plot", &svg, "--json", &svg], "name one file"),
+        (&["--plot", &svg, "--json", &detour], "name one file"),
     ] {
         let output = xtask(&[&["run", "CartPole-v1"], options].concat());
         assert!(!output.status.success() && output.stdout.is_empty(), "{options:?}: it plays first");

@@ -417,6 +417,80 @@ fn clones_and_snapshots_continue() {
     assert!(refused.contains("restoring runs code") && refused.contains("allow_pickle"), "{refused}");
 }
 
+/// An environment that counts its steps in its info, as Python has it: without what `make` puts around it.
+fn widens(start: i64) -> EnvBuilder {
+    let env = bridge("bridge/Widens-v0").arg("module", MODULE).arg("allow_pickle", true);
+    let env = env.arg("make_kwargs", serde_json::json!({ "start": start }));
+    env.order_enforce(false).disable_env_checker(true)
+}
+
+#[test]
+fn clones_and_snapshots_tell_the_last_info() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let action = Value::from([0.5_f32, -0.5]);
+    let steps = |env: &BoxEnv| env.info_map().get("steps").cloned();
+    let mut env = widens(3).build().unwrap();
+    assert!(matches!(env.clone().step(&action), Err(gym_core::Error::ResetNeeded(_))), "nor does a clone");
+    env.reset(0).unwrap();
+    env.step(&action).unwrap();
+    assert_eq!(steps(&env), Some(Value::Int(4)));
+    let snapshot = env.snapshot().unwrap();
+    let mut restored = widens(3).build().unwrap();
+    assert!(matches!(restored.step(&action), Err(gym_core::Error::ResetNeeded(_))));
+    restored.restore(&snapshot).unwrap();
+    for mut env in [env.clone(), restored] {
+        assert_eq!(steps(&env), Some(Value::Int(4)), "before a step of its own");
+        env.step(&action).unwrap();
+        assert_eq!(steps(&env), Some(Value::Int(5)));
+    }
+    let refused = widens(2).build().unwrap().restore(&snapshot).unwrap_err().to_string();
+    assert!(refused.contains("with other arguments"), "{refused}");
+    env.close();
+    assert!(matches!(env.restore(&snapshot), Err(gym_core::Error::Closed("restore"))));
+}
+
+#[test]
+fn actions_that_do_not_fit_never_reach_python() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = widens(0).build().unwrap();
+    env.reset(0).unwrap();
+    let tuple = |numbers: &[f64]| Value::Tuple(numbers.iter().map(|x| Value::Float(*x)).collect());
+    for action in [
+        Value::from([0.5_f32]),
+        Value::from([0.5_f32; 3]),
+        Value::from([0.5_f32, f32::NAN]),
+        tuple(&[0.5]),
+        tuple(&[0.5, f64::INFINITY]),
+        Value::Int(1),
+        Value::Null,
+    ] {
+        let error = env.step(&action).unwrap_err();
+        assert!(matches!(error, gym_core::Error::InvalidAction { .. }), "{action}: {error}");
+    }
+    assert_eq!(env.info_map()["steps"], Value::Int(0), "none was a step");
+    env.step(&tuple(&[0.5, -7.0])).unwrap();
+    assert_eq!(env.info_map()["steps"], Value::Int(1), "bounds are Python's to enforce");
+}
+
+/// Bounds may change at a reset, forms may not.
+#[test]
+fn spaces_that_change_at_a_reset_are_those_of_python() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = widens(0).build().unwrap();
+    assert_eq!(env.observation_space().to_string(), "Box(0.0, 1.0, (1,), float32)");
+    env.reset(Reset::default().option("wide", true)).unwrap();
+    assert_eq!(env.observation_space().to_string(), "Box(0.0, 9.0, (1,), float32)");
+    let error = env.reset(Reset::default().option("actions", true)).unwrap_err().to_string();
+    assert!(error.contains("changed at the reset") && error.contains("Discrete(3)"), "{error}");
+    assert_eq!(env.action_space().to_string(), "Box(-1.0, 1.0, (2,), float32)");
+}
+
 #[test]
 fn vectors_run_in_parallel() {
     if !has(&["gymnasium"]) {

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -19,14 +20,14 @@ use crate::verdict::{Trouble, message};
 /// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
 /// the environment itself does. All others are checked as they come.
 ///
-/// A check that takes long is told on the standard error.
+/// A check that takes long is told on the standard error, while it runs and when it ends.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
         Some(spec) => {
             let make = || spec.make();
-            run(&Subject::of_spec(&make, spec.clone()), |slow| eprintln!("{}: {slow}", spec.id)).0
+            run(&Subject::of_spec(&make, spec.clone()), |long| eprintln!("{}: {long}", spec.id)).0
         }
-        None => run(&Subject::new(&make), |slow| eprintln!("{slow}")).0,
+        None => run(&Subject::new(&make), |long| eprintln!("{long}")).0,
     }
 }
 
@@ -39,6 +40,13 @@ pub enum Progress<'a> {
         /// The environment.
         id: &'a str,
     },
+    /// A check takes long, and is not over yet.
+    Runs {
+        /// The environment.
+        id: &'a str,
+        /// The check's name.
+        check: &'static str,
+    },
     /// A check took long.
     Slow {
         /// The environment.
@@ -46,6 +54,35 @@ pub enum Progress<'a> {
         /// Which check, and how long it took.
         slow: Slow,
     },
+}
+
+impl fmt::Display for Progress<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Begins { id } => write!(f, "checking {id}"),
+            Self::Runs { id, check } => write!(f, "{id}: {}", Long::Runs(check)),
+            Self::Slow { id, slow } => write!(f, "{id}: {slow}"),
+        }
+    }
+}
+
+/// Somebody who waits for so long asks what for.
+const LONG: Duration = Duration::from_secs(5);
+
+/// What is told of a check that takes long.
+enum Long {
+    /// It is not over yet.
+    Runs(&'static str),
+    Ended(Slow),
+}
+
+impl fmt::Display for Long {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Runs(check) => write!(f, "the check {check} takes longer than {} s", LONG.as_secs()),
+            Self::Ended(slow) => slow.fmt(f),
+        }
+    }
 }
 
 /// A check that took long.
@@ -81,10 +118,25 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// The findings, and what was not checked for which reason. Calls `tell` after each check that took long.
-fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skipped>) {
-    /// Somebody who waits for so long asks what for.
-    const LONG: Duration = Duration::from_secs(5);
+/// Does some work, and calls `tell` if it is not over after a time.
+fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() -> R) -> R {
+    let (working, ended) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        let watch = move || {
+            if ended.recv_timeout(time) == Err(RecvTimeoutError::Timeout) {
+                tell();
+            }
+        };
+        // without a thread to watch it the work is the same
+        let _ = thread::Builder::new().spawn_scoped(scope, watch);
+        let result = work();
+        drop(working);
+        result
+    })
+}
+
+/// The findings, and what was not checked for which reason. Calls `tell` during and after each check that takes long.
+fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
     // a panic shows again, and is told, in the check of equal seeds
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
     let started = Instant::now();
@@ -102,10 +154,14 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Slow)) -> (Vec<Finding>, Vec<Skippe
             continue;
         }
         let started = Instant::now();
-        let outcome = catch_unwind(AssertUnwindSafe(|| (check.run)(subject)));
+        let outcome = watched(
+            LONG,
+            || tell(&Long::Runs(check.name)),
+            || catch_unwind(AssertUnwindSafe(|| (check.run)(subject))),
+        );
         let took = started.elapsed();
         if took > LONG {
-            tell(&Slow { check: check.name, took, reset });
+            tell(&Long::Ended(Slow { check: check.name, took, reset }));
         }
         let panicked = match outcome {
             Ok(verdict) => match verdict {
@@ -176,8 +232,11 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(spec) = specs.get(i) else { return reports };
             tell(Progress::Begins { id: &spec.id });
-            let slow = |slow: &Slow| tell(Progress::Slow { id: &spec.id, slow: slow.clone() });
-            reports.push((i, report(spec, slow)));
+            let long = |long: &Long| match long {
+                Long::Runs(check) => tell(Progress::Runs { id: &spec.id, check }),
+                Long::Ended(slow) => tell(Progress::Slow { id: &spec.id, slow: slow.clone() }),
+            };
+            reports.push((i, report(spec, long)));
         }
     };
     let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
@@ -196,7 +255,7 @@ fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
 }
 
-fn report(spec: &EnvSpec, tell: impl Fn(&Slow)) -> Report {
+fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
     let bare = bare_spec(spec);
     let make = || bare.make();
     let subject = Subject::of_spec(&make, bare.clone());
@@ -214,4 +273,19 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Slow)) -> Report {
         reason.is_none()
     });
     Report { id: spec.id.clone(), findings, excused, skipped }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_that_takes_long_is_told_while_it_goes_on() {
+        let (told, hears) = mpsc::channel();
+        // it ends when it was told, and not before
+        watched(Duration::ZERO, || told.send(()).unwrap(), || hears.recv().unwrap());
+        // it ends at once, and nobody waits for the time to pass
+        let answer = watched(Duration::MAX, || panic!("told"), || 3);
+        assert_eq!(answer, 3);
+    }
 }

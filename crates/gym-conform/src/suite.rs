@@ -24,12 +24,12 @@ pub fn assert_conforms(crate_name: &str) {
         "`{crate_name}` registers no environment: put `gym_core::register!(...)` at the top level of a module, and \
          let there be one gym-core in `cargo tree --duplicates`"
     );
-    let slow = |progress: Progress<'_>| {
-        if let Progress::Slow { id, slow } = progress {
-            eprintln!("{id}: {slow}");
+    let long = |progress: Progress<'_>| {
+        if !matches!(progress, Progress::Begins { .. }) {
+            eprintln!("{progress}");
         }
     };
-    let reports = reports_with(&ids, slow).unwrap_or_else(|error: Error| panic!("{error}"));
+    let reports = reports_with(&ids, long).unwrap_or_else(|error: Error| panic!("{error}"));
     let text = Format::Text.write(&reports);
     // once, whether it passes or not
     assert!(reports.iter().all(Report::passes), "{text}");

@@ -2,7 +2,10 @@
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::{DType, Env, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt};
+use gym_core::wrappers::PassiveEnvChecker;
+use gym_core::{
+    DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt,
+};
 
 /// Counts its steps; an episode has two, and as many resets as are asked for succeed.
 #[derive(Clone, Debug)]
@@ -140,4 +143,76 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     let infos = envs.infos(&columns);
     let flags = [true, false, true].map(Value::Bool).to_vec();
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
+}
+
+/// Observes and pays what it is told next, in a space of two numbers.
+#[derive(Clone, Debug)]
+struct Told(std::vec::IntoIter<(i64, f64)>);
+
+impl Told {
+    fn next(&mut self, observation: &mut i64) -> Result<Outcome> {
+        let (told, reward) = self.0.next().expect("an answer");
+        *observation = told;
+        Ok(Outcome { reward, ..Outcome::default() })
+    }
+}
+
+impl Env for Told {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> {
+        self.next(observation).map(drop)
+    }
+
+    fn step_into(&mut self, _: &i64, observation: &mut i64) -> Result<Outcome> {
+        self.next(observation)
+    }
+}
+
+/// Resets and steps are checked until one of each was sound, and not at all in episodes with options.
+#[test]
+fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
+    /// Answers to a reset (`r`), a reset with an option (`o`) or a step (`s`), and whether they are refused.
+    const CALLS: [(char, i64, f64, bool); 18] = [
+        ('r', 2, 0.0, true),
+        ('r', -1, 0.0, true),
+        // a step is checked on its own
+        ('s', 2, 0.0, true),
+        ('o', 2, 0.0, false),
+        ('s', 2, f64::NAN, false),
+        ('s', 7, 0.0, false),
+        ('r', 2, 0.0, true),
+        ('r', 1, 0.0, false),
+        ('r', 2, 0.0, false),
+        ('s', 1, f64::NAN, true),
+        ('s', 0, f64::INFINITY, true),
+        ('s', 2, 0.0, true),
+        ('o', 1, 0.0, false),
+        ('s', 2, 0.0, false),
+        ('r', 1, 0.0, false),
+        ('s', 2, 0.0, true),
+        ('s', 1, 0.0, false),
+        ('s', 2, f64::NAN, false),
+    ];
+    let answers: Vec<_> = CALLS.iter().map(|(_, told, reward, _)| (*told, *reward)).collect();
+    let mut env = PassiveEnvChecker::new(Told(answers.into_iter()));
+    for (i, (call, told, reward, is_refused)) in CALLS.into_iter().enumerate() {
+        let answer = match call {
+            'r' => env.reset(()).map(drop),
+            'o' => env.reset(Reset::default().option("far", true)).map(drop),
+            _ => env.step(&0).map(drop),
+        };
+        let what = format!("call {i}, {call} of {told} with {reward}: {answer:?}");
+        assert_eq!(matches!(answer, Err(Error::Contract(_))), is_refused, "{what}");
+        assert!(is_refused || answer.is_ok(), "{what}");
+    }
 }

@@ -4,7 +4,7 @@
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{
     Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
-    Snapshot, Space, Stateful, Task, Transition, Value, registry,
+    Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
 };
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
@@ -221,4 +221,50 @@ fn snapshots_of_something_else_say_whose_they_are() {
     {
         assert!(error.to_string().contains("implement `Env::snapshot` and `Env::restore`"), "{error}");
     }
+}
+
+/// A list of arguments has one for each sub-environment, whoever steps them.
+#[test]
+fn lists_of_arguments_are_as_long_as_their_vector() {
+    use gym_core::vector::VectorKind;
+
+    for kind in [VectorKind::Sync, VectorKind::Async] {
+        let vector = |budgets: &[f64]| {
+            let vector = gym_core::builder("seams/Budget-v4").vector(2).kind(kind);
+            vector.arg_each("budget", budgets.to_vec()).build()
+        };
+        for budgets in [&[1.0][..], &[1.0, 2.0, 3.0], &[]] {
+            let error = vector(budgets).map(drop).unwrap_err().to_string();
+            let expected = format!("there are {} values for 2 environments", budgets.len());
+            assert!(error.contains("budget") && error.contains(&expected), "{kind:?}: {error}");
+        }
+        let mut envs = vector(&[1.0, 2.0]).unwrap();
+        let mut columns = envs.reset(0).unwrap();
+        let actions = envs.action_sampler(0).unwrap().sample();
+        let ends: Vec<_> = (0..2)
+            .map(|_| {
+                envs.step_into(&actions, &mut columns).unwrap();
+                columns.truncated.clone()
+            })
+            .collect();
+        assert_eq!(ends, [[true, false], [false, true]], "{kind:?}");
+    }
+}
+
+/// What the builder was told stays, unless an argument of the same name says otherwise.
+#[test]
+fn arguments_of_make_go_before_what_the_builder_was_told() {
+    let built = || {
+        let env = gym_core::builder("seams/Budget-v4").arg("budget", 2.0);
+        env.disable_env_checker(true).max_episode_steps(5)
+    };
+    let told = |env: gym_core::registry::EnvBuilder| {
+        let spec = env.build().unwrap().spec().unwrap();
+        assert_eq!(spec.kwargs.keys().collect::<Vec<_>>(), ["budget"]);
+        (spec.disable_env_checker, spec.max_episode_steps)
+    };
+    assert_eq!(told(built()), (true, Some(5)));
+    assert_eq!(told(built().arg("disable_env_checker", false)), (false, Some(5)));
+    assert_eq!(told(built().arg("max_episode_steps", 7)), (true, Some(7)));
+    assert_eq!(told(built().arg("max_episode_steps", -1)), (true, None));
 }

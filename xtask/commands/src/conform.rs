@@ -34,9 +34,8 @@ pub(crate) fn conform(arguments: &Arguments, selection: Selection) -> Result<()>
     let registrations = selection.of(&arguments.ids)?;
     let ids: Vec<_> = registrations.iter().map(Registration::id).map(str::to_owned).collect();
     let reports = conform::reports_with(&ids, |progress| match progress {
-        Progress::Begins { id } if format == Format::Text => tell!("checking {id}"),
-        Progress::Slow { id, slow } => tell!("{id}: {slow}"),
-        _ => (),
+        Progress::Begins { .. } if format != Format::Text => (),
+        progress => tell!("{progress}"),
     })?;
     output::write(format_args!("{}", format.write(&reports)))?;
     match reports.iter().filter(|report| !report.passes()).count() {

@@ -157,6 +157,15 @@ fn check_writable(path: &Path) -> Result<()> {
     gym::rendering::file::AtomicFile::create(path).map(drop)
 }
 
+/// Whether two paths name one file, which need not exist yet.
+fn is_one_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| -> std::io::Result<PathBuf> {
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        path.canonicalize().or_else(|_| Ok(folder.canonicalize()?.join(path.file_name().unwrap_or_default())))
+    };
+    a == b || resolved(a).is_ok_and(|a| resolved(b).is_ok_and(|b| a == b))
+}
+
 /// Arguments of an environment, as JSON on the command line.
 fn parse_kwargs(json: &str) -> Result<gym::Kwargs, String> {
     serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))

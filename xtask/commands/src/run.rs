@@ -43,7 +43,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.plot {
         plots::check_name(path)?;
     }
-    if arguments.json.is_some() && arguments.json == arguments.plot {
+    if let (Some(json), Some(plot)) = (&arguments.json, &arguments.plot)
+        && crate::is_one_file(json, plot)
+    {
         return Err(Error::custom("`--json` and `--plot` name one file: the second would replace the first"));
     }
     for path in arguments.json.iter().chain(&arguments.plot) {

@@ -281,6 +281,8 @@ fn run_prints_how_episodes_end() {
     let poles = rows("CartPole-v1", "0..2");
     assert_eq!(poles[0], ["seed", "return", "length", "ended"]);
     assert!(poles[1..3].iter().all(|row| row[3..] == ["terminated"]), "{poles:?}");
+    // each step pays 1
+    assert!(poles[1..3].iter().all(|row| row[1] == format!("{}.0000", row[2])), "{poles:?}");
     let pendulums = rows("Pendulum-v1", "0..2");
     assert!(pendulums[1..3].iter().all(|row| row[2..] == ["200", "truncated"]), "{pendulums:?}");
     let number = |row: usize| pendulums[row][1].parse::<f64>().unwrap();
@@ -457,10 +459,12 @@ fn endless_files_are_refused() {
 #[test]
 fn run_refuses_names_before_it_plays() {
     let out = folder("run-names");
-    let [bmp, svg] = ["a.bmp", "a.svg"].map(|name| out.join(name).to_str().unwrap().to_owned());
+    let [bmp, svg, detour] =
+        ["a.bmp", "a.svg", "../run-names/a.svg"].map(|name| out.join(name).to_str().unwrap().to_owned());
     for (options, message) in [
         (&["--plot", &bmp][..], "the extensions are .svg and .png"),
         (&["--plot", &svg, "--json", &svg], "name one file"),
+        (&["--plot", &svg, "--json", &detour], "name one file"),
     ] {
         let output = xtask(&[&["run", "CartPole-v1"], options].concat());
         assert!(!output.status.success() && output.stdout.is_empty(), "{options:?}: it plays first");
@@ -478,4 +482,15 @@ fn json_goes_to_the_standard_output() {
     assert!(table.starts_with("    seed"), "{table}");
     let episodes: Json = serde_json::from_str(json).expect("JSON");
     assert_eq!(episodes[0]["seed"], 0);
+}
+
+#[test]
+fn a_plot_has_the_format_of_its_name() {
+    let out = folder("run-plots");
+    for (name, begins) in [("a.svg", &b"<svg"[..]), ("a.png", b"\x89PNG\r\n")] {
+        let file = out.join(name);
+        prints(&["run", "CartPole-v1", "--seeds", "0..2", "--plot", file.to_str().unwrap()]);
+        let bytes = std::fs::read(&file).expect("the plot");
+        assert!(bytes.starts_with(begins), "{name}: {:?}", &bytes[..bytes.len().min(40)]);
+    }
 }

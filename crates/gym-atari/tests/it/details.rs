@@ -1,6 +1,6 @@
 //! Details of the machine that no recorded game depends on, on programs of our own.
 
-use gym_atari::{Ale, games};
+use gym_atari::{Action, Ale, games};
 
 use crate::rom::rom;
 
@@ -44,4 +44,35 @@ fn reads_of_the_tia_drive_two_bits() {
     ];
     code.extend(frame(0xf000));
     assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
+}
+
+/// What a program reads of both triggers, frame by frame, while the first is pressed in the second and the fifth frame: with
+/// `VBLANK` as given at the start, and as given before each look.
+fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
+    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a];
+    code.extend([0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]); // clears RAM, so that the game is not over
+    code.extend([0xa9, start, 0x85, 0x01]); // lda #start; sta VBLANK
+    let again = 0xf000 + code.len() as u16;
+    code.extend(before.iter().flat_map(|value| [0xa9, *value, 0x85, 0x01]));
+    code.extend([0xa5, 0x3c, 0x85, 0x90, 0xa5, 0x3d, 0x85, 0x91]); // lda INPT4; sta $90; lda INPT5; sta $91
+    code.extend(frame(again));
+    let mut ale = played(&rom(&code));
+    let (noop, fire) = (Action::Noop, Action::Fire);
+    let seen = [noop, fire, noop, noop, fire, noop].map(|action| {
+        ale.act(action);
+        [0x10, 0x11].map(|at| ale.ram().0[at] & 0x80 == 0)
+    });
+    [0, 1].map(|trigger| seen.map(|pressed| pressed[trigger]))
+}
+
+/// While bit 6 of `VBLANK` is set, a trigger that was seen pressed stays so; clearing the bit forgets it (Stella Programmer's
+/// Guide, INPT4 and INPT5).
+#[test]
+fn a_latch_holds_a_trigger_until_it_is_cleared() {
+    let (pressed, held, idle) =
+        ([false, true, false, false, true, false], [false, true, true, true, true, true], [false; 6]);
+    assert_eq!(triggers(0x00, &[]), [pressed, idle], "without a latch");
+    assert_eq!(triggers(0x40, &[]), [held, idle], "the other trigger has a latch of its own");
+    assert_eq!(triggers(0x40, &[0x40]), [held, idle], "set again, it keeps what it holds");
+    assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }

@@ -170,6 +170,32 @@ class Observes(gymnasium.Env):
         return self.bad[action], 0.0, False, False, {}
 
 
+class Widens(gymnasium.Env):
+    """Counts its steps in its info; a reset may ask for wider bounds, or for other actions."""
+
+    def __init__(self, start=0):
+        self.observation_space = spaces.Box(0.0, 1.0, (1,), np.float32)
+        self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        self.steps = self.start = start
+
+    def told(self):
+        return np.zeros(1, np.float32), {"steps": self.steps}
+
+    def reset(self, *, seed=None, options=None):
+        self.steps = self.start
+        if options and "wide" in options:
+            self.observation_space = spaces.Box(0.0, 9.0, (1,), np.float32)
+        if options and "actions" in options:
+            self.action_space = spaces.Discrete(3)
+        return self.told()
+
+    def step(self, action):
+        self.steps += 1
+        observation, info = self.told()
+        return observation, 0.0, False, False, info
+
+
+gymnasium.register("bridge/Widens-v0", Widens)
 gymnasium.register("bridge/Observes-v0", Observes)
 gymnasium.register("bridge/Odd-v0", Odd)
 gymnasium.register("bridge/Half-v0", Half)

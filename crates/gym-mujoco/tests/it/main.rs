@@ -6,6 +6,7 @@ mod episodes;
 mod mjcf;
 mod models;
 mod recorded;
+mod rewards;
 mod simulation;
 mod tasks;
 mod traces;

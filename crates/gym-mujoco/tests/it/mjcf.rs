@@ -98,6 +98,7 @@ fn refused() -> Vec<Refused> {
         world("<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>", "geom", Some("type")),
         world("<body><body><freejoint/><geom size=\"1\"/></body></body>", "freejoint", Some("type")),
         body("<joint range=\"1 -1\"/>", "joint", Some("range")),
+        body("<joint range=\"1 1\"/>", "joint", Some("range")),
         body("<joint axis=\"0 0 0\"/>", "joint", Some("axis")),
         body("<freejoint/><joint/>", "freejoint", Some("type")),
         body("<inertial mass=\"1\"/>", "inertial", Some("pos")),
@@ -108,7 +109,17 @@ fn refused() -> Vec<Refused> {
         other("<actuator><motor joint=\"j\" ctrlrange=\"1 0\"/></actuator>", "motor", Some("ctrlrange")),
         other("<contact><exclude body1=\"b\" body2=\"none\"/></contact>", "exclude", Some("body2")),
         other("<keyframe><key qpos=\"1 2 3\"/></keyframe>", "key", Some("qpos")),
+        body(
+            "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>\
+             <inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>",
+            "inertial",
+            None,
+        ),
         other("<option timestep=\"0\"/>", "option", Some("timestep")),
+        other("<option timestep=\"-0.01\"/>", "option", Some("timestep")),
+        other("<statistic extent=\"0\"/>", "statistic", Some("extent")),
+        other("<statistic meaninertia=\"-1\"/>", "statistic", Some("meaninertia")),
+        other("<size nkey=\"1001\"/>", "size", Some("nkey")),
         // damaged
         ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),
@@ -144,6 +155,13 @@ fn sizes_and_depths_have_limits() {
     let many = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<geom size=\"1\"/>".repeat(5000));
     let message = Model::from_xml(&many).unwrap_err().to_string();
     assert!(message.contains("more than 1000"), "{message}");
+    // 167 bodies and geoms, and six degrees of freedom of each
+    let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(167);
+    let message =
+        Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>")).unwrap_err().to_string();
+    assert!(message.contains("more than 1000 bodies, geoms or degrees of freedom"), "{message}");
+    let most = "<mujoco><size nkey=\"1000\"/><worldbody/></mujoco>";
+    assert_eq!(Model::from_xml(most).unwrap().key_time.len(), 1000);
     let long = " ".repeat(9 << 20);
     assert!(Model::from_xml(&long).unwrap_err().to_string().contains("the limit is"));
 }
@@ -250,5 +268,46 @@ fn keyframes_are_as_many_as_the_largest_size_says() {
         let [a, b] = sizes.map(|n| format!("<size nkey=\"{n}\"/>"));
         let text = format!("<mujoco>{a}{b}<worldbody><geom size=\"1\"/></worldbody></mujoco>");
         assert_eq!(Model::from_xml(&text).unwrap().key_time.len(), 3, "{sizes:?}");
+    }
+}
+
+/// A total mass scales all masses and moments alike; the world, and shapes without volume, weigh nothing.
+#[test]
+fn a_total_mass_scales_masses_and_moments() {
+    let model = |compiler: &str| {
+        Model::from_xml(&format!(
+            "<mujoco>{compiler}<worldbody><geom size=\"3\"/><body><joint/><geom size=\"0.1\"/><body pos=\"1 0 0\"><joint/>\
+             <geom type=\"capsule\" size=\"0.1 0.3\"/></body></body></worldbody></mujoco>"
+        ))
+        .unwrap()
+    };
+    let (plain, scaled) = (model(""), model("<compiler settotalmass=\"5\"/>"));
+    assert_eq!((plain.body_mass[0], scaled.body_mass[0]), (0.0, 0.0));
+    let [before, after] = [&plain, &scaled].map(|model| model.body_mass.iter().sum::<f64>());
+    assert!((after - 5.0).abs() < 1e-12 && (before - 5.0).abs() > 1.0, "{before} and {after}");
+    let scale = after / before;
+    for body in 1..3 {
+        let of = |model: &Model| [&[model.body_mass[body]][..], &model.body_inertia[body]].concat();
+        for (scaled, plain) in of(&scaled).iter().zip(of(&plain)) {
+            assert!((scaled - scale * plain).abs() < 1e-12 * scaled, "body {body}: {scaled} for {plain}");
+        }
+    }
+}
+
+/// A body that moves needs mass, its own or that of what is fixed to it.
+#[test]
+fn what_is_fixed_to_a_body_is_its_mass_as_well() {
+    let model = |inner: &str| {
+        let text = format!("<body><joint/><body>{inner}</body></body>");
+        Model::from_xml(&format!("<mujoco><worldbody>{text}</worldbody></mujoco>"))
+    };
+    let heavy = "<geom size=\"0.1\"/>";
+    model(heavy).unwrap();
+    model(&format!("<body>{heavy}</body>")).unwrap();
+    model("<geom size=\"1e-3\" mass=\"1\"/>").unwrap();
+    // what moves against it does not help, nor does a point, whatever its mass
+    for inner in ["", "<site name=\"s\"/>", "<geom size=\"1e-6\" mass=\"1\"/>", &format!("<joint/>{heavy}")] {
+        let error = model(inner).unwrap_err().to_string();
+        assert!(error.contains("needs mass and inertia"), "{inner}: {error}");
     }
 }

@@ -272,3 +272,37 @@ fn damaged_figures_are_refused_or_work() {
     }
     assert!(refused > 500, "{refused}");
 }
+
+/// Newton's steps go on after one that made things worse, so hardly a line search finds the forces that a thorough one does.
+#[test]
+fn few_evaluations_find_the_same_accelerations() {
+    let model = |name: &str, option: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml");
+        let text = std::fs::read_to_string(path).unwrap();
+        Model::from_xml(&text.replace("</mujoco>", &format!("<option {option}/></mujoco>"))).unwrap()
+    };
+    for name in ["ant", "humanoid"] {
+        let m = model(name, "iterations=\"200\"");
+        let mut random = Random(7);
+        let mut d = Data::new(&m);
+        for i in 0..400 {
+            random.control(&m, &mut d, i / 20);
+            step(&m, &mut d);
+            if i % 4 > 0 {
+                continue;
+            }
+            let found = |ls_iterations: usize| {
+                let m = model(name, &format!("iterations=\"200\" ls_iterations=\"{ls_iterations}\""));
+                let mut other = Data::new(&m);
+                (other.qpos, other.qvel, other.ctrl) = (d.qpos.clone(), d.qvel.clone(), d.ctrl.clone());
+                forward(&m, &mut other);
+                other.qacc
+            };
+            let (thorough, few) = (found(50), found(1));
+            let size = thorough.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+            for (a, b) in thorough.iter().zip(&few) {
+                assert!((a - b).abs() < 1e-5 * size, "{name}, step {i}: {few:?} for {thorough:?}");
+            }
+        }
+    }
+}

@@ -80,6 +80,7 @@ fn bad_arguments_say_what_is_wrong() {
         ("Ant-v5", "xml_file", json!("./no_such_file.xml"), "no_such_file.xml"),
         ("Ant-v5", "main_body", json!("tail"), "tail"),
         ("Ant-v5", "main_body", json!(99), "0 to 13"),
+        ("Ant-v5", "main_body", json!(14), "0 to 13"),
         ("Ant-v5", "frame_skip", json!(0), "frame_skip"),
         ("Ant-v5", "camera_name", json!("none"), "track"),
         ("Ant-v5", "camera_id", json!(7), "1 cameras"),
@@ -178,6 +179,7 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     for (qpos, qvel, message) in [
         (&qpos[1..], &qvel[..], "qpos: the model has 6 numbers, not 5"),
         (&qpos, &[f64::NAN; 6], "qvel: NaN is not within ±1e10"),
+        (&qpos, &[-2e10; 6], "qvel: -20000000000 is not within ±1e10"),
     ] {
         let error = simulated.set_state(qpos, qvel).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");

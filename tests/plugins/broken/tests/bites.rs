@@ -131,6 +131,7 @@ fn a_check_that_takes_long_is_told() {
     gym_conform::reports_with(&[id.into()], |progress| {
         told.lock().unwrap().push(match progress {
             Progress::Begins { id } => format!("{id} begins"),
+            Progress::Runs { id, check } => format!("{id} runs: {check}"),
             Progress::Slow { id, slow } => {
                 assert!(slow.took > slow.reset && slow.took.as_secs() >= 5, "{slow:?}");
                 assert!(
@@ -143,7 +144,8 @@ fn a_check_that_takes_long_is_told() {
         });
     })
     .unwrap();
-    assert_eq!(told.into_inner().unwrap(), [format!("{id} begins"), format!("{id}: resets")]);
+    let expected = [format!("{id} begins"), format!("{id} runs: resets"), format!("{id}: resets")];
+    assert_eq!(told.into_inner().unwrap(), expected);
 }
 
 /// Wall-clock time is no difference between two runs.

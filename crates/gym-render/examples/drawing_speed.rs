@@ -1,5 +1,5 @@
 //! Measures drawing and GIF writing on a moving cart with a pole: `cargo run --release --example
-//! speed [FILE.gif]`.
+//! drawing_speed [FILE.gif]`.
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -694,7 +694,7 @@ twists! {
     "none.slow-with-a-large-seed" SlowWithALargeSeed (Number), reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             if reset.seed.as_ref().is_some_and(|seed| seed.to_string().len() > 40) {
-                std::thread::sleep(std::time::Duration::from_millis(5100));
+                std::thread::sleep(std::time::Duration::from_millis(5600));
             }
             env.walk.reset_into(reset, observation)
         }

@@ -1,6 +1,6 @@
 //! The mode `human`, where there is a display to show it: `xvfb-run --auto-servernum cargo test --package
-//! gym-render --features human --test window` brings one.
-#![cfg(all(feature = "human", unix, not(target_os = "macos")))]
+//! window-tests` brings one.
+#![cfg(all(unix, not(target_os = "macos")))]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};

@@ -22,10 +22,10 @@ use gym_core::math::{Real, numpy_sin_cos_f32, sin_cos, square};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
     ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
 };
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -493,7 +493,7 @@ gym_core::register!(
         .max_episode_steps(500)
         .reward_threshold(-100.0)
         .reset_options(&[("low", "-0.05"), ("high", "0.05")])
-        .vector_entry_point(native::entry_point::<AcrobotDynamics>)
+        .vector_entry_point(gym_native::entry_point::<AcrobotDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))

@@ -23,11 +23,11 @@ use gym_core::math::Real;
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
     ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
     pygame,
 };
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -385,7 +385,7 @@ const fn cartpole(id: &'static str) -> Registration {
     Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")
         .reset_options(&[("low", "-0.025"), ("high", "0.025")])
-        .vector_entry_point(native::entry_point::<CartPoleDynamics>)
+        .vector_entry_point(gym_native::entry_point::<CartPoleDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())

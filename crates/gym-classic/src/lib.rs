@@ -8,7 +8,7 @@
 //! | `Pendulum-v1` | swing a pendulum up and hold it |
 //! | `Acrobot-v1` | swing a two-link arm above a line |
 //!
-//! All have [native vectors](gym_core::vector::native), with the same bits: the equations are written once,
+//! All have [native vectors](gym_native), with the same bits: the equations are written once,
 //! for one environment or as many as a SIMD register holds.
 //!
 //! Linking this crate registers them; name it (`use gym_classic as _;`) if nothing else of it is

@@ -18,8 +18,8 @@ use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -289,7 +289,7 @@ gym_core::register!(
         .max_episode_steps(200)
         .reward_threshold(-110.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
-        .vector_entry_point(native::entry_point::<MountainCarDynamics>)
+        .vector_entry_point(gym_native::entry_point::<MountainCarDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))

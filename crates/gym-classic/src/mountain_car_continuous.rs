@@ -19,10 +19,10 @@ use gym_core::math::Real;
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
     Continuous, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
 };
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, clip, equal};
@@ -266,7 +266,7 @@ gym_core::register!(
         .max_episode_steps(999)
         .reward_threshold(90.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
-        .vector_entry_point(native::entry_point::<MountainCarContinuousDynamics>)
+        .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
         .policy(Policy::rules("drives along with the velocity, with force 0.4", |_| reflex(

@@ -21,11 +21,11 @@ use gym_core::math::{Real, square};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{
     Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful, Task,
     Transition, pygame,
 };
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::clip;
@@ -293,7 +293,7 @@ gym_core::register!(
         .description("Swing a pendulum up and hold it.")
         .max_episode_steps(200)
         .reset_options(&[("x_init", "0.5"), ("y_init", "0.5")])
-        .vector_entry_point(native::entry_point::<PendulumDynamics>)
+        .vector_entry_point(gym_native::entry_point::<PendulumDynamics>)
         .light_step()
         .keys(|_| {
             // a positive torque turns to the left

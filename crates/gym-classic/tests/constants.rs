@@ -263,8 +263,8 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
 #[test]
 fn ranges_draw_constants_anew_at_each_reset() {
     use gym_classic::cartpole::{CartPoleDynamics, Config};
-    use gym_core::vector::native::NativeVectorEnv;
     use gym_core::{Dynamics, Reset, Task};
+    use gym_native::NativeVectorEnv;
     const N: usize = 40;
     const RANGES: [(&str, f64, f64); 2] = [("gravity", 2.0, 20.0), ("length", 0.2, 2.0)];
     let make = || {

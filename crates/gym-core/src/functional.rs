@@ -13,7 +13,7 @@ use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, S
 
 /// A task without its dynamics: arguments, spaces, starts and drawing.
 ///
-/// The dynamics are in [`Dynamics`], or in [`Equations`](crate::vector::native::Equations) if one formula serves scalar
+/// The dynamics are in [`Dynamics`], or in [`Equations`](crate::equations::Equations) if one formula serves scalar
 /// environments and native vectors.
 pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; [`make`](crate::make) uses their `Default`.
@@ -199,7 +199,7 @@ pub trait Dynamics: Task {
 
     /// [`transition`](Self::transition), [`truncates`](Self::truncates) and
     /// [`observe_into`](Self::observe_into) in place: a step of [`Stateful`]. A task of
-    /// [`Equations`](crate::vector::native::Equations) overrides it with one function that is compiled for the
+    /// [`Equations`](crate::equations::Equations) overrides it with one function that is compiled for the
     /// CPU's features.
     ///
     /// # Errors

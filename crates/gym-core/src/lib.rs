@@ -11,6 +11,7 @@ mod continuous;
 mod data;
 mod env;
 mod env_ext;
+pub mod equations;
 mod error;
 mod functional;
 pub mod keys;

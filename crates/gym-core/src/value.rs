@@ -520,12 +520,12 @@ macro_rules! discrete {
             }
         }
 
-        impl $crate::vector::native::ActionColumn for $name {
+        impl $crate::vector::ActionColumn for $name {
             type Item = i64;
             type Items<'a> = &'a [i64];
 
             fn items(batch: &$crate::Value, n: usize) -> Option<&[i64]> {
-                $crate::vector::native::indices(batch, n)
+                $crate::vector::indices(batch, n)
             }
 
             #[inline(always)]
@@ -534,13 +534,13 @@ macro_rules! discrete {
             }
 
             #[inline(always)]
-            fn block<'r, 'a: 'r>(
+            fn block<'r, 'a: 'r, const LEN: usize>(
                 items: &'a [i64],
                 first: usize,
                 len: usize,
-                room: &'r mut [i64; $crate::vector::native::LANES],
-            ) -> &'r [i64; $crate::vector::native::LANES] {
-                $crate::vector::native::block_of(items, first, len, room)
+                room: &'r mut [i64; LEN],
+            ) -> &'r [i64; LEN] {
+                $crate::vector::block_of(items, first, len, room)
             }
 
             // without early exit, which would keep the compiler from vector instructions

@@ -22,10 +22,10 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
-use gym_core::vector::native::{self, Many, Native, Whole};
 use gym_core::{
     Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
 };
+use gym_native::{Many, Native, Whole};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -465,7 +465,7 @@ gym_core::register!(
     Registration::new::<Blackjack>("Blackjack-v1")
         .description("Beat the dealer's hand without going above 21.")
         .kwargs(r#"{"sab": true, "natural": false}"#)
-        .vector_entry_point(native::entry_point::<BlackjackDynamics>)
+        .vector_entry_point(gym_native::entry_point::<BlackjackDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"S": 0, "Down": 0, "H": 1, "Up": 1})))

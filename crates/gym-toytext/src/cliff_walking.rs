@@ -22,10 +22,10 @@ use gym_core::math::Real;
 use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
     Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
 };
+use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
@@ -308,7 +308,7 @@ const fn cliff(id: &'static str) -> Registration {
     Registration::new::<CliffWalking>(id)
         .description("Walk along a cliff without falling off.")
         .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<CliffWalkingDynamics>)
+        .vector_entry_point(gym_native::entry_point::<CliffWalkingDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Up": 0, "Right": 1, "Down": 2, "Left": 3})))

@@ -23,11 +23,11 @@ use gym_core::math::Real;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
     Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
     Value,
 };
+use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing};
@@ -481,7 +481,7 @@ impl Native for FrozenLakeDynamics {
 const fn lake(id: &'static str) -> Registration {
     Registration::new::<FrozenLake>(id)
         .exceptions(&[WHOLE_AT_RESET])
-        .vector_entry_point(native::entry_point::<FrozenLakeDynamics>)
+        .vector_entry_point(gym_native::entry_point::<FrozenLakeDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3})))

@@ -25,8 +25,8 @@
 use std::sync::Arc;
 
 use gym_core::rng::Stream;
-use gym_core::vector::native::{LANES, Packed};
 use gym_core::{Error, Generator};
+use gym_native::{LANES, Packed};
 
 /// Why a table's `info` may change its type.
 pub(crate) const WHOLE_AT_RESET: (&str, &str) =

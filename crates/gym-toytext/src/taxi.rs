@@ -23,11 +23,11 @@ use gym_core::math::Real;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
-use gym_core::vector::native::{self, Many, Native};
 use gym_core::{
     Array, Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition, Value,
 };
+use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
 
 use crate::art::{self, Facing, INK};
@@ -473,7 +473,7 @@ const fn taxi(id: &'static str) -> Registration {
         .description("Pick up a passenger and drop them where they want to go.")
         .max_episode_steps(200)
         .reward_threshold(8.0)
-        .vector_entry_point(native::entry_point::<TaxiDynamics>)
+        .vector_entry_point(gym_native::entry_point::<TaxiDynamics>)
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| {

@@ -45,6 +45,12 @@ pub use gym_toytext as toytext;
 pub use gym_wrappers as wrappers;
 pub use gym_wrappers::{VectorWrap, Wrap};
 
+/// Many environments stepped as one: Gymnasium's `VectorEnv`.
+pub mod vector {
+    pub use gym_core::vector::*;
+    pub use gym_native as native;
+}
+
 /// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
     #[doc(no_inline)]

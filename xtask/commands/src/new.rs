@@ -69,7 +69,7 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
 fn check_name(name: &str) -> Result<()> {
     /// Reserved words, and crates that the new one depends on.
     const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
-                         final fn for gen gym gym_conform gym_core gym_render if impl in let loop macro match mod move mut override \
+                         final fn for gen gym gym_conform gym_core gym_native gym_render if impl in let loop macro match mod move mut override \
                          priv pub ref return self serde static std struct super test trait true try type typeof \
                          unsafe unsized use virtual where while yield core alloc proc_macro";
     let refuse = |reason: &str| Err(Error::argument("NAME", format!("`{name}` {reason}")));
@@ -103,6 +103,8 @@ fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
         let path = folder.join(file);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+        // a dependency of one of the two
+        let text = if native { text.into() } else { text.replace("gym-native = GYM_NATIVE\n", "") };
         let text = text
             .replace("plugin_name", name)
             .replace("TASK_FILE", &task.to_lowercase())
@@ -110,6 +112,7 @@ fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
             .replace("TASK_SENTENCE", what)
             .replace("GYM_CONFORM", &dependency("gym-conform"))
             .replace("GYM_CORE", &dependency("gym-core"))
+            .replace("GYM_NATIVE", &dependency("gym-native"))
             .replace("GYM_RENDER", &dependency("gym-render"));
         gym::rendering::file::write(&path, text.as_bytes())?;
     }

@@ -23,7 +23,7 @@ pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
 
 pub(crate) use id::nearest;
-pub(crate) use options::ResetOptions;
+pub use options::ResetOptions;
 
 use crate::{Error, Result};
 

@@ -5,11 +5,11 @@ use crate::{Error, Kwargs, Result};
 
 /// The reset options of an environment, each with an example as JSON; empty if the registration names none.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ResetOptions(pub(crate) &'static [(&'static str, &'static str)]);
+pub struct ResetOptions(pub &'static [(&'static str, &'static str)]);
 
 impl ResetOptions {
     /// Refuses unknown options, if the registration names any.
-    pub(crate) fn check(self, id: &str, options: &Kwargs) -> Result<()> {
+    pub fn check(self, id: &str, options: &Kwargs) -> Result<()> {
         let names = || self.0.iter().map(|(name, _)| *name);
         let unknown = options.keys().find(|option| names().all(|name| name != *option));
         let Some(unknown) = unknown.filter(|_| !self.0.is_empty()) else { return Ok(()) };

@@ -327,7 +327,7 @@ impl Registration {
 
     /// The version whose rules apply; the highest number if neither the id nor [`version`](Self::version) gives
     /// one.
-    pub(crate) fn rules(&self) -> u32 {
+    pub fn rules(&self) -> u32 {
         let of_id = || self.id.parse::<EnvId>().ok().and_then(|id| id.version);
         self.version.or_else(of_id).unwrap_or(u32::MAX)
     }

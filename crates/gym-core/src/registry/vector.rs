@@ -120,17 +120,17 @@ pub enum Each {
 
 impl Each {
     /// The bounds of a range.
-    pub(crate) fn range(&self) -> Option<(f64, f64)> {
+    pub fn range(&self) -> Option<(f64, f64)> {
         if let Self::Range { low, high } = *self { Some((low, high)) } else { None }
     }
 
     /// The value of a sub-environment, if it is a number in a list.
-    pub(crate) fn number(&self, index: usize) -> Option<f64> {
+    pub fn number(&self, index: usize) -> Option<f64> {
         if let Self::Values(values) = self { values.get(index)?.as_f64() } else { None }
     }
 
     /// Refuses a list whose length is not `num_envs`, and an invalid range.
-    pub(crate) fn check(&self, name: &str, num_envs: usize) -> Result<()> {
+    pub fn check(&self, name: &str, num_envs: usize) -> Result<()> {
         match self {
             Self::Values(values) if values.len() != num_envs => {
                 let reason = format!("there are {} values for {num_envs} environments", values.len());

@@ -42,36 +42,45 @@ pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> crate::Result<Vec
 }
 
 /// A row of numbers, for `#[serde(with = "row")]`.
-pub(crate) mod row {
+pub mod row {
     use super::*;
 
-    pub(crate) fn serialize<T: Scalar, S: Serializer>(row: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    /// Stores a row.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<T: Scalar, S: Serializer>(row: &[T], serializer: S) -> Result<S::Ok, S::Error> {
         Array::from(row.to_vec()).serialize(serializer)
     }
 
-    pub(crate) fn deserialize<'de, T: Scalar, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Vec<T>, D::Error> {
+    /// Reads a row.
+    ///
+    /// # Errors
+    /// Those of the deserializer; an array of another type of numbers.
+    pub fn deserialize<'de, T: Scalar, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
         let array = Array::deserialize(deserializer)?;
         numbers(&array, array.len()).map_err(D::Error::custom)
     }
 }
 
 /// Streams of random numbers, for `#[serde(with = "words")]`: a row of five words for each.
-pub(crate) mod words {
+pub mod words {
     use super::*;
 
-    pub(crate) fn serialize<T: Stream, S: Serializer>(
-        streams: &[T],
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
+    /// Stores streams.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<T: Stream, S: Serializer>(streams: &[T], serializer: S) -> Result<S::Ok, S::Error> {
         let words: Vec<u64> = streams.iter().flat_map(Stream::words).collect();
         row::serialize(&words, serializer)
     }
 
-    pub(crate) fn deserialize<'de, T: Stream, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Vec<T>, D::Error> {
+    /// Reads streams.
+    ///
+    /// # Errors
+    /// Those of the deserializer; numbers that are no streams of this type.
+    pub fn deserialize<'de, T: Stream, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
         let words: Vec<u64> = row::deserialize(deserializer)?;
         let (streams, rest) = words.as_chunks();
         if !rest.is_empty() {

@@ -1,10 +1,11 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
 
+mod actions;
 mod columns;
 mod ext;
 pub(crate) mod infos;
 pub mod lockstep;
-pub mod native;
+pub mod parts;
 mod pool;
 mod reset;
 pub(crate) mod size;
@@ -21,6 +22,9 @@ use crate::render::{Metadata, Rendered};
 use crate::{Error, Result, Snapshot, Space, Value};
 
 pub use crate::registry::{VectorKind, VectorSpec};
+pub use actions::{ActionColumn, Actions};
+#[doc(hidden)]
+pub use actions::{block_of, indices};
 pub use columns::{Columns, Progress};
 pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;

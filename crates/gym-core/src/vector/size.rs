@@ -10,7 +10,7 @@ pub(super) const MAX_THREADS: usize = 1024;
 
 /// Refuses a number of sub-environments before anything is built: zero, more than batched spaces can
 /// hold, or more than fit in memory at `bytes` each beside their rows of the columns.
-pub(crate) fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
+pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
         return Err(Error::argument("a vector", "there are no sub-environments: at least one is needed"));
     }

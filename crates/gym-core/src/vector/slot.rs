@@ -56,7 +56,7 @@ pub(super) struct StoredSlot {
 }
 
 /// The error of a step that needs a reset first.
-pub(super) fn episode_over() -> Error {
+pub fn episode_over() -> Error {
     Error::custom("the episode has ended and autoreset is disabled: call `reset_into` with a mask")
 }
 
@@ -413,7 +413,7 @@ pub(super) fn slots<E: Env>(
 }
 
 /// `SyncVectorEnv(CartPole-v1, num_envs=3)`.
-pub(super) fn describe(kind: &str, env: Option<EnvSpec>, n: usize) -> String {
+pub fn describe(kind: &str, env: Option<EnvSpec>, n: usize) -> String {
     let id = env.map_or_else(String::new, |spec| format!("{}, ", spec.id));
     format!("{kind}({id}num_envs={n})")
 }

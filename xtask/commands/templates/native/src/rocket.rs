@@ -12,8 +12,8 @@
 use gym_core::canvas::{Canvas, Color};
 use gym_core::math::Real;
 use gym_core::render::Metadata;
-use gym_core::vector::native::{self, Equations, Next};
 use gym_core::{Error, Generator, Registration, Reset, Result, Space, Stateful, Task};
+use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -163,7 +163,7 @@ gym_core::register!(
     Registration::new::<Rocket>("plugin_name/Rocket-v0")
         .description("Touch down softly, with as little fuel as possible.")
         .max_episode_steps(500)
-        .vector_entry_point(native::entry_point::<RocketTask>)
+        .vector_entry_point(gym_native::entry_point::<RocketTask>)
 );
 
 #[cfg(test)]

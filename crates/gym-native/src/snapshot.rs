@@ -1,15 +1,15 @@
 //! The stored form of a native vector: columns of numbers, not an object for each environment.
 
+use gym_core::rng::Stream;
+use gym_core::vector::Autoreset;
+use gym_core::vector::parts::{row, words};
+use gym_core::{Error, Result, Snapshot};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use super::step::NO_LIMIT;
-use super::varied::Varied;
-use super::{LANES, Native, NativeVectorEnv, Packed};
-use crate::rng::Stream;
-use crate::stored::{row, words};
-use crate::vector::Autoreset;
-use crate::{Error, Result, Snapshot};
+use crate::step::NO_LIMIT;
+use crate::varied::Varied;
+use crate::{LANES, Native, NativeVectorEnv, Packed};
 
 /// The arguments of the vector, which are compared, and its state.
 #[derive(Serialize, Deserialize)]
@@ -58,7 +58,7 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    pub(super) fn store(&self) -> Result<Snapshot> {
+    pub(crate) fn store(&self) -> Result<Snapshot> {
         if self.blocks.is_empty() {
             return Snapshot::of(&self.stored(None)?);
         }
@@ -80,7 +80,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Snapshot::of(&self.stored(Some(numbers))?)
     }
 
-    pub(super) fn read(&mut self, snapshot: &Snapshot) -> Result<()> {
+    pub(crate) fn read(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.check_open("restore")?;
         let Stored { name, config, num_envs, autoreset, limit, numbers } =
             snapshot.get::<Stored<D::Stream>>()?;

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::LANES;
+use crate::LANES;
 
 /// The stored form of an environment's state between steps.
 pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
@@ -25,7 +25,7 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn put(self, bytes: &mut Vec<u8>);
 
     /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
-    /// [`is_valid`](crate::Task::is_valid) decides whether the state is valid.
+    /// [`is_valid`](gym_core::Task::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

@@ -1,61 +1,62 @@
 //! The loop over environments.
 
-use super::varied::Varied;
-use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
-use crate::math::Real;
-use crate::rng::Stream;
-use crate::vector::{Autoreset, Progress};
-use crate::{Element, Reset, Result, Transition};
+use gym_core::math::Real;
+use gym_core::rng::Stream;
+use gym_core::vector::{Autoreset, Progress};
+use gym_core::{Element, Reset, Result, Transition};
+
+use crate::varied::Varied;
+use crate::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 
 /// Environments stored together. Their flags are sets of bits, the lowest for the first.
 #[derive(Clone, Debug)]
-pub(super) struct Block<D: Native> {
-    pub(super) states: <D::Packed as Packed>::Block,
+pub(crate) struct Block<D: Native> {
+    pub(crate) states: <D::Packed as Packed>::Block,
     /// The steps of each episode so far, up to the largest count.
-    pub(super) steps: [u16; LANES],
+    pub(crate) steps: [u16; LANES],
     /// Environments whose episode is over and which have not been reset since.
-    pub(super) due: u32,
+    pub(crate) due: u32,
     /// Which were never reset.
-    pub(super) unset: u32,
+    pub(crate) unset: u32,
     /// Environments whose episode ended in the last step and which were reset in it.
-    pub(super) ended: u32,
+    pub(crate) ended: u32,
 }
 
 impl<D: Native> Block<D> {
-    pub(super) fn state(&self, dynamics: &D, lane: usize) -> D::State {
+    pub(crate) fn state(&self, dynamics: &D, lane: usize) -> D::State {
         dynamics.unpack(D::Packed::get(&self.states, lane), self.steps[lane] == 0)
     }
 
     /// Starts an episode.
     #[inline]
-    pub(super) fn start(&mut self, dynamics: &D, lane: usize, state: &D::State) {
+    pub(crate) fn start(&mut self, dynamics: &D, lane: usize, state: &D::State) {
         dynamics.pack(state).set(&mut self.states, lane);
         self.steps[lane] = 0;
     }
 }
 
 /// A limit that no episode reaches.
-pub(super) const NO_LIMIT: u16 = u16::MAX;
+pub(crate) const NO_LIMIT: u16 = u16::MAX;
 
 /// One step of all environments: its inputs, and the columns that it fills.
-pub(super) struct Step<'a, D: Native> {
-    pub(super) dynamics: &'a D,
-    pub(super) constants: &'a <D::Constants as Packed>::Block,
+pub(crate) struct Step<'a, D: Native> {
+    pub(crate) dynamics: &'a D,
+    pub(crate) constants: &'a <D::Constants as Packed>::Block,
     /// Their replacement if environments have different constants.
-    pub(super) varied: Option<&'a mut Varied<D>>,
-    pub(super) autoreset: Autoreset,
-    pub(super) limit: u16,
-    pub(super) actions: <D::Action as ActionColumn>::Items<'a>,
-    pub(super) num_envs: usize,
-    pub(super) observations: <D::Observation as ObservationColumn>::Rows<'a>,
-    pub(super) rewards: &'a mut [f64],
-    pub(super) terminated: &'a mut [bool],
-    pub(super) truncated: &'a mut [bool],
-    pub(super) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
-    pub(super) has_final: &'a mut [bool],
-    pub(super) progress: &'a mut [Progress],
+    pub(crate) varied: Option<&'a mut Varied<D>>,
+    pub(crate) autoreset: Autoreset,
+    pub(crate) limit: u16,
+    pub(crate) actions: <D::Action as ActionColumn>::Items<'a>,
+    pub(crate) num_envs: usize,
+    pub(crate) observations: <D::Observation as ObservationColumn>::Rows<'a>,
+    pub(crate) rewards: &'a mut [f64],
+    pub(crate) terminated: &'a mut [bool],
+    pub(crate) truncated: &'a mut [bool],
+    pub(crate) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
+    pub(crate) has_final: &'a mut [bool],
+    pub(crate) progress: &'a mut [Progress],
     /// The last states of the episodes that have ended, if [`Native::INFO`] is set.
-    pub(super) finals: &'a mut [D::Packed],
+    pub(crate) finals: &'a mut [D::Packed],
 }
 
 /// The results of a block, before they go to the columns. Flags are sets of bits, the lowest for the
@@ -70,7 +71,7 @@ struct Results<O> {
 impl<D: Native> Step<'_, D> {
     /// Steps block by block, all with the usual constants or not. Inlined into a function for each set of vector instructions.
     #[inline(always)]
-    pub(super) fn run<R: Real, const USUAL: bool>(
+    pub(crate) fn run<R: Real, const USUAL: bool>(
         mut self,
         token: R::Token,
         blocks: &mut [Block<D>],
@@ -179,17 +180,17 @@ impl<D: Native> Step<'_, D> {
 /// The environments of a block in a step, and the destination of its results.
 #[derive(Debug)]
 pub struct Many<'a, D: Native> {
-    pub(super) constants: &'a <D::Constants as Packed>::Block,
-    pub(super) states: &'a mut <D::Packed as Packed>::Block,
-    pub(super) steps: &'a [u16; LANES],
+    pub(crate) constants: &'a <D::Constants as Packed>::Block,
+    pub(crate) states: &'a mut <D::Packed as Packed>::Block,
+    pub(crate) steps: &'a [u16; LANES],
     /// The environments that are due; their results are overwritten.
-    pub(super) due: u32,
-    pub(super) streams: &'a mut [D::Stream; LANES],
-    pub(super) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
-    pub(super) observations: &'a mut [D::Observation; LANES],
-    pub(super) rewards: &'a mut [f64; LANES],
+    pub(crate) due: u32,
+    pub(crate) streams: &'a mut [D::Stream; LANES],
+    pub(crate) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
+    pub(crate) observations: &'a mut [D::Observation; LANES],
+    pub(crate) rewards: &'a mut [f64; LANES],
     /// A set of bits.
-    pub(super) terminated: &'a mut u32,
+    pub(crate) terminated: &'a mut u32,
 }
 
 impl<D: Native> Many<'_, D> {
@@ -250,7 +251,7 @@ fn put<T: Copy>(column: &mut [T], first: usize, values: &[T; LANES]) {
 
 /// The places of the bits that are set.
 #[inline(always)]
-pub(super) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits.wrapping_sub(1);

@@ -10,8 +10,8 @@
 //! numbers of a sync one.
 //!
 //! ```
-//! use gym_core::vector::native::{self, Native};
 //! use gym_core::{Configure, Env, Registration};
+//! use gym_native::Native;
 //!
 //! /// What to register for an environment with a native vector.
 //! fn registration<E, D>() -> Registration
@@ -19,33 +19,33 @@
 //!     E: Env + Configure,
 //!     D: Native,
 //! {
-//!     Registration::new::<E>("CartPole-v1").max_episode_steps(500).vector_entry_point(native::entry_point::<D>)
+//!     Registration::new::<E>("CartPole-v1").max_episode_steps(500).vector_entry_point(gym_native::entry_point::<D>)
 //! }
 //! ```
 //!
 //! The results of an environment depend only on its seed and actions: they have the same bits on
 //! every CPU, for any number of environments.
 
-mod columns;
+#![warn(clippy::disallowed_methods)]
+
 mod envs;
 mod equations;
+mod observations;
 mod packed;
 mod snapshot;
 mod step;
 mod varied;
 
-use crate::arguments;
-use crate::math::Real;
-use crate::registry::{ResetOptions, VectorKind, VectorSpec, find};
-use crate::rng::Stream;
-use crate::vector::VectorEnv;
-use crate::{Dynamics, Error, Result, Task};
+use gym_core::math::Real;
+use gym_core::registry::{ResetOptions, VectorKind, VectorSpec, find};
+use gym_core::rng::Stream;
+use gym_core::vector::VectorEnv;
+use gym_core::{Dynamics, Error, Result, Task, arguments};
 
-pub use columns::{ActionColumn, Actions, ObservationColumn};
-#[doc(hidden)]
-pub use columns::{block_of, indices};
 pub use envs::NativeVectorEnv;
-pub use equations::{Equations, Next, Of, Row};
+pub use gym_core::equations::{Equations, Next, Of, Row};
+pub use gym_core::vector::{ActionColumn, Actions};
+pub use observations::ObservationColumn;
 pub use packed::{Packed, Whole};
 pub use step::Many;
 
@@ -60,7 +60,7 @@ pub trait Native:
     /// table, [`Whole`] for the state itself.
     type Packed: Packed;
 
-    /// The stored form of the generator: [`WordStream`](crate::rng::WordStream), unless 32-bit
+    /// The stored form of the generator: [`WordStream`](gym_core::rng::WordStream), unless 32-bit
     /// numbers are drawn.
     type Stream: Stream;
 
@@ -121,13 +121,13 @@ pub trait Native:
 }
 
 /// Makes a native vector of a registered task, for
-/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point).
+/// [`Registration::vector_entry_point`](gym_core::Registration::vector_entry_point).
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for arguments that the task refuses or [does not
 /// support](Native::supports) here, and as [`NativeVectorEnv::new`].
 pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
-    let VectorSpec { env, num_envs, autoreset_mode, each, .. } = spec;
+    let VectorSpec { env, num_envs, autoreset_mode, .. } = spec;
     let refuse = |reason: String| Error::argument(format!("`{}`", env.id), reason);
     let registration = find(&env.id)?;
     let whose = format!("`{}`", env.id);
@@ -135,6 +135,12 @@ pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     D::supports(&config)
         .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
     let envs = NativeVectorEnv::new(D::new(config)?, *num_envs, env.max_episode_steps, *autoreset_mode)?;
-    let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
-    Ok(Box::new(envs.with_each(each)?.registered(spec, ResetOptions(registration.reset_options))))
+    let mut spec = spec.clone();
+    spec.vectorization_mode = VectorKind::Native;
+    Ok(Box::new(envs.with_each(&spec.each)?.registered(spec, ResetOptions(registration.reset_options))))
 }
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

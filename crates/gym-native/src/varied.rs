@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::{LANES, Native, Packed};
-use crate::registry::Each;
-use crate::{Error, Generator, Result};
+use gym_core::registry::Each;
+use gym_core::{Error, Generator, Result};
+
+use crate::{LANES, Native, Packed};
 
 /// The arguments that differ, and the constants that follow from them.
 #[derive(Clone, Debug)]
-pub(super) struct Varied<D: Native> {
+pub(crate) struct Varied<D: Native> {
     /// Sorted by name.
     each: Vec<(String, Each)>,
     /// The values of an environment by name, as working memory.
@@ -23,7 +24,7 @@ impl<D: Native> Varied<D> {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces that differ.
-    pub(super) fn new(dynamics: &D, each: &BTreeMap<String, Each>, num_envs: usize) -> Result<Option<Self>> {
+    pub(crate) fn new(dynamics: &D, each: &BTreeMap<String, Each>, num_envs: usize) -> Result<Option<Self>> {
         if each.is_empty() {
             return Ok(None);
         }
@@ -49,12 +50,12 @@ impl<D: Native> Varied<D> {
 
     /// The constants of a block.
     #[inline(always)]
-    pub(super) fn block(&self, index: usize) -> &<D::Constants as Packed>::Block {
+    pub(crate) fn block(&self, index: usize) -> &<D::Constants as Packed>::Block {
         &self.blocks[index]
     }
 
     /// The arguments of an environment that differ.
-    pub(super) fn of(&self, index: usize) -> Vec<(String, f64)> {
+    pub(crate) fn of(&self, index: usize) -> Vec<(String, f64)> {
         let mut drawn = self.drawn_of(index).iter();
         let value = |(name, each): &(String, Each)| {
             let drawn = if each.range().is_some() { drawn.next().copied() } else { None };
@@ -77,7 +78,7 @@ impl<D: Native> Varied<D> {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are out of range together.
-    pub(super) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<Option<D>> {
+    pub(crate) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<Option<D>> {
         if self.drawn.is_empty() {
             return Ok(None);
         }
@@ -85,7 +86,7 @@ impl<D: Native> Varied<D> {
     }
 
     /// Stores the last chosen values, which made these dynamics, for an environment.
-    pub(super) fn keep(&mut self, index: usize, own: &D) {
+    pub(crate) fn keep(&mut self, index: usize, own: &D) {
         own.constants().set(&mut self.blocks[index / LANES], index % LANES);
         let chosen = self.each.iter().zip(&self.values).filter(|((_, each), _)| each.range().is_some());
         let ranges = chosen.clone().count();
@@ -95,7 +96,7 @@ impl<D: Native> Varied<D> {
     }
 
     /// All values that were drawn, to store.
-    pub(super) fn drawn(&self) -> &[f64] {
+    pub(crate) fn drawn(&self) -> &[f64] {
         &self.drawn
     }
 
@@ -103,7 +104,7 @@ impl<D: Native> Varied<D> {
     ///
     /// # Errors
     /// [`Error::Snapshot`] if they are outside these ranges.
-    pub(super) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
+    pub(crate) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
         let refuse = || Error::Snapshot(format!("its arguments are outside the ranges of this {}", D::NAME));
         if drawn.len() != self.drawn.len() {
             return Err(refuse());
@@ -143,7 +144,7 @@ impl<D: Native> Varied<D> {
     }
 
     /// The dynamics of an environment.
-    pub(super) fn dynamics(&self, index: usize, dynamics: &D) -> Result<D> {
+    pub(crate) fn dynamics(&self, index: usize, dynamics: &D) -> Result<D> {
         dynamics.with_numbers(&self.of(index))
     }
 }

@@ -5,17 +5,17 @@ use std::fmt;
 
 use fearless_simd::{Level, dispatch};
 
-use super::step::{Block, NO_LIMIT, Step};
-use super::varied::Varied;
-use super::{ActionColumn, LANES, Native, ObservationColumn, Packed};
-use crate::math::{Kernel, Real, widest};
-use crate::registry::{Each, ResetOptions};
-use crate::render::Metadata;
-use crate::rng::Stream;
-use crate::spaces::array_of;
-use crate::vector::slot::{describe, episode_over};
-use crate::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, size};
-use crate::{DType, Element, Error, Generator, Result, Snapshot, Space, Value};
+use gym_core::math::{Kernel, Real, widest};
+use gym_core::registry::{Each, ResetOptions};
+use gym_core::render::Metadata;
+use gym_core::rng::Stream;
+use gym_core::spaces::array_of;
+use gym_core::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, parts};
+use gym_core::{DType, Element, Error, Generator, Result, Snapshot, Space, Value};
+
+use crate::step::{Block, NO_LIMIT, Step};
+use crate::varied::Varied;
+use crate::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 
 /// Environments stepped by one SIMD loop: the vector of [`entry_point`](super::entry_point).
 ///
@@ -23,27 +23,27 @@ use crate::{DType, Element, Error, Generator, Result, Snapshot, Space, Value};
 /// CartPole.
 #[derive(Clone)]
 pub struct NativeVectorEnv<D: Native> {
-    pub(super) dynamics: D,
+    pub(crate) dynamics: D,
     constants: <D::Constants as Packed>::Block,
     /// Their replacement if environments have different constants.
-    pub(super) varied: Option<Varied<D>>,
+    pub(crate) varied: Option<Varied<D>>,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
-    pub(super) num_envs: usize,
-    pub(super) limit: u16,
-    pub(super) autoreset: Autoreset,
+    pub(crate) num_envs: usize,
+    pub(crate) limit: u16,
+    pub(crate) autoreset: Autoreset,
     observation_space: Space,
     action_space: Space,
     level: Level,
     closed: bool,
     /// None before the first reset.
-    pub(super) blocks: Vec<Block<D>>,
+    pub(crate) blocks: Vec<Block<D>>,
     /// One for each environment, and for each unused place in the last block.
-    pub(super) streams: Vec<D::Stream>,
+    pub(crate) streams: Vec<D::Stream>,
     /// The last states of episodes, if infos need them.
-    pub(super) finals: Vec<D::Packed>,
+    pub(crate) finals: Vec<D::Packed>,
     /// Which environments the last reset has left out, if any.
-    pub(super) left_out: Vec<bool>,
+    pub(crate) left_out: Vec<bool>,
     /// Actions cast from another type of numbers.
     cast: Value,
 }
@@ -73,7 +73,7 @@ impl<D: Native> NativeVectorEnv<D> {
         };
         let (observation_space, action_space) = (dynamics.observation_space(), dynamics.action_space());
         let bytes = size_of::<Block<D>>() / LANES + size_of::<D::Stream>();
-        size::check(num_envs, &observation_space, &action_space, bytes)?;
+        parts::check_size(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
             constants: dynamics.constants().splat(),
             varied: None,
@@ -115,7 +115,7 @@ impl<D: Native> NativeVectorEnv<D> {
     }
 
     /// As its id is registered.
-    pub(super) fn registered(self, spec: VectorSpec, reset_options: ResetOptions) -> Self {
+    pub(crate) fn registered(self, spec: VectorSpec, reset_options: ResetOptions) -> Self {
         Self { spec: Some(spec), reset_options, ..self }
     }
 
@@ -132,12 +132,12 @@ impl<D: Native> NativeVectorEnv<D> {
         (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(&self.dynamics, index % LANES))
     }
 
-    pub(super) fn check_open(&self, call: &'static str) -> Result<()> {
+    pub(crate) fn check_open(&self, call: &'static str) -> Result<()> {
         if self.closed { Err(Error::Closed(call)) } else { Ok(()) }
     }
 
     /// Makes blocks and streams for all environments, marked as never reset.
-    pub(super) fn make_room(&mut self, state: D::Packed, stream: &D::Stream) -> Result<()> {
+    pub(crate) fn make_room(&mut self, state: D::Packed, stream: &D::Stream) -> Result<()> {
         let full = |_| {
             let reason = format!("num_envs = {} does not fit in memory", self.num_envs);
             Error::argument(format!("a native vector of {}", D::NAME), reason)
@@ -195,8 +195,11 @@ impl<D: Native> NativeVectorEnv<D> {
             let over = if disabled { block.due } else { 0 };
             let lane = (block.unset | over).trailing_zeros() as usize;
             if lane < LANES {
-                let error =
-                    if block.unset >> lane & 1 == 1 { Error::ResetNeeded("step") } else { episode_over() };
+                let error = if block.unset >> lane & 1 == 1 {
+                    Error::ResetNeeded("step")
+                } else {
+                    parts::episode_over()
+                };
                 return Err(error.at_env(i * LANES + lane));
             }
         }
@@ -329,8 +332,16 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             self.refuse(items)?;
         }
         columns.prepare(&self.observation_space, self.num_envs)?;
-        let Columns { observations, rewards, terminated, truncated, final_observations, has_final, progress } =
-            columns;
+        let Columns {
+            observations,
+            rewards,
+            terminated,
+            truncated,
+            final_observations,
+            has_final,
+            progress,
+            ..
+        } = columns;
         has_final.fill(false);
         progress.fill(Progress::Stepped);
         let is_usual = self.varied.is_none() && self.dynamics.is_usual();
@@ -391,7 +402,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     }
 
     fn describe(&self) -> String {
-        describe("NativeVectorEnv", self.spec.clone().map(|spec| spec.env), self.num_envs)
+        parts::describe("NativeVectorEnv", self.spec.clone().map(|spec| spec.env), self.num_envs)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

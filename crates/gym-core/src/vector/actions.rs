@@ -1,70 +1,8 @@
-//! Typed views of the caller's columns.
+//! Batches of actions as slices of one type.
 
 use std::fmt;
-use std::iter::zip;
 
-use super::LANES;
-use crate::array::{Array, Scalar};
-use crate::{Continuous, Data, Element, Error, Result, Space, Value};
-
-/// A type of observation that has a column in [`Columns`](crate::vector::Columns).
-pub trait ObservationColumn: Element + Copy {
-    /// The column, as slices.
-    type Rows<'a>;
-
-    /// The rows of a batch of observations; `None` if it has another form.
-    fn rows(column: &mut Value) -> Option<Self::Rows<'_>>;
-
-    /// Overwrites rows from `first` on.
-    fn write_rows(rows: &mut Self::Rows<'_>, first: usize, observations: &[Self]);
-}
-
-fn numbers<T: Scalar>(column: &mut Value) -> Option<&mut [T]> {
-    if let Value::Array(array) = column { array.as_mut_slice() } else { None }
-}
-
-impl<T: Scalar, const N: usize> ObservationColumn for [T; N] {
-    type Rows<'a> = &'a mut [Self];
-
-    fn rows(column: &mut Value) -> Option<Self::Rows<'_>> {
-        numbers(column).map(|numbers| numbers.as_chunks_mut().0)
-    }
-
-    #[inline(always)]
-    fn write_rows(rows: &mut Self::Rows<'_>, first: usize, observations: &[Self]) {
-        rows[first..][..observations.len()].copy_from_slice(observations);
-    }
-}
-
-impl ObservationColumn for usize {
-    type Rows<'a> = &'a mut [i64];
-
-    fn rows(column: &mut Value) -> Option<Self::Rows<'_>> {
-        numbers(column)
-    }
-
-    #[inline(always)]
-    fn write_rows(rows: &mut Self::Rows<'_>, first: usize, observations: &[Self]) {
-        zip(&mut rows[first..][..observations.len()], observations).for_each(|(row, x)| *row = *x as i64);
-    }
-}
-
-impl ObservationColumn for (usize, usize, usize) {
-    type Rows<'a> = [&'a mut [i64]; 3];
-
-    fn rows(column: &mut Value) -> Option<Self::Rows<'_>> {
-        let Value::Tuple(columns) = column else { return None };
-        let [a, b, c] = columns.as_mut_slice() else { return None };
-        Some([numbers(a)?, numbers(b)?, numbers(c)?])
-    }
-
-    #[inline(always)]
-    fn write_rows([a, b, c]: &mut Self::Rows<'_>, first: usize, observations: &[Self]) {
-        for (i, (x, y, z)) in observations.iter().enumerate() {
-            [a[first + i], b[first + i], c[first + i]] = [*x, *y, *z].map(|x| x as i64);
-        }
-    }
-}
+use crate::{Array, Continuous, Data, Element, Error, Result, Space, Value};
 
 /// A type of action that can be read from a batch. [`discrete!`](crate::discrete) implements it.
 pub trait ActionColumn: Element + Copy {
@@ -81,12 +19,12 @@ pub trait ActionColumn: Element + Copy {
     fn item(items: Self::Items<'_>, index: usize) -> Self::Item;
 
     /// `len` of them from `first` on, where they are or copied to `room`.
-    fn block<'r, 'a: 'r>(
+    fn block<'r, 'a: 'r, const LEN: usize>(
         items: Self::Items<'a>,
         first: usize,
         len: usize,
-        room: &'r mut [Self::Item; LANES],
-    ) -> &'r [Self::Item; LANES];
+        room: &'r mut [Self::Item; LEN],
+    ) -> &'r [Self::Item; LEN];
 
     /// Whether all `n` can be executed.
     fn all_valid(items: Self::Items<'_>, n: usize) -> bool;
@@ -110,12 +48,13 @@ pub trait ActionColumn: Element + Copy {
 
 /// A block of a slice, where it is, or copied to `room` where it is the last and not full.
 #[inline(always)]
-pub fn block_of<'r, 'a: 'r, T: Copy>(
+#[doc(hidden)]
+pub fn block_of<'r, 'a: 'r, T: Copy, const LEN: usize>(
     items: &'a [T],
     first: usize,
     len: usize,
-    room: &'r mut [T; LANES],
-) -> &'r [T; LANES] {
+    room: &'r mut [T; LEN],
+) -> &'r [T; LEN] {
     items[first..].first_chunk().unwrap_or_else(|| {
         room[..len].copy_from_slice(&items[first..][..len]);
         room
@@ -159,12 +98,12 @@ impl<const N: usize> ActionColumn for Continuous<N> {
     }
 
     #[inline(always)]
-    fn block<'r, 'a: 'r>(
+    fn block<'r, 'a: 'r, const LEN: usize>(
         items: Actions<'a, N>,
         first: usize,
         len: usize,
-        room: &'r mut [Self; LANES],
-    ) -> &'r [Self; LANES] {
+        room: &'r mut [Self; LEN],
+    ) -> &'r [Self; LEN] {
         match items {
             Actions::Single(rows) => fill(room, &rows[first..][..len]),
             Actions::Double(rows) => fill(room, &rows[first..][..len]),
@@ -217,7 +156,7 @@ fn rows_of<const N: usize>(array: &Array) -> Option<Actions<'_, N>> {
 }
 
 #[inline(always)]
-fn fill<T: Copy, const N: usize>(room: &mut [Continuous<N>; LANES], rows: &[[T; N]])
+fn fill<T: Copy, const N: usize, const LEN: usize>(room: &mut [Continuous<N>; LEN], rows: &[[T; N]])
 where
     Continuous<N>: From<[T; N]>,
 {
@@ -225,6 +164,7 @@ where
 }
 
 /// The numbers of a batch of `n` elements of a `Discrete`.
+#[doc(hidden)]
 pub fn indices(batch: &Value, n: usize) -> Option<&[i64]> {
     batch.as_array().filter(|array: &&Array| array.shape() == [n])?.as_slice()
 }

@@ -1,0 +1,36 @@
+//! Native vectors of look-ups in tables give what sync vectors give, also after a snapshot.
+
+use gym_core::vector::{Autoreset, VectorKind};
+use gym_core::{VectorEnv, VectorEnvExt, builder};
+use gym_toytext as _;
+
+/// 100 is no multiple of a block.
+#[test]
+fn native_vectors_equal_scalar_environments() {
+    for id in ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "FrozenLake8x8-v1", "Taxi-v3"] {
+        for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
+            let make = |kind| builder(id).vector(100).kind(kind).autoreset(autoreset).build().unwrap();
+            let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
+            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+            let mut actions = native.action_space().unwrap().sampler(7);
+            native.reset_into(&7.into(), &mut fast).unwrap();
+            sync.reset_into(&7.into(), &mut exact).unwrap();
+            assert_eq!(fast, exact, "{id}: reset");
+            for step in 0..500 {
+                if step == 250 {
+                    let snapshot = native.snapshot().unwrap();
+                    native = make(VectorKind::Native);
+                    native.restore(&snapshot).unwrap();
+                }
+                let actions = actions.sample();
+                native.step_into(&actions, &mut fast).unwrap();
+                sync.step_into(&actions, &mut exact).unwrap();
+                assert_eq!(fast.observations, exact.observations, "{id}, {autoreset:?}: step {step}");
+                assert_eq!(fast.rewards, exact.rewards, "{id}, {autoreset:?}: step {step}");
+                assert_eq!(fast.terminated, exact.terminated, "{id}, {autoreset:?}: step {step}");
+                assert_eq!(fast.truncated, exact.truncated, "{id}, {autoreset:?}: step {step}");
+                assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {autoreset:?}: step {step}");
+            }
+        }
+    }
+}

@@ -24,6 +24,10 @@ pub(crate) struct Plan {
     pub(crate) m_colind: Vec<usize>,
     /// The same, counted from the first degree of freedom of the tree.
     pub(crate) m_local: Vec<usize>,
+    /// How many of a row's columns are 0, 1, 2 and so on.
+    m_lead: Vec<usize>,
+    /// Whether most rows begin with four such columns, so that it pays to compute four elements at once.
+    pub(crate) m_fours: bool,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
@@ -211,7 +215,14 @@ impl Plan {
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
             m_local[row.clone()].iter_mut().for_each(|j| *j -= trees[tree].start);
         }
+        let lead = |row: &Range<usize>| {
+            let columns = &m_colind[row.clone()];
+            (0..columns.len()).take_while(|&place| columns[place] == place).count()
+        };
+        let m_lead: Vec<usize> = m_rows.iter().map(lead).collect();
         let mut plan = Self {
+            m_fours: 2 * m_lead.iter().map(|lead| lead / 4).sum::<usize>() > m.nv(),
+            m_lead,
             m_rows,
             m_groups,
             m_colind,
@@ -271,6 +282,12 @@ impl Plan {
     #[inline]
     pub(crate) fn m_ancestors(&self, i: usize) -> Range<usize> {
         self.m_rows[i].start..self.m_diagonal(i)
+    }
+
+    /// How many of a row's columns are the model's first degrees of freedom.
+    #[inline]
+    pub(crate) fn m_lead(&self, i: usize) -> usize {
+        self.m_lead[i]
     }
 
     /// Where the diagonal element of a row is.

@@ -82,6 +82,16 @@ pub(crate) fn times(a: Lanes, s: f64) -> Lanes {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
 }
 
+/// Whether a vector has a number that is not zero.
+#[inline(always)]
+pub(crate) fn any(a: &[Lanes]) -> bool {
+    let mut bits = [0; 4];
+    for a in a {
+        bits = std::array::from_fn(|k| bits[k] | a[k].to_bits());
+    }
+    bits != [0; 4]
+}
+
 /// `a += s b`.
 #[inline(always)]
 pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {

@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-use super::dense::{self, Lanes, minus, times};
-use super::spatial::{dot6, mul_inertia};
+use super::dense::{self, Lanes, minus, plus, times};
+use super::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::Plan;
 use crate::{Data, Model};
 
@@ -27,6 +27,16 @@ pub fn crb(m: &Model, d: &mut Data) {
         }
     }
     let (plan, cdof) = (m.plan(), &d.cdof[..nv]);
+    let axes = &mut d.work.axes[..];
+    if plan.m_fours {
+        for (four, axes) in cdof.chunks(4).zip(&mut *axes) {
+            for (lane, axis) in four.iter().enumerate() {
+                for k in 0..6 {
+                    axes[k][lane] = axis[k];
+                }
+            }
+        }
+    }
     for i in 0..nv {
         let row = plan.m_row(i);
         let (columns, row) = (&plan.m_colind[row.clone()], &mut d.qm[row]);
@@ -37,11 +47,27 @@ pub fn crb(m: &Model, d: &mut Data) {
             continue;
         }
         let force = mul_inertia(&crb[m.dof_bodyid[i]], &cdof[i]);
-        for (value, &j) in row.iter_mut().zip(columns) {
+        let mut done = 0;
+        if plan.m_fours {
+            done = 4 * (plan.m_lead(i) / 4);
+            for (four, axes) in row[..done].as_chunks_mut().0.iter_mut().zip(&*axes) {
+                *four = dot6_of_four(axes, &force);
+            }
+        }
+        for (value, &j) in row[done..].iter_mut().zip(&columns[done..]) {
             *value = dot6(&cdof[j], &force);
         }
         row[last] += m.dof_armature[i];
     }
+}
+
+/// The products of four vectors, given by components, with one: each as [`dot6`] makes it.
+#[inline(always)]
+fn dot6_of_four(a: &[Lanes; 6], b: &Vec6) -> Lanes {
+    let even = plus(times(a[0], b[0]), a[2], b[2]);
+    let odd = plus(times(a[1], b[1]), a[3], b[3]);
+    let last = plus(times(a[4], b[4]), a[5], b[5]);
+    plus(plus(even, odd, 1.0), last, 1.0)
 }
 
 /// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method, with the matrix that damping changes.
@@ -67,21 +93,26 @@ pub fn factor_m(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn factor<const N: usize>(m: &Model, matrices: [(&mut [f64], &mut [f64]); N]) {
     match m.plan().m_groups {
-        1 => factor_chunks::<1, N>(m, matrices),
-        2 => factor_chunks::<2, N>(m, matrices),
-        3 => factor_chunks::<3, N>(m, matrices),
-        _ => factor_chunks::<4, N>(m, matrices),
+        1 => factor_chunks::<1, N>(m, 1, matrices),
+        2 => factor_chunks::<2, N>(m, 1, matrices),
+        3 => factor_chunks::<3, N>(m, 1, matrices),
+        4 => factor_chunks::<4, N>(m, 1, matrices),
+        more => factor_chunks::<4, N>(m, more / 4, matrices),
     }
 }
 
 /// The same for rows that are chunks of so many groups: one chunk, or some of four groups.
 #[inline(always)]
-fn factor_chunks<const C: usize, const N: usize>(m: &Model, mut matrices: [(&mut [f64], &mut [f64]); N]) {
+fn factor_chunks<const C: usize, const N: usize>(
+    m: &Model,
+    per_row: usize,
+    mut matrices: [(&mut [f64], &mut [f64]); N],
+) {
     for k in (0..m.nv()).rev() {
         for (matrix, diag_inv) in &mut matrices {
             let (groups, _) = matrix.as_chunks_mut();
             let (chunks, _) = groups.as_chunks_mut::<C>();
-            diag_inv[k] = eliminate(m.plan(), chunks, k);
+            diag_inv[k] = eliminate(m.plan(), chunks, per_row, k);
         }
     }
 }
@@ -89,8 +120,7 @@ fn factor_chunks<const C: usize, const N: usize>(m: &Model, mut matrices: [(&mut
 /// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal. What is behind the end of a
 /// row changes too.
 #[inline(always)]
-fn eliminate<const C: usize>(plan: &Plan, matrix: &mut [[Lanes; C]], k: usize) -> f64 {
-    let per_row = if C < 4 { 1 } else { plan.m_groups / 4 };
+fn eliminate<const C: usize>(plan: &Plan, matrix: &mut [[Lanes; C]], per_row: usize, k: usize) -> f64 {
     let (above, row) = matrix.split_at_mut(k * per_row);
     let row = &mut row[..per_row];
     let columns = &plan.m_colind[plan.m_ancestors(k)];

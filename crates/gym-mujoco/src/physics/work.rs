@@ -13,6 +13,8 @@ pub(crate) struct Work {
     sizes: Option<[usize; 8]>,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
+    /// Motion axes by components, of four degrees of freedom each.
+    pub(crate) axes: Vec<[Lanes; 6]>,
     /// Accelerations of bodies.
     pub(crate) acc: Vec<[f64; 6]>,
     /// Forces on bodies.
@@ -67,6 +69,7 @@ impl Work {
             pgs: pgs::Buffers::new(m.opt.solver, nv, &bounds),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],
+            axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],
             body_force: vec![[0.0; 6]; m.nbody()],
             dofs: vec![[0.0; 4]; dense::groups(nv)],

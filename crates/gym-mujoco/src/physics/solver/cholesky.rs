@@ -49,19 +49,19 @@ fn dot_rows(
     group: usize,
     element: impl Fn(&[Lanes], usize) -> f64,
 ) -> Lanes {
-    let fours = columns.len() / (4 * stride);
+    let fours = columns.chunks_exact(4 * stride);
+    let (columns, mut number) = (fours.remainder(), 0);
     let mut sums = [[0.0; 4]; 4];
-    for four in 0..fours {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            let number = 4 * four + k;
-            let column = &columns[number * stride..][..stride];
+    for four in fours {
+        for (sum, column) in sums.iter_mut().zip(four.chunks_exact(stride)) {
             *sum = plus(*sum, column[group], element(column, number));
+            number += 1;
         }
     }
     let mut rest = [0.0; 4];
-    for number in 4 * fours..columns.len() / stride {
-        let column = &columns[number * stride..][..stride];
+    for column in columns.chunks_exact(stride) {
         rest = plus(rest, column[group], element(column, number));
+        number += 1;
     }
     let [a, b, c, d] = sums;
     plus(plus(plus(a, c, 1.0), plus(b, d, 1.0), 1.0), rest, 1.0)

@@ -30,12 +30,10 @@ pub(crate) struct Buffers {
     row_update: Vec<Lanes>,
     /// The number of degrees of freedom that these are for.
     last: usize,
-    /// The inertia matrix of the island: its lower triangle by columns.
-    inertia: Vec<Lanes>,
     /// The Hessian's lower triangle by columns, then its factor.
     hessian: Vec<Lanes>,
-    /// Where the Jacobians of the rows that push are, and these times their stiffness.
-    pushing: Vec<usize>,
+    /// The Jacobians of the rows that push, and these times their stiffness.
+    pushing: Vec<Lanes>,
     pushed: Vec<Lanes>,
     /// What the force on the joints is the sum of: where rows of the Jacobian start, and their forces.
     terms: Vec<(usize, f64)>,
@@ -78,9 +76,8 @@ impl Buffers {
         ] {
             vector.resize(groups, [0.0; 4]);
         }
-        buffers.inertia.reserve(nv * groups);
         buffers.hessian.reserve(nv * groups);
-        buffers.pushing.reserve(rows);
+        buffers.pushing.reserve(rows * groups);
         buffers.pushed.reserve(rows * groups);
         buffers.terms.reserve(rows);
         for vector in [
@@ -397,40 +394,38 @@ fn update(problem: &Problem<'_>, b: &mut Buffers) {
 #[inline(always)]
 fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
-    b.inertia.clear();
-    b.inertia.resize(n * stride, [0.0; 4]);
-    let inertia = b.inertia.as_flattened_mut();
-    for (dofs, place) in problem.places() {
-        for (dof, row) in dofs.zip(place.clone()) {
-            let known = plan.m_row(dof);
-            for (&column, value) in plan.m_local[known.clone()].iter().zip(&problem.qm[known]) {
-                inertia[(place.start + column) * 4 * stride + row] = *value;
-            }
-        }
-    }
     // the rows that push, and the same times their stiffness
     b.pushing.clear();
     b.pushed.clear();
     for (row, (&pushes, &stiffness)) in b.pushes.iter().zip(problem.d).enumerate() {
         if pushes && stiffness != 0.0 {
-            b.pushing.push(row * stride);
-            for &four in problem.row(row) {
-                b.pushed.push(times(four, stiffness));
-            }
+            let jac = problem.row(row);
+            b.pushing.extend_from_slice(jac);
+            b.pushed.extend(jac.iter().map(|&four| times(four, stiffness)));
         }
     }
     b.hessian.resize(n * stride, [0.0; 4]);
-    for i in 0..n {
-        let (column, inertia) = (&mut b.hessian[i * stride..][..stride], &b.inertia[i * stride..][..stride]);
+    let (pushing, pushed) = (b.pushing.as_flattened(), &b.pushed[..]);
+    let count = pushed.len() / stride;
+    for (i, column) in b.hessian.chunks_exact_mut(stride).enumerate() {
         let first = i / 4;
         combine(
             &mut column[first..],
-            &b.pushed,
-            b.pushing.len(),
+            pushed,
+            count,
             #[inline(always)]
-            |index| (index * stride + first, problem.jac[b.pushing[index] + first][i % 4]),
+            |index| (index * stride + first, pushing[index * 4 * stride + i]),
         );
-        add_scaled(&mut column[first..], &inertia[first..], 1.0);
+    }
+    // the inertia matrix comes last
+    let hessian = b.hessian.as_flattened_mut();
+    for (dofs, place) in problem.places() {
+        for (dof, row) in dofs.zip(place.clone()) {
+            let known = plan.m_row(dof);
+            for (&column, value) in plan.m_local[known.clone()].iter().zip(&problem.qm[known]) {
+                hessian[(place.start + column) * 4 * stride + row] += value;
+            }
+        }
     }
     cholesky::factor(&mut b.hessian, n, stride);
 }

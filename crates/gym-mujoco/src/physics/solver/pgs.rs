@@ -4,7 +4,7 @@
 
 use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
-use crate::physics::dense::{Lanes, add_scaled, dot};
+use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
 use crate::{Data, Model};
 
@@ -17,6 +17,8 @@ pub(crate) struct Buffers {
     ar: Vec<Lanes>,
     /// What a row of `ar` is the sum of: where a row of `half` starts, and its factor.
     terms: Vec<(usize, f64)>,
+    /// Where the rows of `half` start that are not zero, the last first.
+    moving: Vec<usize>,
     jar: Vec<f64>,
     force: Vec<Lanes>,
     product: Vec<Lanes>,
@@ -53,6 +55,7 @@ impl Buffers {
         buffers.product.reserve(groups);
         buffers.rows.reserve(rows);
         buffers.terms.reserve(nv);
+        buffers.moving.reserve(nv);
         buffers.steps.reserve(rows);
         for order in [&mut buffers.order, &mut buffers.next_order] {
             order.reserve(rows);
@@ -129,15 +132,31 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
     let stride = dense::groups(nefc);
     s.half.clear();
     s.half.resize(nv * stride, [0.0; 4]);
-    let half = s.half.as_flattened_mut();
-    for (row, jac) in d.efc.jacobian().chunks_exact(d.efc.stride()).enumerate() {
-        for (i, &x) in jac.as_flattened()[..nv].iter().enumerate() {
-            half[i * 4 * stride + row] = x;
+    let width = 4 * d.efc.stride();
+    for (g, rows) in d.efc.jacobian().as_flattened().chunks(4 * width).enumerate() {
+        if rows.len() == 4 * width {
+            let ((a, b), (c, e)) = (rows[..2 * width].split_at(width), rows[2 * width..].split_at(width));
+            let elements = a.iter().zip(b).zip(c.iter().zip(e));
+            for (half, ((a, b), (c, e))) in s.half.chunks_exact_mut(stride).zip(elements) {
+                half[g] = [*a, *b, *c, *e];
+            }
+        } else {
+            for (k, row) in rows.chunks_exact(width).enumerate() {
+                for (half, x) in s.half.chunks_exact_mut(stride).zip(row) {
+                    half[g][k] = *x;
+                }
+            }
         }
     }
+    // from the last degree of freedom on; those that move no row are left out
+    s.moving.clear();
     for i in (0..nv).rev() {
         let (above, rest) = s.half.split_at_mut(i * stride);
         let own = &mut rest[..stride];
+        if !dense::any(own) {
+            continue;
+        }
+        s.moving.push(i * stride);
         if m.dof_simplenum[i] == 0 {
             let row = plan.m_ancestors(i);
             for (&j, l) in plan.m_colind[row.clone()].iter().zip(&d.qld[row]) {
@@ -146,27 +165,28 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
         }
         // the root of D, not of its inverse
         let scale = 1.0 / d.qld[plan.m_diagonal(i)].sqrt();
-        own.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
+        own.iter_mut().for_each(|group| *group = times(*group, scale));
     }
 
     s.ar.resize(nefc * stride, [0.0; 4]);
-    for (i, row) in s.ar.chunks_exact_mut(stride).enumerate() {
-        s.terms.clear();
-        for (k, half) in s.half.chunks_exact(stride).enumerate() {
-            let x = half[i / 4][i % 4];
+    let (half, moving, terms) = (&s.half[..], &s.moving[..], &mut s.terms);
+    for ((i, row), r) in s.ar.chunks_exact_mut(stride).enumerate().zip(&d.efc.r) {
+        terms.clear();
+        for &start in moving.iter().rev() {
+            let x = half[start + i / 4][i % 4];
             if x != 0.0 {
-                s.terms.push((k * stride, x));
+                terms.push((start, x));
             }
         }
-        let terms = &s.terms;
+        let terms = &terms[..];
         dense::combine(
             row,
-            &s.half,
+            half,
             terms.len(),
             #[inline(always)]
             |index| terms[index],
         );
-        row[i / 4][i % 4] += d.efc.r[i];
+        row[i / 4][i % 4] += r;
     }
 }
 
@@ -215,43 +235,49 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
         vector.extend(rows.iter().map(|row| s.force.as_flattened()[*row]));
     }
 
+    // slices: the compiler cannot know that forces do not change where the vectors are
+    let (steps, ar) = (&s.steps[..n], &s.ar[..nefc * stride]);
+    let (force, before, momentum) = (&mut s.force[..stride], &mut s.before[..n], &mut s.momentum[..n]);
+    let (order, next_order) = (&mut s.order[..n], &mut s.next_order[..n]);
     let mut k = 0.0;
     for iteration in 0..m.opt.iterations {
         let beta = if iteration > 0 { (k - 1.0) / (k + 2.0) } else { 0.0 };
-        let force = s.force.as_flattened_mut();
-        for ((&row, before), momentum) in rows.iter().zip(&mut s.before).zip(&mut s.momentum) {
-            let now = force[row];
+        let numbers = force.as_flattened_mut();
+        for ((&row, before), momentum) in rows.iter().zip(&mut *before).zip(&mut *momentum) {
+            let now = numbers[row];
+            let mut start = now;
             if beta > 0.0 {
                 let moved = now + beta * (now - *before);
-                force[row] = if moved < 0.0 { 0.0 } else { moved };
+                start = if moved < 0.0 { 0.0 } else { moved };
+                numbers[row] = start;
             }
-            (*before, *momentum) = (now, force[row]);
+            (*before, *momentum) = (now, start);
         }
 
         // the next order is drawn beside the steps, each of which waits for the one before
-        s.order.copy_from_slice(&s.next_order);
+        order.copy_from_slice(next_order);
         let mut improvement = 0.0;
-        for (&i, next) in s.order.iter().zip((0..n).rev()) {
-            let Step { row, b, diag_inv, diag } = s.steps[i as usize];
-            let residual = b + dot(&s.ar[row * stride..(row + 1) * stride], &s.force, nefc);
-            let old = s.force[row / 4][row % 4];
+        for (&i, next) in order.iter().zip((0..n).rev()) {
+            let &Step { row, b, diag_inv, diag } = &steps[i as usize];
+            let residual = b + dot(&ar[row * stride..][..stride], force, nefc);
+            let old = force.as_flattened()[row];
             let moved = old - residual * diag_inv;
             let new = if moved < 0.0 { 0.0 } else { moved };
             let delta = new - old;
             let change = 0.5 * delta * delta * diag + delta * residual;
             if change <= 1e-10 {
-                dense::set(&mut s.force, row, new);
+                dense::set(force, row, new);
                 improvement -= change;
             }
             if next > 0 {
-                generator.swap(&mut s.next_order, next);
+                generator.swap(next_order, next);
             }
         }
         improvement *= scale;
-        let force = s.force.as_flattened();
+        let numbers = force.as_flattened();
         let mut turned = 0.0;
-        for ((&row, momentum), before) in rows.iter().zip(&s.momentum).zip(&s.before) {
-            turned += (force[row] - momentum) * (momentum - before);
+        for ((&row, momentum), before) in rows.iter().zip(&*momentum).zip(&*before) {
+            turned += (numbers[row] - momentum) * (momentum - before);
         }
         k = if iteration > 0 && turned < 0.0 { 0.0 } else { k + 1.0 };
         if improvement < m.opt.tolerance {

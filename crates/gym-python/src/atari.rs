@@ -26,7 +26,13 @@ pub(crate) struct AleState {
     include_rng: bool,
     frame_number: u32,
     episode_frame_number: u32,
+    /// Those of the episodes that follow.
+    mode: u16,
+    difficulty: u8,
 }
+
+/// What `AleState` is made of again.
+type StateParts = (String, bool, u16, u8);
 
 impl Ale {
     fn with<T>(&self, py: Python<'_>, f: impl FnOnce(&mut Game) -> PyResult<T>) -> PyResult<T> {
@@ -192,21 +198,30 @@ impl Ale {
 
     /// Where the game stands.
     fn state(&self, py: Python<'_>, include_rng: bool) -> PyResult<AleState> {
-        self.with(py, |game| AleState::of(&game.state(), include_rng))
+        self.with(py, |game| {
+            let (settings, known) = (game.settings(), game.game());
+            let mode = settings.mode.unwrap_or(known.modes[0].0);
+            let difficulty = settings.difficulty.unwrap_or(known.difficulties[0]);
+            AleState::of(&game.state(), include_rng, mode, difficulty)
+        })
     }
 
     /// Goes on from there.
     fn set_state(&self, py: Python<'_>, state: &AleState) -> PyResult<()> {
         let stored = state.read()?;
         self.with(py, |game| {
-            let fits = game.set_state_like_ale(&stored, state.include_rng);
-            if fits { Ok(()) } else { Err(Error::Snapshot("it is of another game".into())).or_raise() }
+            if !game.set_state_like_ale(&stored, state.include_rng) {
+                return Err(Error::Snapshot("it is of another game".into())).or_raise();
+            }
+            let (mode, difficulty) = (Some(state.mode), Some(state.difficulty));
+            game.configure(Settings { mode, difficulty, ..game.settings() });
+            Ok(())
         })
     }
 }
 
 impl AleState {
-    fn of(state: &State, include_rng: bool) -> PyResult<Self> {
+    fn of(state: &State, include_rng: bool, mode: u16, difficulty: u8) -> PyResult<Self> {
         Ok(Self {
             state: serde_json::to_string(state)
                 .map_err(|error| Error::Snapshot(error.to_string()))
@@ -214,6 +229,8 @@ impl AleState {
             include_rng,
             frame_number: state.frame_number(),
             episode_frame_number: state.episode_frame_number(),
+            mode,
+            difficulty,
         })
     }
 
@@ -226,10 +243,10 @@ impl AleState {
 impl AleState {
     /// The state that `__reduce__` took apart.
     #[new]
-    fn new(state: &str, include_rng: bool) -> PyResult<Self> {
+    fn new(state: &str, include_rng: bool, mode: u16, difficulty: u8) -> PyResult<Self> {
         let state: State =
             serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
-        Self::of(&state, include_rng)
+        Self::of(&state, include_rng, mode, difficulty)
     }
 
     /// The frames since the game was made.
@@ -244,6 +261,18 @@ impl AleState {
         self.episode_frame_number
     }
 
+    /// The mode of the episodes that follow.
+    #[pyo3(name = "getCurrentMode")]
+    fn current_mode(&self) -> u16 {
+        self.mode
+    }
+
+    /// The difficulty of the episodes that follow.
+    #[pyo3(name = "getDifficulty")]
+    fn difficulty(&self) -> u8 {
+        self.difficulty
+    }
+
     /// Whether another state is equal.
     fn equals(&self, other: &Self) -> bool {
         self == other
@@ -254,8 +283,9 @@ impl AleState {
         self.state.as_bytes()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, bool))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, StateParts)> {
         let state = slf.get();
-        Ok((slf.get_type().into_any(), (state.state.clone(), state.include_rng)))
+        let parts = (state.state.clone(), state.include_rng, state.mode, state.difficulty);
+        Ok((slf.get_type().into_any(), parts))
     }
 }

@@ -46,9 +46,19 @@ fn text(error: &Error) -> String {
         Error::ResetNeeded(call) => {
             format!("cannot call `{call}` before `reset`: call `reset(seed=0)` first")
         }
-        Error::InvalidArgument { .. } => TYPES.iter().fold(error.to_string(), |text, (types, words)| {
-            types.iter().fold(text, |text, name| text.replace(&format!("expected {name}"), words))
-        }),
+        Error::InvalidAction { action, space, .. } if action.starts_with("Array {") => {
+            let (_, numbers) = action.split_once("([").unwrap_or(("", action));
+            let numbers = numbers.trim_end_matches([' ', '}', ')', ']']).replace("NaN", "nan");
+            format!(
+                "invalid action [{numbers}]: it is not finite or not an element of the action space {space}"
+            )
+        }
+        Error::InvalidArgument { .. } => {
+            let text = TYPES.iter().fold(error.to_string(), |text, (types, words)| {
+                types.iter().fold(text, |text, name| text.replace(&format!("expected {name}"), words))
+            });
+            WORDS.iter().fold(text, |text, (ours, words)| text.replace(ours, words))
+        }
         // how to link crates is for Rust's
         _ => error.to_string().split(" (linked crates").next().unwrap_or_default().to_owned(),
     }
@@ -59,6 +69,30 @@ const TYPES: [(&[&str], &str); 3] = [
     (&["usize", "u64", "u32", "u16", "u8"], "expected a whole number, zero or greater"),
     (&["isize", "i64", "i32", "i16", "i8"], "expected a whole number"),
     (&["f64", "f32"], "expected a number"),
+];
+
+/// Words of JSON, of Rust and of the operating system, in Python's.
+const WORDS: [(&str, &str); 14] = [
+    (" (null is also what becomes of a number that is NaN or infinite: give a finite one)", ""),
+    ("invalid type: null", "invalid type: None"),
+    ("expected a sequence", "expected a list"),
+    ("expected an array of length", "expected a list of length"),
+    ("expected fewer elements in array", "expected fewer"),
+    ("expected a boolean", "expected True or False"),
+    ("expected path string", "expected a text"),
+    ("expected a string", "expected a text"),
+    ("unknown variant", "unknown value"),
+    (" (os error 2)", ""),
+    (" (os error 13)", ""),
+    ("recv_into", "recv"),
+    (
+        "data did not match any variant of untagged enum Frameskip",
+        "expected a whole number, or a pair of them, (low, high)",
+    ),
+    (
+        "data did not match any variant of untagged enum Each",
+        "expected a value for each environment, or a pair of numbers, (low, high)",
+    ),
 ];
 
 fn exception(py: Python<'_>, error: &Error) -> PyErr {

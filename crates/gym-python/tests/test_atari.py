@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import pickle
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -76,7 +78,8 @@ def test_answers_to_random_calls(game: str) -> None:
         elif what == "clone":
             include = bool(rng.integers(2))
             states.append((a.clone_state(include_rng=include), b.clone_state(include_rng=include)))
-            assert states[-1][0].getFrameNumber() == states[-1][1].getFrameNumber()
+            for ask in ("getFrameNumber", "getEpisodeFrameNumber", "getCurrentMode", "getDifficulty"):
+                assert getattr(states[-1][0], ask)() == getattr(states[-1][1], ask)(), f"{ask}, call {call}"
         elif what == "restore" and states:
             x, y = states[rng.integers(len(states))]
             a.restore_state(x)
@@ -122,24 +125,66 @@ def test_seeding_loading_and_settings(game: str) -> None:
     assert_same(ours.reset()[0], rustgym.make(game, **kwargs).reset(seed=3)[0])
 
 
+def public(thing: object) -> set[str]:
+    return {name for name in dir(thing) if not name.startswith("_")}
+
+
+def test_all_that_is_public_is_there(tmp_path: Path) -> None:
+    ours, theirs = (env.unwrapped for env in both("ALE/SpaceInvaders-v5", repeat_action_probability=0.5))
+    for env in (ours, theirs):
+        env.reset(seed=1)
+        env.ale.setMode(3)
+    assert public(theirs) - public(ours) == set()
+    assert public(theirs.ale) - public(ours.ale) == {"isSupportedROM"}
+    assert public(theirs.clone_state()) - public(ours.clone_state()) == set()
+    for sides in itertools.product((-1, 0, 1), (-1, 0, 1), (False, True)):
+        assert ours.map_action_idx(*sides).name == theirs.map_action_idx(*sides).name
+    settings = "random_seed max_num_frames_per_episode repeat_action_probability frame_skip reward_max sound record_screen_dir none"
+    for ask, name in itertools.product(("getInt", "getFloat", "getBool", "getString"), settings.split()):
+        assert_same(getattr(ours.ale, ask)(name), getattr(theirs.ale, ask)(name), f"{ask}({name!r})")
+    states = [env.clone_state() for env in (ours, theirs)]
+    assert pickle.loads(pickle.dumps(states[0])).getCurrentMode() == 3
+    answers = []
+    for env, state in zip((ours, theirs), states, strict=True):
+        env.ale.setMode(0)
+        env.restore_state(state)
+        env.ale.reset_game()  # in the state's mode again
+        answers.append((env.ale.cloneState().getCurrentMode(), env.ale.getRAM(), env.ale.getAudioSize()))
+    assert_same(*answers)
+    for path, env in (("ours", ours), ("theirs", theirs)):
+        env.ale.saveScreenPNG(f"{tmp_path}/{path}.png")
+    cv2 = pytest.importorskip("cv2")
+    assert_same(*(cv2.imread(f"{tmp_path}/{path}.png") for path in ("ours", "theirs")))
+
+
 def test_bad_input() -> None:
     env = rustgym.make("ALE/Breakout-v5").unwrapped
     ale = env.ale
     for call in (
         lambda: ale.setRAM(128, 0),
+        lambda: ale.setRAM(-1, 0),
+        lambda: ale.setRAM(0, 256),
         lambda: ale.setMode(99),
+        lambda: ale.setMode(-1),
         lambda: ale.setDifficulty(9),
+        lambda: ale.setDifficulty("easy"),
         lambda: ale.getScreenRGB(np.zeros((3, 3), np.uint8)),
     ):
         with pytest.raises(RuntimeError):
             call()
     with pytest.raises(TypeError):
         ale.getRAM(np.zeros(128, np.int8))
+    with pytest.raises(TypeError, match="clip_reward is 'x'"):
+        rustgym.make("ALE/Pong-v5", preprocessing={"clip_reward": "x"})
+    assert ale.act(ale_py.Action.NOOP) == ale.act(rustgym.envs.atari.Action.NOOP) == 0
     for action in (18, -1):
         with pytest.raises(ValueError, match="no action"):
             ale.act(action)
     with pytest.raises(gymnasium.error.Error, match="sound"):
         ale.getAudio()
+    for call in (lambda: ale.setFloat("repeat_action_probability", 0.0), lambda: ale.loadROM("/nowhere")):
+        with pytest.raises(gymnasium.error.Error, match=r"rustgym\.make"):
+            call()
     with pytest.raises(ValueError, match="/nowhere"):
         rustgym.make("ALE/Pong-v5", rom_dir="/nowhere")
     with pytest.raises(TypeError, match="preprocessing has no 'stack'"):
@@ -199,7 +244,7 @@ def test_stable_baselines3() -> None:
     pytest.importorskip("cv2")
     from stable_baselines3.common.atari_wrappers import AtariWrapper
 
-    ours, theirs = (AtariWrapper(env) for env in both("BreakoutNoFrameskip-v4" if "BreakoutNoFrameskip-v4" in gymnasium.registry else "ALE/Breakout-v5", frameskip=1))
+    ours, theirs = (AtariWrapper(env) for env in both("BreakoutNoFrameskip-v4", frameskip=1))
     for wrapped in (ours, theirs):
         wrapped.action_space.seed(0)
     # (the wrapper for no-ops draws from np_random, which both seed alike)
@@ -210,3 +255,40 @@ def test_stable_baselines3() -> None:
         assert_same(result, expected)
         if result[2] or result[3]:
             assert_same(ours.reset(), theirs.reset())
+
+
+@pytest.mark.parametrize("name", ["BreakoutNoFrameskip-v4", "PongNoFrameskip-v4"])
+def test_make_atari_env(name: str) -> None:
+    """Stable-Baselines3's pipeline by an id of ours and by ale-py's."""
+    pytest.importorskip("stable_baselines3")
+    pytest.importorskip("cv2")
+    from stable_baselines3.common.env_util import make_atari_env
+
+    ours, theirs = (make_atari_env(env_id, n_envs=2, seed=1) for env_id in (f"rustgym/{name}", name))
+    rng = np.random.default_rng(2)
+    assert_same(ours.reset(), theirs.reset())
+    for _ in range(200):
+        actions = rng.integers(4, size=2)
+        assert_same(ours.step(actions)[:3], theirs.step(actions)[:3])
+
+
+def test_the_wrappers_of_single_files() -> None:
+    """Those of CleanRL's `ppo_atari.py`, which come from Stable-Baselines3 and Gymnasium."""
+    wrappers = pytest.importorskip("stable_baselines3.common.atari_wrappers")
+    pytest.importorskip("cv2")
+
+    def wrapped(env_id: str) -> gymnasium.Env:
+        env = gymnasium.wrappers.RecordEpisodeStatistics(gymnasium.make(env_id))
+        env = wrappers.EpisodicLifeEnv(wrappers.MaxAndSkipEnv(wrappers.NoopResetEnv(env, noop_max=30), skip=4))
+        if "FIRE" in env.unwrapped.get_action_meanings():
+            env = wrappers.FireResetEnv(env)
+        env = gymnasium.wrappers.ResizeObservation(wrappers.ClipRewardEnv(env), (84, 84))
+        return gymnasium.wrappers.FrameStackObservation(gymnasium.wrappers.GrayscaleObservation(env), 4)
+
+    name = "BreakoutNoFrameskip-v4"
+    ours, theirs = (gymnasium.vector.SyncVectorEnv([lambda e=e: wrapped(e)] * 2) for e in (f"rustgym/{name}", name))
+    rng = np.random.default_rng(2)
+    assert_same(ours.reset(seed=1)[0], theirs.reset(seed=1)[0])
+    for _ in range(200):
+        actions = rng.integers(4, size=2)
+        assert_same(ours.step(actions)[:4], theirs.step(actions)[:4])

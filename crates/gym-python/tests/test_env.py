@@ -368,8 +368,33 @@ def test_no_message_speaks_of_rust() -> None:
         ("CartPole-v1", {"gravity": "x"}),
         ("Ant-v5", {"frame_skip": -1}),
         ("FrozenLake-v1", {"map_name": "9x9"}),
+        ("FrozenLake-v1", {"desc": 3}),
+        ("ALE/Breakout-v5", {"frameskip": "x"}),
+        ("CartPole-v1", {"gravity": None}),
+        ("Ant-v5", {"xml_file": "/nonexistent.xml"}),
+        ("Blackjack-v1", {"natural": "x"}),
     ):
         with pytest.raises(Exception) as raised:
             rustgym.Env(env_id, **kwargs)
-        words = re.findall(r"crate|cargo|usize|\b[iuf](?:8|16|32|64)\b|Option|unwrap|serde", str(raised.value))
-        assert not words, raised.value
+        assert not words_of_rust(raised.value), raised.value
+    env = rustgym.Env("Ant-v5")
+    env.reset(seed=0)
+    for action in (np.full(8, np.nan), np.full(8, np.nan, np.float32), np.full(8, np.inf)):
+        with pytest.raises(gymnasium.error.InvalidAction, match=r"\[(nan|inf), .*Box") as raised:
+            env.step(action)
+        assert not words_of_rust(raised.value), raised.value
+
+
+def words_of_rust(error: BaseException) -> list[str]:
+    words = r"crate|cargo|usize|\b[iuf](?:8|16|32|64)\b|Option|unwrap|serde|untagged|variant|null|os error|boolean|F64|NaN|shape:"
+    return re.findall(words, str(error))
+
+
+def test_what_is_no_id_or_state_is_named() -> None:
+    for made in (rustgym.Env, rustgym.VectorEnv):
+        with pytest.raises(TypeError, match="an id is a text .* not 3 of type int"):
+            made(3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="get_state gave, not 3"):
+        rustgym.Env("CartPole-v1").set_state(3)  # type: ignore[arg-type]
+    with pytest.raises(AttributeError, match="neither rustgym nor gymnasium has an attribute 'nothing'"):
+        _ = rustgym.nothing

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import gymnasium
 import numpy as np
 import pytest
@@ -184,9 +186,30 @@ def test_numbers_of_environments_and_threads() -> None:
         ({"num_envs": "a"}, TypeError),
         ({"num_envs": 2, "kind": "async", "threads": -1}, ValueError),
         ({"num_envs": 2, "kind": "async", "threads": "a"}, TypeError),
+        ({"num_envs": 10**30}, ValueError),
+        ({"num_envs": 2, "kind": "async", "threads": 10**30}, ValueError),
     ):
         with pytest.raises(error, match="num_envs|threads"):
             rustgym.VectorEnv("CartPole-v1", **kwargs)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "error"),
+    [
+        ("kind", 3, TypeError),
+        ("render_mode", 3, TypeError),
+        ("copy", "x", TypeError),
+        ("max_episode_steps", "x", TypeError),
+        ("arg_each", 3, TypeError),
+        ("arg_each", {"gravity": 3}, TypeError),
+        ("arg_each", {"gravity": "ab"}, TypeError),
+        ("arg_each", {"gravity": ("a", "b")}, ValueError),
+    ],
+)
+def test_an_argument_of_the_wrong_type_is_named(name: str, value: object, error: type[Exception]) -> None:
+    with pytest.raises(error, match=f"{name}|gravity|pair of numbers") as raised:
+        rustgym.VectorEnv("CartPole-v1", 2, **{name: value})
+    assert not re.search(r"'str' object|'int' object|untagged", str(raised.value))
 
 
 def test_an_argument_of_each() -> None:

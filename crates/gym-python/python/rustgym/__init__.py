@@ -105,7 +105,10 @@ def __getattr__(name: str) -> Any:
             return importlib.import_module("rustgym.sb3")
         except ModuleNotFoundError as error:
             raise AttributeError(f"rustgym.sb3 needs stable-baselines3: {error}") from error
-    return getattr(gymnasium, name)
+    try:
+        return getattr(gymnasium, name)
+    except AttributeError:
+        raise AttributeError(f"neither rustgym nor gymnasium has an attribute {name!r}") from None
 
 
 def __dir__() -> list[str]:

@@ -30,6 +30,8 @@ def preprocessed(
             raise TypeError(f"preprocessing has no {name!r}: its settings are {', '.join(settings)}")
         settings[name] = value
     clip, stack, size = settings.pop("clip_reward"), settings.pop("frame_stack"), settings["screen_size"]
+    if not isinstance(clip, bool | np.bool_):
+        raise TypeError(f"clip_reward is {clip!r}: it must be True or False")
     # in Rust the height comes first
     settings["screen_size"] = [size, size] if np.ndim(size) == 0 else list(size)[::-1]
     wrappers = [("AtariPreprocessing", settings)]

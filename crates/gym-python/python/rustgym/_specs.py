@@ -19,6 +19,8 @@ SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(nati
 
 def spec_of(env_id: str) -> dict[str, Any]:
     """What the registry of the Rust side says about an id."""
+    if not isinstance(env_id, str):
+        raise TypeError(f"an id is a text such as \"CartPole-v1\", not {env_id!r} of type {type(env_id).__name__}")
     try:
         return SPECS[env_id]
     except KeyError:

@@ -256,6 +256,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         Raises:
             ValueError: for the state of something else; the environment is then as it was.
         """
+        if not isinstance(state, str):
+            raise TypeError(f"a state is the text that get_state gave, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
         self._follow()
 

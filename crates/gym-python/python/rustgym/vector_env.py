@@ -31,7 +31,16 @@ def _whole(name: str, number: Any, least: int) -> int:
         raise TypeError(f"{name} is {number!r}: it must be a whole number") from None
     if whole < least:
         raise ValueError(f"{name} is {whole}: it must be at least {least}")
+    if whole >= 1 << 63:
+        raise ValueError(f"{name} is {whole}: that is too many")
     return whole
+
+
+def _text(name: str, text: Any) -> str | None:
+    """A text, or none."""
+    if text is not None and not isinstance(text, str):
+        raise TypeError(f"{name} is {text!r}: it must be a text or None")
+    return text
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
@@ -89,6 +98,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         num_envs = _whole("num_envs", num_envs, 1)
         if threads is not None:
             threads = _whole("threads", threads, 1)
+        if max_episode_steps is not None:
+            max_episode_steps = _whole("max_episode_steps", max_episode_steps, -1)
+        if not isinstance(copy, bool | np.bool_):
+            raise TypeError(f"copy is {copy!r}: it must be True or False")
+        kind, render_mode = _text("kind", kind), _text("render_mode", render_mode)
         for name in kwargs:
             if name not in defaults:
                 takes = f"its arguments are {', '.join(defaults)}" if defaults else "it takes no arguments"
@@ -96,9 +110,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                     f"{env_id} got an unexpected keyword argument {name!r}: {takes}, and those of rustgym.VectorEnv"
                 )
         each = {}
+        if not isinstance(arg_each or {}, Mapping):
+            raise TypeError(f"arg_each must be a dict of arguments, not {arg_each!r}")
         for name, values in (arg_each or {}).items():
             if name not in defaults:
                 raise TypeError(f"arg_each names {name!r}, which {env_id} does not have")
+            if isinstance(values, str) or not isinstance(values, Iterable):
+                raise TypeError(
+                    f"arg_each has {values!r} for {name}: it takes a list with a value for each environment, or a pair (low, high)"
+                )
             is_range = isinstance(values, tuple) and len(values) == 2
             each[name] = {"low": values[0], "high": values[1]} if is_range else list(values)
         self._wrappers = "[]"
@@ -119,7 +139,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             max_episode_steps,
             self.autoreset_mode.value,
             threads,
-            copy,
+            bool(copy),
             self._wrappers,
             to_json(each),
         )

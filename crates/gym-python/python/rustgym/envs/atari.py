@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import operator
+import struct
+import zlib
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Any
+from pathlib import Path
+from typing import Any, SupportsIndex
 
 import gymnasium
 import numpy as np
@@ -29,6 +33,22 @@ Action = IntEnum(
     start=0,
 )
 
+# settings of ale-py that are the same in each of Gymnasium's environments
+_SETTINGS = {
+    "frame_skip": "1",
+    "max_num_frames": "0",
+    "reward_min": "-2147483648",
+    "reward_max": "2147483647",
+    "truncate_on_loss_of_life": "0",
+    "display_screen": "0",
+    "sound": "false",
+    "record_sound_filename": "",
+    "record_screen_dir": "",
+    "color_averaging": "0",
+    "send_rgb": "0",
+    "restricted_action_set": "0",
+}
+
 # the keys of `gymnasium.utils.play`, in the order in which ale-py lists those of an action
 _KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
 
@@ -46,9 +66,10 @@ class Ale:
 
     # -- playing
 
-    def act(self, action: int, paddle_strength: float = 1.0) -> int:
+    def act(self, action: SupportsIndex | Action, paddle_strength: float = 1.0) -> int:
         """Plays a frame, in which the action before may stick, and gives the reward; ``ValueError`` for no ``Action``."""
-        return self._native.act(action, paddle_strength)
+        # (ale-py's own `Action` is no number)
+        return self._native.act(action if isinstance(action, int) else operator.index(getattr(action, "value", action)), paddle_strength)
 
     def reset_game(self) -> None:
         self._native.reset()
@@ -97,6 +118,9 @@ class Ale:
         return 128
 
     def setRAM(self, index: int, value: int) -> None:
+        """Changes a byte of the RAM; ``RuntimeError`` for one that there is not, or for what is no byte."""
+        if index not in range(128) or value not in range(256):
+            raise RuntimeError(f"the RAM has the bytes 0 to 127, of 0 to 255: byte {index!r} cannot be {value!r}")
         self._native.set_ram(index, value)
 
     def getAudio(self, buffer: Buffer | None = None) -> Any:
@@ -121,23 +145,90 @@ class Ale:
 
     def setMode(self, mode: int) -> None:
         """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` for one that the game does not have."""
+        if mode not in self.getAvailableModes():
+            raise RuntimeError(f"the game has no mode {mode!r}: its modes are {self.getAvailableModes()}")
         _, difficulty, max_frames = self._native.settings()
         self._native.configure(mode, difficulty, max_frames)
 
     def setDifficulty(self, difficulty: int) -> None:
         """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` for one that there is not."""
+        if difficulty not in self.getAvailableDifficulties():
+            there_are = self.getAvailableDifficulties()
+            raise RuntimeError(f"the game has no difficulty {difficulty!r}: its difficulties are {there_are}")
         mode, _, max_frames = self._native.settings()
         self._native.configure(mode, difficulty, max_frames)
 
-    def getInt(self, name: str) -> int:
-        """The setting ``random_seed`` or ``max_num_frames_per_episode`` (0 for no limit); -1 for others."""
+    def _setting(self, name: str) -> str | None:
+        """A setting as ale-py writes it; ``None`` for what is none."""
         if name == "random_seed":
-            return int(self._env._seeds()[1].astype(np.int32))
-        return self._native.settings()[2] or 0 if name == "max_num_frames_per_episode" else -1
+            return str(int(self._env._seeds()[1].astype(np.int32)))
+        if name == "max_num_frames_per_episode":
+            return str(self._native.settings()[2] or 0)
+        if name == "repeat_action_probability":
+            return f"{self._env.arguments[name]:g}"
+        return _SETTINGS.get(name)
+
+    def getInt(self, name: str) -> int:
+        """A setting as a whole number, such as ``random_seed``; -1 for what is none."""
+        setting = self._setting(name)
+        try:
+            return -1 if setting is None else int(setting)
+        except ValueError:
+            return int(self.getFloat(name))
 
     def getFloat(self, name: str) -> float:
-        """The setting ``repeat_action_probability``; -1 for others."""
-        return float(self._env.arguments[name]) if name == "repeat_action_probability" else -1.0
+        """A setting as a number, such as ``repeat_action_probability``; -1 for what is none."""
+        if name == "repeat_action_probability":
+            return float(self._env.arguments[name])
+        setting = self._setting(name)
+        try:
+            return -1.0 if setting is None else float(np.float32(setting))
+        except ValueError:
+            return 0.0
+
+    def getBool(self, name: str) -> bool:
+        """A setting as a flag; ``False`` for what is none."""
+        return self._setting(name) in ("1", "true")
+
+    def getString(self, name: str) -> str:
+        """A setting as text; empty for what is none."""
+        return self._setting(name) or ""
+
+    def setInt(self, name: str, value: Any) -> None:
+        """Raises ``gymnasium.error.Error``: the arguments of ``make`` are the settings."""
+        raise gymnasium.error.Error(
+            f"{name} cannot be set to {value!r} here: the settings of a game are arguments, as in "
+            f"rustgym.make({self._env.env_id!r}, repeat_action_probability=0.0)"
+        )
+
+    setFloat = setBool = setString = setInt
+
+    def setLoggerMode(self, mode: Any) -> None:
+        """Does nothing: there are no messages to choose from."""
+
+    def loadROM(self, path: Any = None) -> None:
+        """Raises ``gymnasium.error.Error``: the game is that of the id."""
+        raise gymnasium.error.Error(
+            f"{path} cannot be loaded here: rustgym.make makes another game by its id, and takes the folder of ROMs as rom_dir"
+        )
+
+    def getAudioSize(self) -> int:
+        """The samples of a frame in ale-py."""
+        return 512
+
+    def saveScreenPNG(self, path: Any) -> None:
+        """Writes the picture to a file, with each pixel twice as wide as high."""
+        picture = np.repeat(self.getScreenRGB(), 2, axis=1)
+        rows, columns, _ = picture.shape
+        # each row is preceded by the number of its filter, which is none
+        lines = np.hstack([np.zeros((rows, 1), np.uint8), picture.reshape(rows, -1)]).tobytes()
+
+        def chunk(name: bytes, data: bytes) -> bytes:
+            return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+        header = struct.pack(">2I5B", columns, rows, 8, 2, 0, 0, 0)
+        chunks = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
+        Path(path).write_bytes(b"\x89PNG\r\n\x1a\n" + chunks)
 
     # -- states
 
@@ -203,6 +294,11 @@ class AtariEnv(ClassEnv):
         """The names of the actions."""
         return [action.name for action in self._action_set]
 
+    def map_action_idx(self, left_center_right: int, down_center_up: int, fire: bool) -> Action:
+        """The action that holds the stick to one side (-1, 0 or 1) and up or down, with the button or without."""
+        vertical, horizontal = ("", "UP", "DOWN")[down_center_up], ("", "RIGHT", "LEFT")[left_center_right]
+        return Action[vertical + horizontal + ("FIRE" if fire else "") or "NOOP"]
+
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
         """The keys for each action, as ``gymnasium.utils.play`` takes them; ``AttributeError`` with ``continuous``."""
         if self.arguments["continuous"]:
@@ -217,6 +313,8 @@ class AtariEnv(ClassEnv):
         observation, info = super().reset(seed=seed, options=options)
         if seed is None:
             info.pop("seeds", None)
+        elif "seeds" in info:
+            info["seeds"] = tuple(map(np.uint32, info["seeds"]))
         return observation, info
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:

@@ -188,6 +188,7 @@ paths! {
     gym::registry::pretty,
     gym::rendering,
     gym::rendering::RecordVectorVideo,
+    gym::vector::native,
     gym::wrappers::map,
 }
 

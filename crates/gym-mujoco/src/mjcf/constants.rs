@@ -16,9 +16,7 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
     let general = Model::new(CompiledModel { dof_simplenum: vec![0; m.nv()], ..m.clone() })?;
     let mut d = Data::new(&general);
-    kinematics(&general, &mut d);
-    com_pos(&general, &mut d);
-    crb(&general, &mut d);
+    initial_inertia(&general, &mut d);
     for i in 0..m.nv() {
         m.dof_m0[i] = d.qm[general.plan().m_row(i).end - 1];
     }
@@ -26,14 +24,27 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     // again, with the simple bodies' diagonals
     m.stat.meaninertia = if m.nv() == 0 { 1.0 } else { m.dof_m0.iter().sum::<f64>() / m.nv() as f64 };
     let model = Model::new(m)?;
-    crb(&model, &mut d);
-    factor_m(&model, &mut d);
+    factor_inertia(&model, &mut d);
     let mut m = model.clone().into_compiled();
     add_dof_weights(&mut m, &model, &d);
     add_body_weights(&mut m, &model, &d);
     add_statistics(&mut m, &d);
     state_statistics(&mut m, stated);
     Model::new(m)
+}
+
+// Functions of their own, because the engine's stages are always inlined: with their variables, a thread's stack would not hold
+// the models above where nothing is optimised.
+
+fn initial_inertia(m: &Model, d: &mut Data) {
+    kinematics(m, d);
+    com_pos(m, d);
+    crb(m, d);
+}
+
+fn factor_inertia(m: &Model, d: &mut Data) {
+    crb(m, d);
+    factor_m(m, d);
 }
 
 /// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a kind of a free joint.

@@ -28,11 +28,14 @@ macro_rules! ensure {
 /// Every array named has the length of its group.
 macro_rules! same_length {
     ($m:ident, $length:expr, $($field:ident)+) => {
-        $(ensure!(
-            $m.$field.len() == $length,
-            concat!(stringify!($field), " has {} elements, expected {}"), $m.$field.len(), $length
-        );)+
+        $(same_length(stringify!($field), $m.$field.len(), $length)?;)+
     };
+}
+
+/// Not part of the macro: a text for each array would take much of a thread's stack where nothing is optimised.
+fn same_length(name: &str, length: usize, expected: usize) -> Result<()> {
+    ensure!(length == expected, "{name} has {length} elements, expected {expected}");
+    Ok(())
 }
 
 fn lengths(m: &CompiledModel) -> Result<()> {

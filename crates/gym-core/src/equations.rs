@@ -9,8 +9,8 @@ use crate::{Arguments, Dynamics, Generator, Outcome, Result, Task, Transition};
 /// A task whose step is a formula of a few numbers. The formula is written once for [`Real`] numbers; scalar
 /// environments and native vectors compute it with the same bits.
 ///
-/// Implementing it implements [`Dynamics`], and `Native` of the crate gym-native; see the book's page on native vectors. Mark functions with
-/// `R: Real`, and all that they call, `#[inline(always)]`: otherwise they are compiled without SIMD.
+/// Implementing it implements [`Dynamics`], and `Native` of the crate gym-native; see the book's page on native vectors.
+/// Mark functions with `R: Real`, and all that they call, `#[inline(always)]`: otherwise they are compiled without SIMD.
 pub trait Equations:
     Task<Config: Arguments + Clone, State: Copy, Observation: Row, Action: ActionColumn> + Sync
 {

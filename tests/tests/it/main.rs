@@ -11,6 +11,7 @@ mod parity_box2d;
 mod properties;
 mod sizes;
 mod vector;
+mod vector_calls;
 mod vector_maps;
 mod vector_mechanism;
 mod vector_snapshots;

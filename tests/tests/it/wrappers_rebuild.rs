@@ -113,7 +113,110 @@ fn stacks_continue_from_snapshots_and_clones() {
         let answers = steps(&mut env, 60);
         assert_eq!(steps(&mut restored, 60), answers, "{env}");
         assert_eq!(steps(&mut clone, 60), answers, "{env}");
+        // whatever the other did before: its buffers may have been turned, its episode over
+        for used in 0..14 {
+            let mut restored = wrap(id, &wrappers);
+            restored.reset(6).unwrap();
+            steps(&mut restored, used);
+            restored.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+            assert_eq!(steps(&mut restored, 60), answers, "{env}, used for {used} steps");
+        }
     }
+}
+
+/// But for statistics, an episode with a seed depends on nothing before it.
+#[test]
+fn stacks_forget_earlier_episodes() {
+    for (id, wrappers) in stacks() {
+        let mut new = wrap(id, &wrappers);
+        let name = new.describe();
+        if name.contains("Normalize") || name.contains("Statistics") {
+            continue;
+        }
+        let first = (new.reset(5).unwrap(), steps(&mut new, 60));
+        for used in 0..14 {
+            let mut env = wrap(id, &wrappers);
+            env.reset(6).unwrap();
+            steps(&mut env, used);
+            assert_eq!((env.reset(5).unwrap(), steps(&mut env, 60)), first, "{name}, used for {used} steps");
+        }
+    }
+}
+
+/// Each wrapper refuses the arguments that it cannot keep.
+#[test]
+fn arguments_out_of_range_are_refused() {
+    for (id, name, kwargs) in [
+        (
+            "CartPole-v1",
+            "FrameStackObservation",
+            json!({"stack_size": 2, "padding_type": [9.0, 0.0, 0.0, 0.0]}),
+        ),
+        ("CartPole-v1", "FrameStackObservation", json!({"stack_size": 2, "padding_type": [0.0, 0.0, 0.0]})),
+        ("CartPole-v1", "FrameStackObservation", json!({"stack_size": 0})),
+        ("CartPole-v1", "TimeAwareObservation", json!({"max_timesteps": 0})),
+        ("CartPole-v1", "TimeAwareObservation", json!({"max_timesteps": 1u32 << 31})),
+        ("CartPole-v1", "StickyAction", json!({"repeat_action_probability": 1.0})),
+        (
+            "CartPole-v1",
+            "StickyAction",
+            json!({"repeat_action_probability": 0.5, "repeat_action_duration": [3, 2]}),
+        ),
+        (
+            "CartPole-v1",
+            "StickyAction",
+            json!({"repeat_action_probability": 0.5, "repeat_action_duration": 0}),
+        ),
+        ("CartPole-v1", "RepeatAction", json!({"num_repeats": 0})),
+        ("CartPole-v1", "MaxAndSkipObservation", json!({"skip": 1})),
+    ] {
+        let wrapper = WrapperSpec { name: name.into(), kwargs: kwargs.as_object().unwrap().clone() };
+        assert!(wrapper.wrap(gym::make(id).unwrap()).is_err(), "{name} {kwargs}");
+    }
+}
+
+/// The time goes on beyond the limit that it is measured by.
+#[test]
+fn time_goes_on_beyond_its_limit() {
+    let wrappers = json!([["TimeAwareObservation", {"flatten": false, "max_timesteps": 3}]]);
+    let mut env = wrap("Pendulum-v1", &wrappers);
+    env.reset(0).unwrap();
+    let times: Vec<_> = (0..6)
+        .map(|_| env.step(&[0.0f32].to_value()).unwrap().observation.get("time").unwrap().to_string())
+        .collect();
+    let expected: Vec<_> = (1..=6).map(|time| Value::from([time]).to_string()).collect();
+    assert_eq!(times, expected);
+}
+
+/// Both ends of a range of repeats occur, and none beyond: an action sticks for as many steps as drawn.
+#[test]
+fn an_action_sticks_for_each_number_of_steps_of_its_range() {
+    let wrappers =
+        json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
+    let mut env = wrap("Taxi-v4", &wrappers);
+    let drawn = |env: &BoxEnv| {
+        let stored: Json = env.snapshot().unwrap().get().unwrap();
+        fn number(json: &Json) -> Option<u64> {
+            match json {
+                Json::Object(entries) => {
+                    let own = entries.get("num_repeats").and_then(Json::as_u64);
+                    own.or_else(|| entries.values().find_map(number))
+                }
+                Json::Array(items) => items.iter().find_map(number),
+                _ => None,
+            }
+        }
+        number(&stored).unwrap()
+    };
+    env.reset(1).unwrap();
+    let mut seen = std::collections::BTreeSet::new();
+    for _ in 0..400 {
+        if env.step(&Value::Int(0)).unwrap().done() {
+            env.reset(()).unwrap();
+        }
+        seen.insert(drawn(&env));
+    }
+    assert_eq!(seen.into_iter().collect::<Vec<_>>(), [0, 2, 3, 4]);
 }
 
 #[test]

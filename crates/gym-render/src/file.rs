@@ -269,6 +269,54 @@ mod tests {
         assert_eq!(left, [".a.txt.backup.tmp", "a.gym-partial", "a.txt"], "files of other programs stay");
     }
 
+    const WRITER: &str = "GYM_RENDER_TESTS_WRITER";
+
+    /// What the killed program does: writes a file again and again, of one letter at a time.
+    #[cfg(unix)]
+    #[test]
+    fn writer() {
+        let Some(path) = std::env::var_os(WRITER) else { return };
+        for letter in (b'b'..=b'z').cycle() {
+            write(&path, &vec![letter; 1 << 20]).unwrap();
+        }
+    }
+
+    /// Killed anywhere, as by a power cut, a program leaves a whole file, the old or the new one, and at most one temporary file,
+    /// which the next program removes.
+    #[cfg(unix)]
+    #[test]
+    fn a_killed_program_leaves_a_whole_file() {
+        use std::process::{Command, Stdio};
+
+        for moment in 0..8 {
+            let folder = TempDir::new().unwrap();
+            let path = folder.path().join("a.txt");
+            fs::write(&path, vec![b'a'; 1 << 20]).unwrap();
+            let mut child = Command::new(std::env::current_exe().unwrap())
+                .args(["--exact", "file::tests::writer"])
+                .env(WRITER, &path)
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap();
+            // until it writes, and then a moment that is another each time
+            while names(&folder).len() == 1 && fs::read(&path).unwrap()[0] == b'a' {
+                assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+                std::thread::yield_now();
+            }
+            std::thread::sleep(std::time::Duration::from_micros(300 * moment));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let left = fs::read(&path).unwrap();
+            assert!(left.len() == 1 << 20 && left.iter().all(|letter| *letter == left[0]), "{}", left.len());
+            assert!(names(&folder).len() <= 2, "{:?}", names(&folder));
+            write(&path, b"next").unwrap();
+            assert_eq!(
+                (fs::read(&path).unwrap(), names(&folder)),
+                (b"next".to_vec(), vec!["a.txt".to_owned()])
+            );
+        }
+    }
+
     /// The first file of a folder is written while another program's cleaning of it is on.
     #[cfg(unix)]
     #[test]

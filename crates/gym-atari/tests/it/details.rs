@@ -76,3 +76,95 @@ fn a_latch_holds_a_trigger_until_it_is_cleared() {
     assert_eq!(triggers(0x40, &[0x40]), [held, idle], "set again, it keeps what it holds");
     assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }
+
+/// What some instructions leave at `$90` and `$91`, in the frame after they were executed.
+fn left(code: &[u8]) -> [u8; 2] {
+    let mut code = code.to_vec();
+    code.extend(frame(0xf000));
+    let ale = played(&rom(&code));
+    [ale.ram().0[0x10], ale.ram().0[0x11]]
+}
+
+/// Bit 1 of its address counts for nothing where the timer is read; a pin that is an output shows what was written.
+#[test]
+fn registers_of_the_riot_are_where_they_are_said_to_be() {
+    let timer = [0xa9, 0x20, 0x8d, 0x96, 0x02, 0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x86, 0x02, 0x85, 0x91];
+    assert_eq!(left(&timer), [0x1f; 2]); // TIM64T, and INTIM twice
+    let output = [
+        0xa9, 0xf0, 0x8d, 0x81, 0x02, 0xa9, 0x5a, 0x8d, 0x80, 0x02, // SWACNT and SWCHA
+        0xad, 0x80, 0x02, 0x85, 0x90, 0xad, 0x81, 0x02, 0x85, 0x91,
+    ];
+    assert_eq!(left(&output), [0x5f, 0xf0]);
+}
+
+/// Behind its end the timer counts each cycle, until it is read; from then on each interval again.
+#[test]
+fn a_read_behind_its_end_puts_the_timers_interval_back() {
+    let code = [
+        0xa9, 0x01, 0x8d, 0x96, 0x02, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, // TIM64T, and three lines
+        0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x84, 0x02, 0x85, 0x91, // INTIM twice, 7 cycles apart
+    ];
+    let [first, second] = left(&code);
+    assert!(first.wrapping_sub(second) <= 1, "{first} {second}");
+}
+
+/// A pulse of `VSYNC` within a line ends no frame; the frame ends with its last line instead.
+#[test]
+fn a_short_vsync_ends_no_frame() {
+    let code = [
+        0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
+        0xfb, // clears RAM, so that the game is not over
+        0xe6, 0x90, 0xa9, 0x02, 0x85, 0x00, 0xa9, 0x00, 0x85, 0x00, // inc $90; VSYNC for 5 cycles
+        0xa2, 0x64, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 100 lines
+        0x4c, 0x09, 0xf0,
+    ];
+    let mut ale = played(&rom(&code));
+    let before = ale.ram().0[0x10];
+    (0..10).for_each(|_| drop(ale.act(Action::Noop)));
+    assert!(matches!(ale.ram().0[0x10].wrapping_sub(before), 28..=30), "291 lines, ten times");
+}
+
+/// `CXCLR` clears the collisions, and what still touches collides again in the same frame.
+#[test]
+fn collisions_come_back_after_they_were_cleared() {
+    let mut code = vec![
+        0xa9, 0xff, 0x85, 0x0d, 0x85, 0x0e, 0x85, 0x0f, 0xa9, 0x02, 0x85,
+        0x1f, // a playfield and the ball
+        0x85, 0x2c, 0xa5, 0x36, 0x85, 0x90, // CXCLR; lda CXBLPF; sta $90
+        0xa2, 0x80, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 128 lines
+        0xa5, 0x36, 0x85, 0x91, // lda CXBLPF; sta $91
+        0x85, 0x2c, 0xa2, 0x10, 0x85, 0x02, 0xca, 0xd0, 0xfb, // CXCLR, and 16 lines
+        0xa5, 0x36, 0x85, 0x92,
+    ];
+    code.extend(frame(0xf000));
+    let mut ale = played(&rom(&code));
+    for _ in 0..4 {
+        ale.act(Action::Noop);
+        let seen = [0x10, 0x11, 0x12].map(|at| ale.ram().0[at] & 0x80);
+        assert_eq!(seen[1..], [0x80, 0x80]);
+    }
+}
+
+/// Bit 7 of `VBLANK` discharges the paddles' capacitors; from when it is cleared on they charge, the slower the farther a paddle
+/// is turned to the left.
+#[test]
+fn paddles_charge_from_when_they_are_let_go() {
+    let mut code = vec![
+        0xa9, 0x05, 0x85, 0xb9, // lda #5; sta $b9: lives
+        0xa9, 0x80, 0x85, 0x01, 0x85, 0x02, 0xa9, 0x00, 0x85,
+        0x01, // VBLANK: discharges them for a line
+        0xa2, 0x00, 0x85, 0x02, 0x24, 0x38, 0x30, 0x05, 0xe8, 0xe0, 0xf0, 0xd0,
+        0xf5, // ldx #0; lines until INPT0
+        0x86, 0x91, // stx $91
+    ];
+    code.extend(frame(0xf000));
+    let mut ale = Ale::new(games::by_name("breakout").unwrap(), &rom(&code), 0);
+    let mut lines = |action| {
+        (0..6).for_each(|_| drop(ale.act(action)));
+        ale.ram().0[0x11]
+    };
+    let middle = lines(Action::Noop);
+    let left = lines(Action::Left);
+    let right = (lines(Action::Right), lines(Action::Right)).1;
+    assert!(0 < right && right < middle && middle < left, "{right} {middle} {left}");
+}

@@ -3,6 +3,7 @@
 mod cartridges;
 mod details;
 mod environment;
+mod episodes;
 mod games;
 mod lcg;
 mod opcodes;

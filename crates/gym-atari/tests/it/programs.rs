@@ -205,6 +205,14 @@ fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
     assert_eq!(answers("adventure", &[start, &[(0x39, 0x12)]])[1..], [(1, 1, true)]);
 }
 
+/// Where RAM says that the lives do not count at the moment, they are those of before.
+#[test]
+fn lives_that_do_not_count_are_those_of_before() {
+    let changes: &[&[(usize, u8)]] = &[&[(0x0c, 1), (0x05, 3)], &[(0x0c, 0), (0x05, 1)], &[(0x0c, 1)]];
+    let lives: Vec<_> = answers("beam_rider", changes).iter().map(|&(_, lives, _)| lives).collect();
+    assert_eq!(lives, [4, 4, 2]);
+}
+
 /// Othello is over once RAM has said so in 51 frames in a row.
 #[test]
 fn an_end_that_takes_time_is_ale_pys() {

@@ -120,6 +120,9 @@ fn refused() -> Vec<Refused> {
         other("<statistic extent=\"0\"/>", "statistic", Some("extent")),
         other("<statistic meaninertia=\"-1\"/>", "statistic", Some("meaninertia")),
         other("<size nkey=\"1001\"/>", "size", Some("nkey")),
+        world("<camera mode=\"targetbody\"/>", "camera", Some("target")),
+        world("<camera mode=\"targetbodycom\"/>", "camera", Some("target")),
+        world("<camera mode=\"targetbody\" target=\"none\"/>", "camera", Some("target")),
         // damaged
         ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),
@@ -309,5 +312,98 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     for inner in ["", "<site name=\"s\"/>", "<geom size=\"1e-6\" mass=\"1\"/>", &format!("<joint/>{heavy}")] {
         let error = model(inner).unwrap_err().to_string();
         assert!(error.contains("needs mass and inertia"), "{inner}: {error}");
+    }
+}
+
+/// A model with these lines before the world, or what refuses it.
+fn with_lines(lines: &str) -> serde_json::Value {
+    let text = format!(
+        "<mujoco>{lines}<worldbody><body name=\"a\"><joint name=\"j\" range=\"-30 30\"/><geom size=\"0.1\"/>\
+         <inertial pos=\"0 0 0\" mass=\"3\" diaginertia=\"1 1 1\"/></body></worldbody></mujoco>"
+    );
+    let model = Model::from_xml(&text).unwrap_or_else(|error| panic!("{lines}: {error}"));
+    serde_json::to_value(model).unwrap()
+}
+
+/// Each attribute of a section says something, and of several elements each keeps what the others do not say.
+#[test]
+fn attributes_of_sections_count_wherever_they_are() {
+    let sections: [(&str, &[(&str, &str)]); 3] = [
+        (
+            "option",
+            &[
+                ("timestep", "0.01"),
+                ("gravity", "1 2 3"),
+                ("wind", "1 2 3"),
+                ("density", "2"),
+                ("viscosity", "2"),
+                ("integrator", "RK4"),
+                ("solver", "PGS"),
+                ("iterations", "7"),
+                ("ls_iterations", "7"),
+                ("tolerance", "0.25"),
+            ],
+        ),
+        (
+            "statistic",
+            &[
+                ("meaninertia", "2"),
+                ("meanmass", "2"),
+                ("meansize", "2"),
+                ("extent", "2"),
+                ("center", "1 2 3"),
+            ],
+        ),
+        ("compiler", &[("angle", "radian"), ("inertiafromgeom", "true"), ("settotalmass", "9")]),
+    ];
+    let plain = with_lines("");
+    for (section, attributes) in sections {
+        let element = |attributes: &[(&str, &str)]| {
+            let text: Vec<_> =
+                attributes.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect();
+            format!("<{section}{}/>", text.concat())
+        };
+        let whole = with_lines(&element(attributes));
+        for (i, attribute) in attributes.iter().enumerate() {
+            assert_ne!(with_lines(&element(&[*attribute])), plain, "{section} {attribute:?} says nothing");
+            let others: Vec<_> = attributes.iter().copied().filter(|other| other != attribute).collect();
+            let (one, rest) = (element(&[*attribute]), element(&others));
+            assert_eq!(with_lines(&format!("{one}{rest}")), whole, "{section}, {i} first");
+            assert_eq!(with_lines(&format!("{rest}{one}")), whole, "{section}, {i} last");
+        }
+    }
+}
+
+/// What is written of a body's inertia counts unless it is to come from the geoms.
+#[test]
+fn inertia_comes_from_where_it_is_said_to() {
+    let mass = |lines: &str| with_lines(lines)["body_mass"][1].as_f64().unwrap();
+    let sphere = 1000.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.001;
+    assert_eq!(mass(""), 3.0);
+    assert_eq!(mass("<compiler inertiafromgeom=\"auto\"/>"), 3.0);
+    assert_eq!(mass("<compiler inertiafromgeom=\"false\"/>"), 3.0);
+    assert!((mass("<compiler inertiafromgeom=\"true\"/>") - sphere).abs() < 1e-9);
+}
+
+/// A body on slides along the axes, which is turned at most behind them, has a diagonal part of the inertia matrix: without turns
+/// with numbers that do not change.
+#[test]
+fn bodies_of_the_world_are_simple_by_their_joints() {
+    let slide = |axis: &str| format!("<joint type=\"slide\" axis=\"{axis}\"/>");
+    let hinge = |axis: &str| format!("<joint axis=\"{axis}\"/>");
+    for (joints, simple) in [
+        (vec![slide("1 0 0")], 2),
+        (vec![slide("1 0 0"), slide("0 0 1")], 2),
+        (vec![hinge("0 1 0")], 1),
+        (vec![slide("1 0 0"), slide("0 0 1"), hinge("0 1 0")], 1),
+        (vec![hinge("0 1 0"), slide("1 0 0")], 0),
+        (vec![hinge("0 1 0"), hinge("1 0 0")], 0),
+        (vec![slide("1 1 0")], 0),
+        (vec![hinge("0 1 1")], 0),
+        (vec!["<joint axis=\"0 1 0\" pos=\"0 0 0.1\"/>".to_owned()], 0),
+    ] {
+        let joints = joints.concat();
+        let text = format!("<mujoco><worldbody><body>{joints}<geom size=\"1\"/></body></worldbody></mujoco>");
+        assert_eq!(Model::from_xml(&text).unwrap().body_simple[1], simple, "{joints}");
     }
 }

@@ -57,11 +57,14 @@ mod tests {
             paddle.turn(direction, strength, MOST);
             assert_eq!(i64::from(paddle.0) - i64::from(middle.0), change, "{direction} {strength}");
         }
-        for (direction, end) in [(1, LEAST), (-1, MOST)] {
-            for strength in [1e9, f32::INFINITY] {
-                let mut paddle = middle;
-                paddle.turn(direction, strength, MOST);
-                assert_eq!(paddle, Paddle(end));
+        // the left end is the game's
+        for most in [MOST, 795_000] {
+            for (direction, end) in [(1, LEAST), (-1, most)] {
+                for strength in [1e9, f32::INFINITY] {
+                    let mut paddle = middle;
+                    paddle.turn(direction, strength, most);
+                    assert_eq!(paddle, Paddle(end));
+                }
             }
         }
     }

@@ -540,3 +540,26 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
         }
     }
 }
+
+/// Repeats that do not add up are refused, and nothing is restored.
+#[test]
+fn repeats_that_cannot_be_are_refused() {
+    let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": 3}]]);
+    let mut env = wrap("Taxi-v4", &wrappers);
+    env.reset(1).unwrap();
+    for _ in 0..4 {
+        env.step(&Value::Int(0)).unwrap();
+    }
+    let before = env.snapshot().unwrap();
+    let text = serde_json::to_string(&before).unwrap();
+    for (field, old) in [("is_stuck", ["true", "false"]), ("is_stuck", ["false", "true"])] {
+        let [old, new] = old.map(|value| format!("\"{field}\":{value}"));
+        if text.contains(&old) {
+            let damaged = serde_json::from_str(&text.replace(&old, &new)).unwrap();
+            let error = env.restore(&damaged).unwrap_err().to_string();
+            assert!(error.contains("do not add up"), "{error}");
+        }
+    }
+    assert!(text.contains("is_stuck"));
+    assert_eq!(env.snapshot().unwrap(), before);
+}

@@ -258,6 +258,12 @@ fn mistakes_are_named() {
         (Config { difficulty: Some(9), ..Config::default() }, "Invalid difficulty requested"),
         (Config { mode: Some(9), ..Config::default() }, "Invalid game mode requested"),
         (Config { sound_obs: true, ..Config::default() }, "sound"),
+        (Config { repeat_action_probability: -0.1, ..Config::default() }, "it is a probability"),
+        (Config { repeat_action_probability: f64::NAN, ..Config::default() }, "it is a probability"),
+        (Config { repeat_action_probability: f64::INFINITY, ..Config::default() }, "it is a probability"),
+        (Config { continuous_action_threshold: f64::NAN, ..Config::default() }, "must be a finite number"),
+        (Config { frameskip: Frameskip::Fixed(10_001), ..Config::default() }, "at most 10000"),
+        (Config { frameskip: Frameskip::Range([1, 10_001]), ..Config::default() }, "at most 10000"),
     ] {
         let error = refused(config);
         assert!(error.contains(expected), "{error}");

@@ -257,6 +257,11 @@ fn an_episode_starts_after_some_no_ops() {
     let again = small.snapshot().unwrap();
     small.reset(9).unwrap();
     assert_eq!(small.snapshot().unwrap(), again);
+    // the power was switched on as often as for an episode with a seed
+    let mut plain = env("seaquest", one_by_one());
+    plain.reset(9).unwrap();
+    let power_ons = |ale: &Ale| state(ale)["progress"]["power_ons"].clone();
+    assert_eq!(power_ons(small.get_ref().ale()), power_ons(plain.ale()));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Checks of the actions that `step` accepts and refuses.
 
 use crate::inputs::{corners, invalid};
+use crate::options;
 use crate::subject::{SEEDS, Subject, carry_on, same};
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{Env, EnvExt};
@@ -35,8 +36,9 @@ pub(crate) fn validated(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
-    for seed in SEEDS {
-        let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+    // at the start of an episode, and within
+    for (seed, steps) in SEEDS.into_iter().zip([0, 5, 5]) {
+        let (mut env, mut other) = (subject.after(seed, steps)?, subject.after(seed, steps)?);
         let space = env.action_space();
         let valid = env.action_sampler(0)?.sample();
         for action in invalid(&space, &valid) {
@@ -46,6 +48,10 @@ pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
         }
         let what = "after refused actions an episode";
         same(&carry_on(&mut other, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)?;
+        if options::refused(&mut env, subject) {
+            let what = "after refused resets an episode";
+            same(&carry_on(&mut other, seed, 20)?, &carry_on(&mut env, seed, 20)?, what)?;
+        }
     }
     Ok(())
 }

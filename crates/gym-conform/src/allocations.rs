@@ -2,10 +2,11 @@
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken};
-use gym_core::{Element, Env, EnvExt, Value};
+use gym_core::{Element, Env, EnvExt, Result, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     const STEPS: usize = 200;
+    const WARM: u32 = 12;
     let mut env = subject.make()?;
     let mut actions = env.action_sampler(0)?;
     let mut observation = Value::empty();
@@ -25,6 +26,19 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         if outcome.done() {
             env.reset_into(&().into(), &mut observation)?;
         }
+    }
+    // the same episode begins again and again: what its buffers need they have by then
+    let mut begin = |times: u32| -> Result<i64> {
+        let mut result = Ok(());
+        let resets = || result = (0..times).try_for_each(|_| env.reset_into(&0.into(), &mut observation));
+        let kept = allocation_counter::measure(resets).bytes_current;
+        result.map(|()| kept)
+    };
+    // what doubles its room from time to time does so again before it has grown to twice its size
+    begin(WARM)?;
+    let kept = begin(WARM + 2)?;
+    if kept > 0 {
+        return broken(format!("{} resets with the same seed keep {kept} bytes more", WARM + 2));
     }
     Ok(())
 }

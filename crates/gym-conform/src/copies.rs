@@ -2,7 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
-use crate::subject::{SEEDS, STEPS, Subject, carry_on, roll_out, same};
+use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot};
 
@@ -26,7 +26,8 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
-    continues(subject, "a clone", |env| Ok(env.clone()))
+    continues(subject, "a clone", |env| Ok(env.clone()))?;
+    continues_after_the_end(subject, "a clone taken at the end of an episode", |env| Ok(env.clone()))
 }
 
 pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
@@ -35,6 +36,8 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     continues(subject, what, |env| restored(env, subject.midway(7)?))?;
     let what = "an environment restored from a snapshot after the end of another episode";
     continues(subject, what, |env| restored(env, ended(subject)?))?;
+    let what = "an environment restored from a snapshot of the end of an episode";
+    continues_after_the_end(subject, what, |env| restored(env, subject.make()?))?;
     unused(subject)
 }
 
@@ -91,6 +94,26 @@ fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result
         same(&untouched, &left, &format!("beside {what} the original"))?;
     }
     Ok(())
+}
+
+/// The same of a copy taken at the end of an episode, where it begins another.
+fn continues_after_the_end(
+    subject: &Subject<'_>,
+    what: &str,
+    copy: impl Fn(&BoxEnv) -> Result<BoxEnv>,
+) -> Verdict {
+    let mut env = ended(subject)?;
+    let next = |env: &mut BoxEnv| -> Result<Vec<Shown>> {
+        let first = Shown::Reset(env.reset(())?, info(env));
+        Ok([vec![first], carry_on(env, 0, 50)?].concat())
+    };
+    let mut copied = match copy(&env) {
+        Ok(copied) => copied,
+        Err(error) => return broken(format!("{what}: {error}")),
+    };
+    let copied = next(&mut copied)?;
+    let left = next(&mut env)?;
+    same(&left, &copied, what)
 }
 
 /// Content that no environment writes is refused, and a refusal changes nothing.

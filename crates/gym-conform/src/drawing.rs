@@ -69,7 +69,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
             Ok(())
         })?;
     }
-    Ok(())
+    subject.long_runs()?.drawing()
 }
 
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
@@ -136,7 +136,7 @@ pub(crate) struct Calls {
     pub(crate) text: String,
     count: usize,
     depth: usize,
-    fault: Option<String>,
+    pub(crate) fault: Option<String>,
 }
 
 impl Calls {

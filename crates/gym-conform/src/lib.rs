@@ -22,7 +22,9 @@
 //!
 //! Some faults no check sees, and a test of your own should: an action that is refused in states that neither random nor held
 //! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode
-//! by itself, which looks like a jump; a wrapper that truncates early, which some have reason to. Where an environment says that it is
+//! by itself, which looks like a jump; a wrapper that truncates early, which some have reason to; an observation that a
+//! refused step has written to, as after an error it may be anything; memory that grows outside of the environment, in a static variable, or only
+//! after hundreds of steps. Where an environment says that it is
 //! nondeterministic, episodes are not compared, nor its copies. Without a registration, the limit of a stack is known where a
 //! `TimeLimit` is around a `BoxEnv`. What a step after the end of an episode answers is left to the environment, as in Gymnasium.
 //!

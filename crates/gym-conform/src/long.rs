@@ -1,5 +1,6 @@
 //! Longer runs than the compared ones: late states, one action held, and unusual actions.
 
+use crate::drawing::Calls;
 use crate::inputs::{corners, huge};
 use crate::look::look;
 use crate::verdict::{Verdict, broken};
@@ -12,6 +13,7 @@ pub(crate) struct LongRuns {
     in_space: Option<String>,
     finite: Option<String>,
     reward: Option<String>,
+    drawing: Option<String>,
 }
 
 impl LongRuns {
@@ -22,7 +24,8 @@ impl LongRuns {
         const ODD: usize = 20;
         let space = env.action_space();
         let seen = env.observation_space();
-        let mut runs = Self { space: seen, refused: None, in_space: None, finite: None, reward: None };
+        let mut runs =
+            Self { space: seen, refused: None, in_space: None, finite: None, reward: None, drawing: None };
         let mut samples = env.action_sampler(5)?;
         runs.run(&mut env, "a long run", RANDOM, || samples.sample())?;
         let mut held = corners(&space);
@@ -63,6 +66,9 @@ impl LongRuns {
             if terminated || truncated {
                 // the last state is shown as well
                 look(env);
+                if let Some(fault) = Calls::of(env).fault {
+                    self.drawing.get_or_insert_with(|| format!("{what}, step {i}: {fault}"));
+                }
                 self.see(&env.reset(())?, || format!("{what}, reset after step {i}"));
             }
         }
@@ -88,6 +94,10 @@ impl LongRuns {
 
     pub(crate) fn finite(&self) -> Verdict {
         verdict(&self.finite)
+    }
+
+    pub(crate) fn drawing(&self) -> Verdict {
+        verdict(&self.drawing)
     }
 
     pub(crate) fn reward_finite(&self) -> Verdict {

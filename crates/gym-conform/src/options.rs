@@ -3,10 +3,10 @@
 use serde_json::{Value as Json, json};
 
 use crate::arguments::{others, surroundings};
-use crate::subject::{SEEDS, Shown, Subject, carry_on, info};
+use crate::subject::{SEEDS, Shown, Subject, carry_on, info, same};
 use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{EnvExt, Reset, Result};
+use gym_core::{BoxEnv, EnvExt, Reset, Result};
 
 /// The options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
@@ -81,8 +81,10 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         let is_plain = |value: &Json| -> Result<bool> {
             Ok(with_option(subject, Some((name, value)))? == with_option(subject, None)?)
         };
+        let example_is_plain = is_plain(&example)?;
+        counts_again(subject, name, &example, example_is_plain)?;
         // an option that shows only together with an argument has nothing to be compared with
-        if example.is_number() && !is_plain(&example)? {
+        if example.is_number() && !example_is_plain {
             for beyond in [json!(1e300), json!(-1e300)] {
                 if is_plain(&beyond).unwrap_or(false) {
                     return broken(format!(
@@ -95,15 +97,61 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// An episode that starts with an option, or without.
+/// An episode that starts with an option, or without, in a new environment.
 fn with_option(subject: &Subject<'_>, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
-    let mut env = subject.make()?;
-    let plain = Reset::seed(SEEDS[0]);
+    started(&mut subject.make()?, Reset::seed(SEEDS[0]), option)
+}
+
+/// An episode that starts with an option, or without.
+fn started(env: &mut BoxEnv, plain: Reset, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
     let observation = env.reset(match option {
         Some((name, value)) => plain.option(name, value.clone()),
         None => plain,
     })?;
-    let mut shown = vec![Shown::Reset(observation, info(&env))];
-    shown.extend(carry_on(&mut env, 0, 20)?);
+    let mut shown = vec![Shown::Reset(observation, info(env))];
+    shown.extend(carry_on(env, 0, 20)?);
     Ok(shown)
+}
+
+/// An option counts as much in a used environment as in a new one, and without a seed as with one.
+fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: bool) -> Verdict {
+    let option = Some((name, example));
+    let new = with_option(subject, option)?;
+    let mut used = subject.midway(SEEDS[1])?;
+    let again = started(&mut used, Reset::seed(SEEDS[0]), option)?;
+    same(&new, &again, &format!("a used environment with the seed and the option {name}={example}"))?;
+    let unseeded = |option| started(&mut subject.midway(SEEDS[0])?, Reset::default(), option);
+    if !is_plain && unseeded(option)? == unseeded(None)? {
+        return broken(format!(
+            "the reset option {name}={example} changes nothing in a reset without a seed"
+        ));
+    }
+    Ok(())
+}
+
+/// An option holds for one episode.
+pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
+    let Ok(examples) = examples(subject) else { return Ok(()) };
+    for (name, example) in examples {
+        let mut env = subject.make()?;
+        // whether it is accepted is another rule
+        if env.reset(Reset::seed(SEEDS[1]).option(name, example.clone())).is_err() {
+            continue;
+        }
+        let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
+        let what = format!("an environment that was reset with {name}={example} before");
+        same(&with_option(subject, None)?, &after, &what)?;
+    }
+    Ok(())
+}
+
+/// Resets that are refused for a value that no option has; whether all were refused.
+pub(crate) fn refused(env: &mut BoxEnv, subject: &Subject<'_>) -> bool {
+    let nothing_like_it = json!({"no": ["such", "value"]});
+    examples(subject).unwrap_or_default().iter().all(|(name, _)| {
+        [None, Some(3.into())].into_iter().all(|seed| {
+            let reset = Reset { seed, ..Reset::default() }.option(name, nothing_like_it.clone());
+            env.reset(reset).is_err()
+        })
+    })
 }

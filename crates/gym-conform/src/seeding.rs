@@ -1,11 +1,14 @@
 //! Checks of what a seed decides.
 
-use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
+use crate::options;
+use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed};
 
 /// The number of seeds or resets that must give different episodes.
 const TRIES: u64 = 20;
+/// Most episodes that differ do so within these steps.
+const SOON: usize = 5;
 
 pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
@@ -44,6 +47,11 @@ fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
 }
 
 pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
+    forgets(subject)?;
+    options::forgotten(subject)
+}
+
+fn forgets(subject: &Subject<'_>) -> Verdict {
     /// Resets before an episode that must be as the first.
     const MANY: u64 = 100;
     subject.repeatable()?;
@@ -76,9 +84,14 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
 
 /// An episode of fixed actions, so that two differ only by the environment's own randomness.
 fn episode(env: &mut BoxEnv, reset: Reset) -> Result<Vec<Shown>> {
+    episode_of(env, reset, STEPS)
+}
+
+/// Its first steps.
+fn episode_of(env: &mut BoxEnv, reset: Reset, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(reset)?;
     let mut shown = vec![Shown::Reset(observation, env.info_map())];
-    shown.extend(carry_on(env, 0, STEPS)?);
+    shown.extend(carry_on(env, 0, steps)?);
     Ok(shown)
 }
 
@@ -98,15 +111,20 @@ pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
 
 /// Every bit of a seed decides, and without a seed chance does.
 fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
-    let seeded = |env: &mut BoxEnv, seed: u64| episode(env, Reset::seed(seed));
-    for bit in [31, 32, 48, 53, 63, 64, 100] {
-        let what = format!("a seed and the one 2^{bit} above it always give the same episode");
-        let above = |env: &mut BoxEnv, seed: u64| {
-            let seed: Seed = ((1u128 << bit) + u128::from(seed)).to_string().parse().map_err(Error::from)?;
-            episode(env, Reset { seed: Some(seed), ..Reset::default() })
-        };
-        not_always(env, &what, seeded, above)?;
+    let seeded = |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed), steps);
+    let other = |env: &mut BoxEnv, seed: u128, steps| {
+        let seed: Seed = seed.to_string().parse().map_err(Error::from)?;
+        episode_of(env, Reset { seed: Some(seed), ..Reset::default() }, steps)
+    };
+    // the highest bits, the remainder of powers of 10, and two hashes
+    let bits = [31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
+    let others = [10u128.pow(18), (1 << 31) - 1, (1 << 32) - 1].map(|by| (by, by.to_string()));
+    for (by, name) in bits.into_iter().chain(others) {
+        let what = format!("a seed and the one {name} above it always give the same episode");
+        not_always(env, &what, seeded, |env, seed, steps| other(env, by + u128::from(seed), steps))?;
     }
+    let what = "an even seed and the next always give the same episode";
+    not_always(env, what, seeded, |env, seed, steps| other(env, u128::from(seed ^ 1), steps))?;
     let what = "environments whose first reset has no seed always begin with the same episode";
     let first = episode(&mut subject.make()?, Reset::default())?;
     let fresh = |_: &mut BoxEnv, _| Ok(episode(&mut subject.make()?, Reset::default())? == first);
@@ -128,17 +146,21 @@ fn is_random(env: &mut BoxEnv) -> Result<bool> {
 fn not_always(
     env: &mut BoxEnv,
     what: &str,
-    plain: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
-    other: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
+    plain: impl Fn(&mut BoxEnv, u64, usize) -> Result<Vec<Shown>>,
+    other: impl Fn(&mut BoxEnv, u64, usize) -> Result<Vec<Shown>>,
 ) -> Verdict {
-    not_always_true(env, what, &plain, |env, seed| Ok(other(env, seed)? == plain(env, seed)?))
+    not_always_true(env, what, &plain, |env, seed| {
+        // most differ soon
+        Ok(other(env, seed, SOON)? == plain(env, seed, SOON)?
+            && other(env, seed, STEPS)? == plain(env, seed, STEPS)?)
+    })
 }
 
 /// Whether something holds for each seed, though seeds tell most episodes apart.
 fn not_always_true(
     env: &mut BoxEnv,
     what: &str,
-    plain: impl Fn(&mut BoxEnv, u64) -> Result<Vec<Shown>>,
+    plain: impl Fn(&mut BoxEnv, u64, usize) -> Result<Vec<Shown>>,
     holds: impl Fn(&mut BoxEnv, u64) -> Result<bool>,
 ) -> Verdict {
     let mut distinct = 0;
@@ -146,7 +168,8 @@ fn not_always_true(
         if !holds(env, seed)? {
             return Ok(());
         }
-        distinct += u64::from(plain(env, seed + 1)? != plain(env, seed)?);
+        // not the next one, which may be the one that is alike
+        distinct += u64::from(plain(env, seed + 3, STEPS)? != plain(env, seed, STEPS)?);
     }
     // if few episodes differ, it is chance
     if distinct * 2 > TRIES { broken(what) } else { Ok(()) }
@@ -161,15 +184,45 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
     for _ in 1..TRIES {
         if episode(&mut env, Reset::default())? != first {
             let what = "a reset without a seed always gives the episode of the next seed";
-            let unseeded = |env: &mut BoxEnv, seed: u64| {
+            let unseeded = |env: &mut BoxEnv, seed: u64, steps| {
                 env.reset(seed)?;
-                episode(env, Reset::default())
+                episode_of(env, Reset::default(), steps)
             };
-            let next = |env: &mut BoxEnv, seed: u64| episode(env, Reset::seed(seed + 1));
-            return not_always(&mut env, what, next, unseeded);
+            let next = |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed + 1), steps);
+            not_always(&mut env, what, next, unseeded)?;
+            return never_alternates(&mut env);
         }
     }
     broken(format!("{TRIES} resets without a seed repeat the episode of the last seed"))
+}
+
+/// Whether resets without a seed give more than a few episodes in turn.
+fn never_alternates(env: &mut BoxEnv) -> Verdict {
+    let mut is_periodic = |resets: u64, steps: usize| -> Result<bool> {
+        env.reset(0)?;
+        let episodes = (0..resets).map(|_| one_episode(env, steps)).collect::<Result<Vec<_>>>()?;
+        Ok((1..=2).any(|period| episodes.iter().zip(&episodes[period..]).all(|(a, b)| a == b)))
+    };
+    // few starts may seem to take turns by chance
+    if is_periodic(6, SOON)? && is_periodic(2 * TRIES, STEPS)? {
+        return broken("resets without a seed give the same few episodes in turn, again and again");
+    }
+    Ok(())
+}
+
+/// A reset without a seed and fixed actions, at most to the end of the episode.
+fn one_episode(env: &mut BoxEnv, steps: usize) -> Result<Vec<Shown>> {
+    let mut shown = vec![Shown::Reset(env.reset(())?, info(env))];
+    let mut actions = env.action_sampler(0)?;
+    for _ in 0..steps {
+        let step = env.step(&actions.sample())?;
+        let is_over = step.done();
+        shown.push(Shown::Step(step, info(env)));
+        if is_over {
+            break;
+        }
+    }
+    Ok(shown)
 }
 
 pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
@@ -191,18 +244,36 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         _ => {
             let what =
                 "a number drawn from the generator that is lent never changes the next episode: it is a copy";
-            let undrawn = |env: &mut BoxEnv, seed: u64| {
+            let undrawn = |env: &mut BoxEnv, seed: u64, steps| {
                 env.reset(seed)?;
-                episode(env, Reset::default())
+                episode_of(env, Reset::default(), steps)
             };
-            let drawn = |env: &mut BoxEnv, seed: u64| {
+            let drawn = |env: &mut BoxEnv, seed: u64, steps| {
                 env.reset(seed)?;
                 if let Some(generator) = env.generator() {
                     generator.random();
                 }
-                episode(env, Reset::default())
+                episode_of(env, Reset::default(), steps)
             };
-            not_always(&mut env, what, undrawn, drawn)
+            not_always(&mut env, what, undrawn, drawn)?;
+            lent_always(subject)
         }
     }
+}
+
+/// It is lent after every step, at the end of an episode too.
+fn lent_always(subject: &Subject<'_>) -> Verdict {
+    let mut env = subject.reset(0)?;
+    let mut actions = env.action_sampler(0)?;
+    for step in 1..=STEPS {
+        let is_over = env.step(&actions.sample())?.done();
+        if env.generator().is_none() {
+            let end = if is_over { ", the last of an episode" } else { "" };
+            return broken(format!("`generator` is None after step {step}{end}"));
+        }
+        if is_over {
+            env.reset(())?;
+        }
+    }
+    Ok(())
 }

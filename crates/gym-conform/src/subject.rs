@@ -172,7 +172,7 @@ impl<'a> Subject<'a> {
 }
 
 /// The results of one reset or step.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shown {
     Reset(Value, Info),
     Step(Step<Value>, Info),

@@ -120,7 +120,9 @@ fn a_short_vsync_ends_no_frame() {
     ];
     let mut ale = played(&rom(&code));
     let before = ale.ram().0[0x10];
-    (0..10).for_each(|_| drop(ale.act(Action::Noop)));
+    for _ in 0..10 {
+        ale.act(Action::Noop);
+    }
     assert!(matches!(ale.ram().0[0x10].wrapping_sub(before), 28..=30), "291 lines, ten times");
 }
 
@@ -160,7 +162,9 @@ fn paddles_charge_from_when_they_are_let_go() {
     code.extend(frame(0xf000));
     let mut ale = Ale::new(games::by_name("breakout").unwrap(), &rom(&code), 0);
     let mut lines = |action| {
-        (0..6).for_each(|_| drop(ale.act(action)));
+        for _ in 0..6 {
+            ale.act(action);
+        }
         ale.ram().0[0x11]
     };
     let middle = lines(Action::Noop);

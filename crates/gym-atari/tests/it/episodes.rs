@@ -198,7 +198,7 @@ fn lives_end_a_preprocessed_step_where_they_are_lost() {
     let mut small = AtariPreprocessing::new(env("seaquest", one_by_one()), settings).unwrap();
     small.reset(1).unwrap();
     let lives = |small: &mut AtariPreprocessing, lives: u8| {
-        gym_core::Wrapper::inner_mut(small).ale_mut().ram_mut()[0x3b] = lives - 1
+        gym_core::Wrapper::inner_mut(small).ale_mut().ram_mut()[0x3b] = lives - 1;
     };
     let step = |small: &mut AtariPreprocessing| small.step(&0.into()).unwrap().terminated;
     assert!(!step(&mut small));
@@ -318,7 +318,7 @@ fn a_snapshot_without_its_pictures_is_refused() {
     fn texts<'a>(json: &'a mut Json, found: &mut Vec<&'a mut Json>) {
         match json {
             Json::Object(entries) => {
-                entries.iter_mut().filter(|(key, _)| *key != "md5").for_each(|(_, json)| texts(json, found))
+                entries.iter_mut().filter(|(key, _)| *key != "md5").for_each(|(_, json)| texts(json, found));
             }
             Json::Array(items) => items.iter_mut().for_each(|json| texts(json, found)),
             Json::String(text) if text.len() > 500 => found.push(json),

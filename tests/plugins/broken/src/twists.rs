@@ -521,6 +521,208 @@ twists! {
     }
 }
 
+// what is asked for, refused, or over
+twists! {
+    "looking-pure.action-space" ActionSpaceSpoils {
+        fn action_space(env: &Of<Self>) -> Space {
+            spoil_third(env);
+            env.walk.action_space()
+        }
+    }
+
+    "looking-pure.observation-space" ObservationSpaceSpoils {
+        fn observation_space(env: &Of<Self>) -> Space {
+            spoil_third(env);
+            env.walk.observation_space()
+        }
+    }
+
+    "looking-pure.metadata" MetadataSpoils {
+        fn metadata(env: &Of<Self>) -> Metadata {
+            spoil_third(env);
+            env.walk.metadata()
+        }
+    }
+
+    // a single look does nothing
+    "looking-pure.info" InfoSpoils {
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            if env.look() >= 3 {
+                env.mind.is_spoilt.set(true);
+            }
+            env.walk.info(visit);
+        }
+    }
+
+    "looking-pure.generator" GeneratorSpoils {
+        fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
+            if env.mind.age == 3 && let Some(generator) = env.walk.generator() {
+                generator.random();
+            }
+            env.walk.generator()
+        }
+    }
+
+    "generator-lent.at-the-end" LendsNothingAtTheEnd {
+        fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
+            if env.mind.is_over { None } else { env.walk.generator() }
+        }
+    }
+
+    "clone-continues.at-the-end" SpoiltCloneOfTheEnd {
+        fn copied(env: &Of<Self>) -> Mind {
+            let copy = env.mind.clone();
+            copy.is_spoilt.set(env.mind.is_over);
+            copy
+        }
+    }
+
+    // goes on after the end with another generator
+    "snapshot-continues.at-the-end" SpoiltSnapshotOfTheEnd {
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)?;
+            if env.walk.position().abs() == 1.0 && let Some(generator) = env.walk.generator() {
+                generator.random();
+            }
+            Ok(())
+        }
+    }
+
+    "refusal-changes-nothing.at-the-start" DrawsForARefusal {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            if env.walk.steps() == 0 && !matches!(action, Value::Int(0 | 1)) && let Some(generator) = env.walk.generator() {
+                generator.random();
+            }
+            env.walk.step_into(action, observation)
+        }
+    }
+
+    "refusal-changes-nothing.reset" BeginsBeforeItRefuses, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if reset.options.values().any(|value| !value.is_number()) && env.mind.is_begun {
+                env.walk.reset_into(&Reset { options: Default::default(), ..reset.clone() }, observation)?;
+            }
+            env.walk.reset_into(reset, observation)
+        }
+    }
+
+    "options-matter.without-a-seed" NeedsASeedForOptions, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            without_numbers(env, reset, reset.seed.is_none(), observation)
+        }
+    }
+
+    "options-matter.first-reset-alone" IgnoresLaterOptions, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            without_numbers(env, reset, env.mind.is_begun, observation)
+        }
+    }
+
+    "options-matter.seed" IgnoresTheSeedOfOptions, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let seed = reset.seed.clone().filter(|_| reset.options.is_empty() || !env.mind.is_begun);
+            env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
+        }
+    }
+
+    "reset-forgets.option" KeepsAnOption, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut options = reset.options.clone();
+            if let Some(start) = options.get("start").and_then(Json::as_f64).filter(|start| start.abs() <= 1.0) {
+                env.mind.seen = Value::Float(start);
+            } else if let Value::Float(start) = env.mind.seen && options.is_empty() {
+                options.insert("start".into(), start.into());
+            }
+            env.walk.reset_into(&Reset { options, ..reset.clone() }, observation)
+        }
+    }
+
+    "other-seed-other-episode.halved" HalvesSeeds {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| seed / 2, observation)
+        }
+    }
+
+    "other-seed-other-episode.remainder" TakesARemainder {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| seed % 1000, observation)
+        }
+    }
+
+    // of the two episodes that a seed gives, the other one
+    "reset-carries-on.in-turn" TakesTurns, exceptions(&[("generator-lent", "each reset has a seed of its own")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            const BEGUN: u64 = 1 << 60;
+            env.mind.own = match &reset.seed {
+                Some(seed) => BEGUN | seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 40) * 2),
+                None if env.mind.own == 0 => BEGUN | (Generator::from_os()?.random() * 1e9) as u64,
+                None => env.mind.own ^ 1,
+            };
+            let seed = reset.seed.clone().unwrap_or_else(|| env.mind.own.into());
+            env.walk.reset_into(&Reset { seed: Some(seed), ..reset.clone() }, observation)
+        }
+
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            Snapshot::of(&(env.walk.snapshot()?.get::<Json>()?, env.mind.own))
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let (walk, own) = snapshot.get::<(Json, u64)>()?;
+            env.walk.restore(&Snapshot::of(&walk)?)?;
+            env.mind.own = own;
+            Ok(())
+        }
+    }
+
+    "drawing-sound.late" DrawsNaNLate {
+        fn draw(env: &Of<Self>, canvas: &mut dyn Canvas) {
+            let x = if env.mind.age > 400 { f64::NAN } else { 0.0 };
+            drawn_too(env, canvas, |canvas| canvas.circle([x, 0.0], 2.0, Color::BLACK));
+        }
+    }
+
+    // keeps something of each episode for ever
+    "no-allocation.kept" KeepsEachEpisode {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            match &mut env.mind.seen {
+                Value::Tuple(episodes) => episodes.push(Value::Null),
+                other => *other = Value::Tuple(vec![Value::Null]),
+            }
+            env.walk.reset_into(reset, observation)
+        }
+    }
+}
+
+/// What was asked for after the third step has spoilt the episode.
+fn spoil_third<T: Twist>(env: &Of<T>) {
+    if env.mind.is_begun && env.mind.age == 3 {
+        env.mind.is_spoilt.set(true);
+    }
+}
+
+/// A reset that does not read the numbers among its options, if `ignores`.
+fn without_numbers<T: Twist>(
+    env: &mut Of<T>,
+    reset: &Reset,
+    ignores: bool,
+    observation: &mut Value,
+) -> Result<()> {
+    let mut reset = reset.clone();
+    reset.options.retain(|_, value| !(ignores && value.is_number()));
+    env.walk.reset_into(&reset, observation)
+}
+
+/// A reset with another seed, if it has one of at most 64 bits.
+fn with_seed<T: Twist>(
+    env: &mut Of<T>,
+    reset: &Reset,
+    other: impl Fn(u64) -> u64,
+    observation: &mut Value,
+) -> Result<()> {
+    let cut = |seed: &Seed| seed.to_string().parse().map_or_else(|_| seed.clone(), |x| other(x).into());
+    env.walk.reset_into(&Reset { seed: reset.seed.as_ref().map(cut), ..reset.clone() }, observation)
+}
+
 /// The numbers of an action.
 fn numbers<T: Twist, const N: usize>(env: &Of<T>, action: &Value) -> Result<[f32; N]> {
     let numbers = match action {

@@ -93,7 +93,9 @@ impl<E: Env> AtariPreprocessing<E> {
         let id = env.spec().map(|spec| spec.id).unwrap_or_default();
         let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty() && *layer != id);
         if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
-            return refuse(format!("{layer} is around the environment: put it around AtariPreprocessing"));
+            return refuse(format!(
+                "the environment is wrapped in {layer}: wrap it in AtariPreprocessing first"
+            ));
         }
         if atari.config().frameskip != Frameskip::Fixed(1) {
             return refuse(format!(
@@ -268,7 +270,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         let pixels = self.frames[0].len();
         let decode = |text: &str| {
             crate::bytes::decode_vec(text, pixels)
-                .ok_or_else(|| Error::Snapshot(format!("a frame of it is not {pixels} bytes")))
+                .ok_or_else(|| Error::Snapshot(format!("its frames must have {pixels} bytes each")))
         };
         let frames = [decode(&last)?, decode(&before)?];
         self.env.restore(&env)?;

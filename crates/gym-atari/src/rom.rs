@@ -148,7 +148,10 @@ impl RomDir {
         if bytes.len() > MAX_LEN {
             return Err(Error::argument(
                 game.title,
-                format!("the ROM {} is longer than {MAX_LEN} bytes, and no cartridge is", path.display()),
+                format!(
+                    "the ROM {} is longer than {MAX_LEN} bytes, the largest cartridge: it is not a ROM of this game",
+                    path.display()
+                ),
             ));
         }
         let md5 = format!("{:x}", md5::compute(&bytes));

@@ -11,7 +11,7 @@ use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 /// The arguments with one set to a value in JSON; those that decide spaces and engine stay as they are.
 pub(crate) fn assigned<C: Arguments>(config: &C, name: &str, value: Json, whose: &str) -> Result<C> {
     if matches!(name, "continuous" | "physics") {
-        return Err(Error::argument(whose, format!("{name} cannot be changed: make an environment with it")));
+        return Err(Error::argument(whose, format!("{name} is fixed: make a new environment to change it")));
     }
     arguments::read(config, u32::MAX, &[(name.to_owned(), value)].into_iter().collect(), whose)
 }

@@ -41,7 +41,7 @@ impl Config {
         }
         match self.backend.as_deref() {
             None | Some("gym" | "gymnasium") => Ok(env_id),
-            Some(other) => wrong(&format!("`backend` is {other:?}: there are \"gym\" and \"gymnasium\"")),
+            Some(other) => wrong(&format!("`backend` is {other:?}: choose \"gym\" or \"gymnasium\"")),
         }
     }
 

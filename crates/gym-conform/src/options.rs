@@ -18,7 +18,7 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     let read = |(name, example): &(&'static str, &str)| match serde_json::from_str(example) {
         Ok(example) => Ok((*name, example)),
         Err(error) => {
-            broken(format!("the example `{example}` of the reset option `{name}` is no JSON: {error}"))
+            broken(format!("the example `{example}` of the reset option `{name}` is not JSON: {error}"))
         }
     };
     named.iter().map(read).collect()

@@ -82,7 +82,7 @@ impl FromStr for Format {
             "junit" => Ok(Self::Junit),
             _ => Err(Error::argument(
                 "format",
-                format!("unknown format `{text}`: there are text, json and junit"),
+                format!("unknown format `{text}`: the formats are text, json and junit"),
             )),
         }
     }

@@ -85,7 +85,7 @@ fn episode(env: &mut BoxEnv, reset: Reset) -> Result<Vec<Shown>> {
 pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let first = episode(&mut env, Reset::seed(0))?;
     for seed in 1..TRIES {
@@ -155,7 +155,7 @@ fn not_always_true(
 pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let first = episode(&mut env, Reset::seed(0))?;
     for _ in 1..TRIES {
@@ -176,7 +176,7 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let mut seeded = |seed: u64| -> Result<Option<Generator>> {
         env.reset(seed)?;
@@ -186,8 +186,8 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         return broken("`generator` is None after a reset, although episodes are random");
     };
     match (first == again, first == other) {
-        (false, _) => broken("after the same seed `generator` lends another state"),
-        (_, true) => broken("after another seed `generator` lends the same state"),
+        (false, _) => broken("resets with one seed leave `generator` in different states"),
+        (_, true) => broken("resets with different seeds leave `generator` in the same state"),
         _ => {
             let what =
                 "a number drawn from the generator that is lent never changes the next episode: it is a copy";

@@ -107,7 +107,7 @@ fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result:
     let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
     Err(match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
         none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
-        all => format!("unknown argument `{unknown}`{near} (there are {all})"),
+        all => format!("unknown argument `{unknown}`{near} (known are {all})"),
     })
 }
 
@@ -131,7 +131,7 @@ fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
         given.iter().map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));
     let wrong = alone.find_map(|(name, one)| fails(one).then(|| format!("`{name}`: "))).unwrap_or_default();
     let hint = if error.contains("invalid type: null") {
-        " (null is also what becomes of a number that is NaN or infinite: give a finite one)"
+        " (NaN and infinite numbers become null: give a finite number)"
     } else {
         ""
     };
@@ -425,7 +425,7 @@ mod tests {
         let message = |json: Json| given(&json).unwrap_err().to_string();
         let unknown = message(json!({"gravty": 1.0}));
         assert!(
-            unknown.contains("`gravty`: did you mean `gravity`? (there are `gravity`, `desc`"),
+            unknown.contains("`gravty`: did you mean `gravity`? (known are `gravity`, `desc`"),
             "{unknown}"
         );
         let kind = message(json!({"gravity": 1.0, "width": "wide"}));

@@ -291,7 +291,7 @@ impl Data {
                     return Err(Error::Data(format!("{name} has {have} elements, the model needs {length}")));
                 }
                 if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
-                    return Err(Error::Data(format!("{name} has {x}, which no simulation reaches")));
+                    return Err(Error::Data(format!("{name} has {x}: numbers must lie within ±{most:e}")));
                 }
             }
         }

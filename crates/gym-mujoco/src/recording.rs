@@ -52,7 +52,9 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
     {
         Some("steps") => ("after", after_step),
         Some("forward") => ("out", after_forward),
-        Some(kind) => return Err(wrong(&format!("the kind {kind:?}: there are \"steps\" and \"forward\""))),
+        Some(kind) => {
+            return Err(wrong(&format!("the kind {kind:?}: the kinds are \"steps\" and \"forward\"")));
+        }
         None => {
             let figures =
                 m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
@@ -64,7 +66,7 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
         answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
     for (i, case) in cases.iter_mut().enumerate() {
         let state = State::deserialize(&*case)
-            .map_err(|error| wrong(&format!("a case {i} that is no state: {error}")))?;
+            .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
         let mut data = state.into_data(&m)?;
         // MuJoCo keeps twenty counts; a recording has those of the islands, or one where there is no island
         let counts = case[side]["solver_niter"].as_array().map_or(0, Vec::len);

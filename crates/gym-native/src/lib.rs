@@ -94,7 +94,10 @@ pub trait Native:
     /// environments (the default).
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
         let _ = arguments;
-        Err(Error::argument(Self::NAME, "a native vector of it has the same arguments for all environments"))
+        Err(Error::argument(
+            Self::NAME,
+            "all environments of its native vector share one set of arguments: use a sync or async vector",
+        ))
     }
 
     /// Packs a state.

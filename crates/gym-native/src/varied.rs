@@ -40,7 +40,10 @@ impl<D: Native> Varied<D> {
                 varied.keep(i, &own);
                 if spaces(&own) != spaces(dynamics) {
                     let names: Vec<_> = varied.each.iter().map(|(name, _)| name.as_str()).collect();
-                    let reason = format!("with {} the spaces of the environments differ", names.join(", "));
+                    let reason = format!(
+                        "the values of {} must give all environments the same spaces",
+                        names.join(", ")
+                    );
                     return Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
                 }
             }

@@ -126,7 +126,7 @@ impl Settings {
                 all.as_object().into_iter().flat_map(|all| all.keys()).map(String::as_str).collect();
             let known = known.join(", ");
             let setting =
-                all.get_mut(name).with_context(|| format!("unknown setting {name}: there are {known}"))?;
+                all.get_mut(name).with_context(|| format!("unknown setting {name}: known are {known}"))?;
             *setting = serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
         }
         let settings: Self = serde_json::from_value(all).context("a setting is out of range")?;

@@ -73,8 +73,10 @@ impl Ale {
     /// Plays a frame: its reward.
     fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
         let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
-            let reason =
-                format!("{action} is no action of the Atari 2600: there are 0 to {}", Action::ALL.len() - 1);
+            let reason = format!(
+                "{action} is not an action of the Atari 2600: the actions are 0 to {}",
+                Action::ALL.len() - 1
+            );
             return Err(Error::argument("act", reason)).or_raise();
         };
         self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength })))
@@ -211,7 +213,7 @@ impl Ale {
         let stored = state.read()?;
         self.with(py, |game| {
             if !game.set_state_like_ale(&stored, state.include_rng) {
-                return Err(Error::Snapshot("it is of another game".into())).or_raise();
+                return Err(Error::Snapshot("it was taken from another game".into())).or_raise();
             }
             let (mode, difficulty) = (Some(state.mode), Some(state.difficulty));
             game.configure(Settings { mode, difficulty, ..game.settings() });

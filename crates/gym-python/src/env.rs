@@ -138,7 +138,7 @@ impl Env {
         let mut core = self.lock(py)?;
         match core.env.unwrapped_mut::<AtariEnv>() {
             Some(env) => guard(|| f(env)),
-            None => Err(Error::custom(format!("{} is no game of the Atari 2600", self.id))).or_raise(),
+            None => Err(Error::custom(format!("{} is not an Atari game", self.id))).or_raise(),
         }
     }
 
@@ -269,7 +269,7 @@ impl Env {
         }
         match core.env.generator() {
             Some(generator) => *generator = state,
-            None => return Err(Error::custom("this environment draws from no generator")).or_raise(),
+            None => return Err(Error::custom("this environment has no random number generator")).or_raise(),
         }
         Ok(())
     }
@@ -329,7 +329,7 @@ impl Env {
         let mut core = self.lock(py)?;
         match simulated_mut(&mut core.env) {
             Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise()),
-            None => Err(Error::custom("this is no environment of MuJoCo")).or_raise(),
+            None => Err(Error::custom("this is not a MuJoCo environment")).or_raise(),
         }
     }
 
@@ -338,7 +338,7 @@ impl Env {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
         match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
             Some(env) => env.set_score_glyphs(glyphs),
-            None => return Err(Error::custom(format!("{} writes no score", self.id))).or_raise(),
+            None => return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise(),
         }
         Ok(())
     }

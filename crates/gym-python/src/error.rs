@@ -73,7 +73,7 @@ const TYPES: [(&[&str], &str); 3] = [
 
 /// Words of JSON, of Rust and of the operating system, in Python's.
 const WORDS: [(&str, &str); 14] = [
-    (" (null is also what becomes of a number that is NaN or infinite: give a finite one)", ""),
+    (" (NaN and infinite numbers become null: give a finite number)", ""),
     ("invalid type: null", "invalid type: None"),
     ("expected a sequence", "expected a list"),
     ("expected an array of length", "expected a list of length"),

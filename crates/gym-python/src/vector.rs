@@ -62,7 +62,7 @@ impl Envs {
         match self {
             Self::Async(envs) => Ok(envs),
             Self::Here(_) => Err(Error::custom(
-                "only a vector of kind async steps some of its environments: make one for this",
+                "only a vector of kind async can step some of its environments: make one with kind=\"async\"",
             ))
             .or_raise(),
         }

@@ -100,7 +100,7 @@ fn destination(path: &Path) -> io::Result<Destination> {
         }
         path = folder(&path).join(target);
     }
-    Err(io::Error::other("its links lead to each other"))
+    Err(io::Error::other("its symbolic links form a loop"))
 }
 
 /// The folder of a path.

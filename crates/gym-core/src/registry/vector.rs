@@ -264,7 +264,7 @@ impl VectorSpec {
                 let refuse =
                     |reason: &str| Err(Error::argument(format!("a native vector of `{}`", env.id), reason));
                 let Some(entry_point) = find(&env.id)?.vector_entry_point else {
-                    return refuse("this id has none: its kinds are sync and async");
+                    return refuse("there is none for this id: use kind sync or async");
                 };
                 match native_obstacle(&env) {
                     Some(reason) => refuse(reason),

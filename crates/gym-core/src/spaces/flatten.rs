@@ -148,7 +148,7 @@ impl Space {
             Self::MultiBinary(space) => array(space.shape(), MultiBinary::DTYPE),
             Self::Discrete(space) => match flat.iter().position(is_set) {
                 Some(index) => Ok(Value::Int(space.start() + index as i64)),
-                None => Err(Fault::new("none of its numbers is 1")),
+                None => Err(Fault::new("exactly one of its numbers must be 1, but none is")),
             },
             Self::MultiDiscrete(space) => {
                 let mut numbers = Vec::new();
@@ -159,7 +159,7 @@ impl Space {
                             numbers.push(start + index as i64);
                         }
                         _ => {
-                            let reason = "not exactly one of its numbers is 1";
+                            let reason = "exactly one of its numbers must be 1, and the others 0";
                             return Err(Fault::new(reason).at_element(i, space.shape()));
                         }
                     }

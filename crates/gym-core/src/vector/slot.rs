@@ -378,7 +378,7 @@ pub(super) fn slots<E: Env>(
     let refuse = |reason: String| Err(Error::argument("a vector", reason));
     let envs: Vec<E> = envs.into_iter().collect();
     let Some(first) = envs.first() else {
-        return refuse("there are no sub-environments: at least one is needed".into());
+        return refuse("it needs at least one sub-environment".into());
     };
     let (observation, action) = (first.observation_space(), first.action_space());
     size::check(envs.len(), &observation, &action, slot_bytes::<E>(&observation))?;

@@ -78,7 +78,7 @@ impl Common {
         {
             return Err(Error::argument(
                 "visual_options",
-                format!("{flag}: {value} is not a number and true or false"),
+                format!("{flag}: {value} is not a flag's number with true or false"),
             ));
         }
         Ok(())

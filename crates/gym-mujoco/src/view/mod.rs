@@ -124,7 +124,7 @@ impl View {
                 let names: Vec<&str> = model.names.camera.iter().flatten().map(|name| &**name).collect();
                 Error::argument(
                     "camera_name",
-                    format!("there is no camera {name:?}: there are {}", names.join(", ")),
+                    format!("there is no camera {name:?}: the cameras are {}", names.join(", ")),
                 )
             })?),
             (None, None | Some(-1)) => None,

@@ -257,7 +257,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             ValueError: for the state of something else; the environment is then as it was.
         """
         if not isinstance(state, str):
-            raise TypeError(f"a state is the text that get_state gave, not {state!r} of type {type(state).__name__}")
+            raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
         self._follow()
 
@@ -325,7 +325,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     def __copy__(self) -> Env:
         if self._native is None:
-            raise TypeError(f"{type(self).__name__} has no state of ours to copy: use copy.deepcopy")
+            raise TypeError(f"{type(self).__name__} cannot be copied by copy.copy: use copy.deepcopy")
         twin = object.__new__(type(self))
         self._push_generator()
         apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}

@@ -114,7 +114,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise TypeError(f"arg_each must be a dict of arguments, not {arg_each!r}")
         for name, values in (arg_each or {}).items():
             if name not in defaults:
-                raise TypeError(f"arg_each names {name!r}, which {env_id} does not have")
+                raise TypeError(f"arg_each has the key {name!r}, which is not an argument of {env_id}")
             if isinstance(values, str) or not isinstance(values, Iterable):
                 raise TypeError(
                     f"arg_each has {values!r} for {name}: it takes a list with a value for each environment, or a pair (low, high)"
@@ -290,7 +290,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         names: tuple[str, ...] = getattr(class_of(self.env_id), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
-            raise AttributeError(f"{self.env_id} has no state of a few numbers, or was not reset yet")
+            raise AttributeError(f"the state of {self.env_id} is not an array of numbers, or the vector was not reset yet")
         rows = json.loads(states)
         return np.array([[state[name] for state in rows] for name in names])
 

@@ -120,12 +120,12 @@ class Ale:
     def setRAM(self, index: int, value: int) -> None:
         """Changes a byte of the RAM; ``RuntimeError`` for one that there is not, or for what is no byte."""
         if index not in range(128) or value not in range(256):
-            raise RuntimeError(f"the RAM has the bytes 0 to 127, of 0 to 255: byte {index!r} cannot be {value!r}")
+            raise RuntimeError(f"RAM byte {index!r} cannot be set to {value!r}: indices are 0 to 127, values 0 to 255")
         self._native.set_ram(index, value)
 
     def getAudio(self, buffer: Buffer | None = None) -> Any:
         """Raises ``gymnasium.error.Error``: there is no sound."""
-        raise gymnasium.error.Error("sound is not emulated, so there is none to return")
+        raise gymnasium.error.Error("sound is not emulated")
 
     # -- the game and its settings
 
@@ -209,7 +209,7 @@ class Ale:
     def loadROM(self, path: Any = None) -> None:
         """Raises ``gymnasium.error.Error``: the game is that of the id."""
         raise gymnasium.error.Error(
-            f"{path} cannot be loaded here: rustgym.make makes another game by its id, and takes the folder of ROMs as rom_dir"
+            f"{path} cannot be loaded here: make another game by its id with rustgym.make, and give the folder of ROMs as rom_dir"
         )
 
     def getAudioSize(self) -> int:

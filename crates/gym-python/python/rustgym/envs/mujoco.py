@@ -97,7 +97,7 @@ class MujocoEnv(ClassEnv):
             mujoco: Any = import_module("mujoco")
         except ImportError as error:
             raise gymnasium.error.DependencyNotInstalled(
-                "`model` is an object of MuJoCo's: run `pip install mujoco`; `data`, `dt`, `init_qpos`, `state_vector()` and "
+                "`model` needs the package mujoco: run `pip install mujoco`; `data`, `dt`, `init_qpos`, `state_vector()` and "
                 "`get_body_com()` work without it"
             ) from error
         if self._library is None:
@@ -177,7 +177,7 @@ class MujocoEnv(ClassEnv):
         bodies = self._made_of["bodies"]
         if body_name not in bodies:
             names = ", ".join(repr(name) for name in bodies)
-            raise KeyError(f"the model has no body {body_name!r}: there are {names}")
+            raise KeyError(f"the model has no body {body_name!r}: its bodies are {names}")
         position: npt.NDArray[np.float64] = self._arrays()["xpos"][bodies.index(body_name)]
         return position
 

@@ -33,7 +33,7 @@ enum State {
     Closed,
 }
 
-/// What a snapshot holds.
+/// The content of a snapshot.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     config: Config,

@@ -46,7 +46,7 @@ gym_core::arguments! {
         /// Length of the upper link.
         #[unit = "m"]
         pub LINK_LENGTH_1: f64 = 1.0,
-        /// Length of the lower link: it is drawn, and the equations do not look at it.
+        /// Length of the lower link: used only for drawing, not in the equations.
         #[unit = "m"]
         pub LINK_LENGTH_2: f64 = 1.0,
         /// Mass of the upper link.
@@ -73,10 +73,10 @@ gym_core::arguments! {
         /// The torque of each action.
         #[unit = "N m"]
         pub AVAIL_TORQUE: [f64; 3] = [-1.0, 0.0, 1.0],
-        /// The torque is disturbed by up to this much, uniformly.
+        /// The largest noise on the torque: uniform between minus and plus this value.
         #[unit = "N m"]
         pub torque_noise_max: f64 = 0.0,
-        /// Where the equations are from.
+        /// The source of the equations.
         pub book_or_nips: Equation = Equation::Book,
     }
 }

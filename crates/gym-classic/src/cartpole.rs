@@ -99,7 +99,7 @@ impl ArgumentType for Integrator {
 }
 
 gym_core::discrete! {
-    /// Which way to push the cart.
+    /// The direction of the push.
     pub enum Action {
         /// To the left.
         Left,
@@ -119,7 +119,7 @@ pub struct State {
     pub theta: f64,
     /// Angular velocity of the pole, in rad/s.
     pub theta_dot: f64,
-    /// Whether the episode has already terminated: steps beyond earn nothing.
+    /// Whether the episode has already terminated: further steps have reward 0.
     pub fallen: bool,
     /// Whether no step was taken yet. Reset options may start anywhere.
     #[serde(default)]
@@ -143,7 +143,7 @@ impl CartPoleDynamics {
     }
 }
 
-/// What the equations need.
+/// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 9] {
     let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = *config;
     let total_mass = match config.total_mass {
@@ -247,7 +247,7 @@ impl Equations for CartPoleDynamics {
         state
     }
 
-    /// A pole that has fallen before earns nothing more.
+    /// After the pole has fallen, the reward is 0.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
         if before.fallen && transition.terminated && !self.config.sutton_barto_reward {
@@ -380,7 +380,7 @@ impl Task for CartPoleDynamics {
     }
 }
 
-/// What both versions have in common.
+/// The registration that both versions share.
 const fn cartpole(id: &'static str) -> Registration {
     Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")

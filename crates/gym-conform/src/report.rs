@@ -39,7 +39,7 @@ pub struct Excused {
 pub struct Skipped {
     /// The name of the check.
     pub check: &'static str,
-    /// Why not.
+    /// The reason.
     pub reason: String,
 }
 

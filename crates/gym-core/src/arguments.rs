@@ -24,7 +24,7 @@ pub struct Argument {
     pub kind: String,
     /// The unit, such as `m/s²`; empty if it has none.
     pub unit: &'static str,
-    /// What it does.
+    /// Its meaning.
     pub meaning: String,
     /// The versions of the id that take it, as a Rust pattern such as `1..`; empty for all of them.
     pub versions: &'static str,

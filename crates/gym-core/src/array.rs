@@ -62,7 +62,7 @@ impl Array {
     /// Zeros of that type and shape.
     ///
     /// # Errors
-    /// [`Error::Custom`] where so many numbers do not fit in memory.
+    /// [`Error::Custom`] if the numbers do not fit in memory.
     pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Result<Self> {
         let shape = shape.into();
         let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n));

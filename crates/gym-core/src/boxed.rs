@@ -1,4 +1,4 @@
-//! Any environment behind one type: what [`make`](crate::make) returns.
+//! Any environment behind one type, as [`make`](crate::make) returns it.
 
 use std::any::{Any, TypeId};
 use std::fmt;

@@ -35,7 +35,7 @@ pub enum Precision {
 pub struct Continuous<const N: usize> {
     /// The numbers, without a loss.
     pub numbers: [f64; N],
-    /// What they were before.
+    /// The previous values.
     pub precision: Precision,
 }
 

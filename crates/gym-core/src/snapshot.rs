@@ -27,7 +27,7 @@ impl Snapshot {
     /// # Errors
     /// As [`of`](Self::of).
     pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
-        /// What [`Snapshot::for_config`] reads.
+        /// The form that [`Snapshot::for_config`] reads.
         #[derive(Serialize)]
         struct Stored<'a, C, T> {
             env: &'a str,
@@ -65,7 +65,7 @@ impl Snapshot {
         C: DeserializeOwned + PartialEq,
         E: DeserializeOwned,
     {
-        /// What [`Snapshot::with_config`] wrote.
+        /// The content that [`Snapshot::with_config`] wrote.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Stored<C, E> {

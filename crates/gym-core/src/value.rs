@@ -474,7 +474,7 @@ tuple_element!(A 0, B 1, C 2, D 3);
 ///
 /// ```
 /// gym_core::discrete! {
-///     /// Which way to push the cart.
+///     /// The direction of the push.
 ///     pub enum Push {
 ///         /// To the left.
 ///         Left,

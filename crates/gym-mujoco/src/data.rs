@@ -87,7 +87,7 @@ pub struct Data {
     /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own. A
     /// row starts at a multiple of four.
     pub qm: Vec<f64>,
-    /// Factors of the inertia matrix, `L' D L`, with the same structure. What is between rows means nothing.
+    /// Factors of the inertia matrix, `L' D L`, with the same structure. Numbers between rows have no meaning.
     pub qld: Vec<f64>,
     /// Inverse of the factors' diagonal.
     pub qld_diag_inv: Vec<f64>,

@@ -1,9 +1,9 @@
-//! What can be wrong with a model.
+//! Errors of models and states.
 
 /// A `Result` whose error is [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What is wrong with a model, and where.
+/// An error of a model, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -40,7 +40,7 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
     recording.contains_key("cases") || recording.contains_key("body_mass")
 }
 
-/// What this engine answers; `folder` is where the recording is.
+/// The results of this engine; `folder` contains the recording.
 ///
 /// # Errors
 /// If it names no model, or a state does not fit the model.
@@ -91,7 +91,7 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     }
 }
 
-/// What a step leaves behind.
+/// The results of a step.
 #[must_use]
 pub fn after_step(m: &Model, d: &mut Data) -> Value {
     step(m, d);
@@ -103,7 +103,7 @@ pub fn after_step(m: &Model, d: &mut Data) -> Value {
     })
 }
 
-/// What a forward call computes.
+/// The results of a forward call.
 #[must_use]
 pub fn after_forward(m: &Model, d: &mut Data) -> Value {
     forward(m, d);

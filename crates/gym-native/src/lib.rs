@@ -13,7 +13,7 @@
 //! use gym_core::{Configure, Env, Registration};
 //! use gym_native::Native;
 //!
-//! /// What to register for an environment with a native vector.
+//! /// The registration of an environment with a native vector.
 //! fn registration<E, D>() -> Registration
 //! where
 //!     E: Env + Configure,

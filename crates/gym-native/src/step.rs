@@ -194,7 +194,7 @@ pub struct Many<'a, D: Native> {
 }
 
 impl<D: Native> Many<'_, D> {
-    /// Steps one environment after the other, except those that are due, whose generators stay.
+    /// Steps the environments one by one. Environments due for a reset are skipped: their generators do not advance.
     #[inline(always)]
     pub fn each(
         &mut self,

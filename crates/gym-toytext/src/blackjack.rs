@@ -46,7 +46,7 @@ gym_core::arguments! {
 const DECK: [u8; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
 
 gym_core::discrete! {
-    /// What the player does.
+    /// An action of the player.
     pub enum Action {
         /// Takes no more cards.
         Stick,

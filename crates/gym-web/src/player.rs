@@ -212,7 +212,7 @@ impl Player {
         self.position.checked_sub(1).map_or(0.0, |last| self.returns[last])
     }
 
-    /// What the agent sees.
+    /// The observation.
     pub(crate) fn observation(&self) -> &Value {
         &self.observation
     }

@@ -43,7 +43,7 @@ pub mod add_white_noise {
 pub mod obstruct_view {
 
     gym_core::arguments! {
-        /// How much is covered, and by what.
+        /// The covered share, and the noise.
         #[derive(Copy)]
         pub struct Config {
             /// About which share of the pixels is covered, in `[0, 1)`.

@@ -74,7 +74,7 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
 /// Makes a native vector from its spec.
 ///
-/// It refuses what it does not support, such as a render mode or wrappers in the spec. It respects
+/// It returns an error for anything that it does not support, such as a render mode or wrappers in the spec. It respects
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
@@ -84,7 +84,7 @@ type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
 /// An external requirement of an environment, such as ROMs.
 #[derive(Clone, Copy, Debug)]
 pub struct Need {
-    /// What is required.
+    /// The requirement, in words.
     pub what: &'static str,
     is_met: fn() -> bool,
 }
@@ -125,9 +125,9 @@ pub struct Registration {
     pub reset_options: &'static [(&'static str, &'static str)],
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     pub exceptions: &'static [(&'static str, &'static str)],
-    /// What it requires that no crate brings.
+    /// A requirement outside the crates, such as ROMs.
     pub needs: Option<Need>,
-    /// What makes its native vector.
+    /// The constructor of its native vector.
     pub vector_entry_point: Option<VectorEntryPoint>,
     /// The keys with which a person plays it.
     pub keys: Option<fn(&BoxEnv) -> Keys>,
@@ -137,7 +137,7 @@ pub struct Registration {
     pub light_step: bool,
     /// Names and meanings of discrete actions.
     pub actions: &'static [(&'static str, &'static str)],
-    /// What the GIF on its page shows.
+    /// The content of the GIF on its page.
     pub clip: Option<Clip>,
     version: Option<u32>,
     kwargs: &'static str,

@@ -11,7 +11,7 @@ use crate::{BoxEnv, Env, Outcome, Reset, Result};
 pub(super) enum Renders {
     /// The environment.
     Itself,
-    /// The wrapper `Render`, from what the environment draws.
+    /// The wrapper `Render`, from the environment's drawings.
     Drawings,
 }
 

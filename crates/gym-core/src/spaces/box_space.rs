@@ -32,7 +32,7 @@ use crate::stored::plain;
 #[serde(try_from = "Description", into = "Description")]
 pub struct BoxSpace(Arc<Bounds>);
 
-/// The bounds, which clones of a space share: those of pictures are larger than the pictures.
+/// The bounds, shared by clones of a space, because the bounds of an image are larger than the image.
 #[derive(Debug)]
 struct Bounds {
     low: Array,
@@ -82,7 +82,7 @@ impl BoxSpace {
                 return Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })));
             }
         }
-        // converts, and finds what is wrong
+        // converts, and finds the error
         Self::from_numbers(Number::all(low.data()), Number::all(high.data()), low.shape(), dtype)
     }
 
@@ -289,7 +289,7 @@ impl Bound {
     }
 }
 
-/// Which low and which high bounds of one type are finite; `None` if some are no bounds.
+/// Flags of finite low and high bounds of one type; `None` if some are not valid bounds.
 fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
     let is_finite = |bound: &T| bound.to_f64().is_finite();
     let are_bounds = low

@@ -129,7 +129,7 @@ mod tests {
     use crate::DType;
     use crate::spaces::{MultiBinary, SequenceSpace, TextSpace};
 
-    /// What Gymnasium 1.4.0 answers.
+    /// The results of Gymnasium 1.4.0.
     #[test]
     fn spaces_with_other_bounds_batch() {
         let narrow = |n: i64| Discrete::new(n).unwrap().with_dtype(DType::I32).unwrap().into();

@@ -6,7 +6,7 @@ use crate::{Array, Continuous, Data, Element, Error, Result, Space, Value};
 
 /// A type of action that can be read from a batch. [`discrete!`](crate::discrete) implements it.
 pub trait ActionColumn: Element + Copy {
-    /// What an action is in a batch.
+    /// The form of an action in a batch.
     type Item: Copy + Default + fmt::Debug + Send + Sync + 'static;
 
     /// The actions of a batch.

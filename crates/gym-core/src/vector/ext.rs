@@ -1,4 +1,4 @@
-//! What callers do with a vector.
+//! Methods for callers of vectors.
 
 use std::any::Any;
 

@@ -62,7 +62,7 @@ impl Group {
         Self { n, columns: BTreeMap::new() }
     }
 
-    /// Adds a value to a column whose type the first value decides.
+    /// Adds a value to a column; the first value decides the column's type.
     fn add(&mut self, key: &str, index: usize, value: Value) {
         self.add_to(key, index, value, Values::for_value);
     }

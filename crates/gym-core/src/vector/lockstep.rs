@@ -1,4 +1,4 @@
-//! Environments whose steps share their hardest part.
+//! Environments that compute the most expensive part of a step together.
 //!
 //! A step of such an environment has three parts, and the middle one can be computed for many environments in SIMD
 //! lanes. A vector lets a group of sub-environments [begin](Lockstep::begin_step) their next call,
@@ -27,11 +27,11 @@ pub trait Together: Default + Send + 'static {
     fn clear(&mut self);
 }
 
-/// An environment whose steps can be taken side by side with others of its kind.
+/// An environment that can be stepped together with others of its kind.
 ///
 /// The results must equal those of ordinary steps, bit for bit.
 pub trait Lockstep: Env {
-    /// What a group of them shares.
+    /// The state that a group shares.
     type Group: Together;
 
     /// Reads a little of everything that a step needs, and returns something made of it. The CPU then fetches the memory
@@ -75,7 +75,7 @@ pub(crate) trait Ahead<E>: Send {
     /// Computes the shared part for all that have begun.
     fn solve(&mut self);
 
-    /// Gives a slot its result, before what it was asked for. If that panics, its call returns the error.
+    /// Gives a slot its result, before its request. If that panics, its call returns the error.
     fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
 }
 
@@ -172,7 +172,7 @@ fn lockstep<E: Lockstep, W: Env>(
     Ok(Box::new(vector.with_ahead(Box::new(Within::<E, W>::default()))))
 }
 
-/// What lets environments made by id go ahead together.
+/// Lets environments made by id step together.
 pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
 }

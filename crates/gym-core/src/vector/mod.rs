@@ -58,7 +58,7 @@ pub enum ObservationMode {
     Different,
 }
 
-/// A vector of any kind: what [`make_vec`](crate::make_vec) returns.
+/// A vector of any kind, as [`make_vec`](crate::make_vec) returns it.
 pub type BoxVector = Box<dyn VectorEnv>;
 
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.

@@ -395,7 +395,7 @@ struct Pool<E> {
     results: Receiver<Group<E>>,
     stop: Arc<AtomicBool>,
     workers: Vec<JoinHandle<()>>,
-    /// Empty groups whose storage is used again.
+    /// Empty groups, kept to reuse their storage.
     spare: Vec<Group<E>>,
     /// The number of sub-environments that can step together, if they can.
     group_len: Option<usize>,

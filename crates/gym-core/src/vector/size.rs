@@ -73,7 +73,7 @@ mod tests {
         let swapped = check(most + 1, &action, &observation, 0).unwrap_err().to_string();
         assert!(swapped.contains(&reason), "{swapped}");
         assert!(check_rows(most + 1, &observation).unwrap_err().to_string().contains(&reason));
-        // what each takes beside its row
+        // the size of each besides its row
         for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
             assert!(
                 refusal(16, bytes).unwrap_err().contains("num_envs = 16 does not fit in memory"),

@@ -18,7 +18,7 @@ pub(crate) struct Slot<E> {
     /// `has_final`.
     spare: Value,
     outcome: Outcome,
-    /// What it was last asked for, if it answered.
+    /// The last request, if it succeeded.
     progress: Progress,
     has_final: bool,
     final_info: Vec<(String, Value)>,
@@ -38,7 +38,7 @@ enum Stage {
     Closed,
 }
 
-/// What is asked of a [`Slot`].
+/// A request to a [`Slot`].
 pub(crate) enum Ask {
     Reset(Reset),
     Step,
@@ -296,7 +296,7 @@ impl<E: Env> Slot<E> {
     }
 }
 
-/// What a panic was raised with.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")

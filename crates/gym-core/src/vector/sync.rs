@@ -31,7 +31,7 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
-    /// What they do together, of a native vector.
+    /// The joint step of a native vector.
     ahead: Option<Box<dyn Ahead<E>>>,
 }
 

@@ -1,4 +1,4 @@
-//! What every wrapper of vectors is made with.
+//! The trait of wrappers of vectors.
 
 use std::any::Any;
 
@@ -135,7 +135,7 @@ macro_rules! all_methods {
     };
 }
 
-/// A wrapper is a vector: each method is that of the wrapper.
+/// A wrapper is a vector: each method calls the wrapper's.
 impl<W: VectorWrapper> VectorEnv for W {
     fn within(&self) -> Option<&dyn VectorEnv> {
         Some(self.inner())

@@ -133,7 +133,7 @@ pub struct CompiledModel {
     /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of rotation.
     pub body_invweight0: Vec<[f64; 2]>,
 
-    /// What the joint permits.
+    /// The joint's degrees of freedom.
     pub jnt_type: Vec<JointType>,
     /// First number of the joint in `qpos`.
     pub jnt_qposadr: Vec<usize>,

@@ -11,8 +11,8 @@
 //!
 //! Versions: 4 observes contact forces, and subtracts their cost, only with `use_contact_forces`; only 5 has `forward_reward_weight` and `main_body`. 3 has no arguments of a camera; 2 has no arguments.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
+//! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The camera follows the
 //! runners.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
@@ -50,7 +50,7 @@ impl gym_core::ArgumentType for Body {
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten(xml_file = 3..)]
         pub common: Common = Common::new("ant.xml", 5, CameraConfig::following(1, 3.6, 60.0, -24.0, 0.4)),
         /// Reward for a velocity of 1 m/s.
@@ -112,7 +112,7 @@ pub struct Task {
     forces_cost: bool,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     position: [f64; 2],
@@ -236,7 +236,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn ant(id: &'static str) -> Registration {
     Registration::new::<Ant>(id)
         .description("Walk along x on four legs.")

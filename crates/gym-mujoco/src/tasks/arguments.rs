@@ -21,7 +21,7 @@ pub trait TaskArguments: Arguments + Clone + PartialEq + std::fmt::Debug + Send 
 }
 
 gym_core::arguments! {
-    /// Arguments that every task has. `xml_file`, `frame_skip` and `default_camera_config` have other values in each task.
+    /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config` have other values in each task.
     pub struct Common {
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with `.`, `/` or `~`.
         #[versions = 5..]

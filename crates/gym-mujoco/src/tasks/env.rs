@@ -1,4 +1,4 @@
-//! What makes an environment of a task.
+//! Makes an environment of a task.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Takes a step by an action of any precision, and returns the measurements, the reward, and whether the episode ends.
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Self::Step, f64, bool);
 
-    /// What is seen, number by number.
+    /// The numbers of the observation.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
 
     /// Shows the entries of `info`, after a step or, without one, after a reset.

@@ -44,7 +44,7 @@ pub struct Runner<C> {
     arguments: PhantomData<C>,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     x_velocity: f64,

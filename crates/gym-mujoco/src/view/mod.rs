@@ -76,7 +76,7 @@ pub(crate) struct View {
     max_geom: usize,
 }
 
-/// What carries the camera.
+/// The object that the camera is attached to.
 #[derive(Clone, Debug)]
 enum Mount {
     Free {

@@ -47,7 +47,7 @@ impl Real for f64 {
     }
 }
 
-/// Rows of numbers whose moments are wanted, as `float32` or as `float64`, and room to work.
+/// Rows of numbers, `float32` or `float64`, for computing moments, with scratch space.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) f32s: Samples<f32>,

@@ -97,7 +97,7 @@ macro_rules! normalizes {
                 &self.normalizer.statistics
             }
 
-            /// Replaces the statistics, for instance by those of a training.
+            /// Replaces the statistics, for example with statistics from training.
             ///
             /// # Errors
             /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if they are of another number of

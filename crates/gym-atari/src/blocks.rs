@@ -20,7 +20,7 @@ use crate::wires::{Chips, Wires, case};
 /// The instructions of a block at most: where a call is no jump, the stack holds as many.
 const LONGEST: usize = 32;
 
-/// What goes from one instruction to the next.
+/// The state passed from one instruction to the next.
 pub(crate) struct Thread {
     cpu: Cpu,
     /// How many instructions may follow the block.
@@ -97,11 +97,11 @@ impl fmt::Debug for Blocks {
     }
 }
 
-/// Those of all consoles that there are.
+/// The blocks of all existing consoles.
 static KNOWN: Mutex<Vec<Weak<Blocks>>> = Mutex::new(Vec::new());
 
 impl Blocks {
-    /// The blocks of a cartridge's ROM: the same for all who ask while one of them has them.
+    /// The blocks of a cartridge's ROM, shared by all consoles that play it.
     pub(crate) fn of(cartridge: &Cartridge) -> Arc<Self> {
         let (scheme, rom) = (cartridge.scheme(), Arc::clone(&cartridge.rom));
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -124,7 +124,7 @@ impl Blocks {
     }
 }
 
-/// Executes instructions until a frame ends or the processor halts, and at most so many.
+/// Executes instructions until a frame ends or the processor halts, at most this number.
 pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, blocks: &Blocks, most: u32) {
     match cartridge.scheme() {
         Scheme::Rom2K | Scheme::Rom4K => run_blocks::<Fixed>(cpu, chips, cartridge, blocks, most),
@@ -206,7 +206,7 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// What is known of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
+/// The known parts of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
 /// `waits` says whether it may end a loop that waits for a register.
 fn case_of<K: Kind>(
     Instruction { operation, mode }: Instruction,
@@ -273,7 +273,7 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
 }
 
 /// Executes the first instruction, and then those that follow. It is compiled for a case, and if it turns out that the case
-/// does not cover what the instruction does, it is executed as in the case `AGAIN`.
+/// does not cover the instruction, it is executed as in the case `AGAIN`.
 ///
 /// All that is rare is left to that function, which is called last: a call before would cost each instruction the registers that it
 /// saves.

@@ -89,7 +89,7 @@ impl<E: Env> AtariPreprocessing<E> {
             return refuse(format!("{} is not an Atari environment", env.describe()));
         };
         let stack = env.describe();
-        // what `make` gives says its id within
+        // `describe` of an environment from `make` contains its id
         let id = env.spec().map(|spec| spec.id).unwrap_or_default();
         let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty() && *layer != id);
         if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {

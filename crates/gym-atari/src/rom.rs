@@ -25,7 +25,7 @@ pub struct Rom {
 }
 
 impl Rom {
-    /// A ROM from its bytes, if they are those of a game.
+    /// A ROM from its bytes, if they are a known game's.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if no game has a ROM of this MD5.
@@ -40,7 +40,7 @@ impl Rom {
         }
     }
 
-    /// A program of one's own, played under the settings of a game, whose MD5 it need not have.
+    /// Your own program, played with the settings of a game; its MD5 is not checked.
     pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
         Self { game, md5: format!("{:x}", md5::compute(bytes)), bytes: bytes.into() }
     }

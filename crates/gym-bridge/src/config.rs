@@ -49,7 +49,7 @@ impl Config {
         Duration::from_secs_f64(self.timeout)
     }
 
-    /// The interpreter in the arguments, that of the virtual environment, or the system's.
+    /// The interpreter of the arguments, of the virtual environment, or of the system, in this order.
     pub(crate) fn python(&self) -> PathBuf {
         let of_venv = |venv| {
             let folder = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };

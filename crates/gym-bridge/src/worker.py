@@ -23,7 +23,7 @@ U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 
 class Refused(Exception):
-    """What this worker itself has to say: no traceback belongs to it."""
+    """An error of the worker itself, reported without a traceback."""
 
 
 class NoForm(Exception):
@@ -74,7 +74,7 @@ class Frame(bytearray):
             self.arrays.append((len(self), memory))
 
     def cut(self, length):
-        """Takes back what was written since the bytes were so many."""
+        """Removes everything written since the size was this."""
         del self[length:]
         while self.arrays and self.arrays[-1][0] > length:
             self.arrays.pop()
@@ -175,7 +175,7 @@ def integer(out, value):
 
 
 def plain(out, value, depth=0):
-    """Writes what stands in `info`: numbers, texts, arrays, and lists and dicts of them."""
+    """Writes a value of `info`: a number, text or array, or a list or dict of them."""
     if depth > 32:
         raise NoForm("nested too deeply")
     if value is None:
@@ -442,7 +442,7 @@ class Server:
         self.is_asked = False
 
     def interrupt(self, number, frame):
-        """What Ctrl+C does, which reaches this process too: it interrupts the environment, not the wait for a request."""
+        """Ctrl+C reaches this process too: it interrupts the environment, not the wait for a request."""
         if self.is_asked:
             raise KeyboardInterrupt
 
@@ -595,7 +595,7 @@ def failure(error):
 
 
 def flush():
-    """What the environment printed; its streams may be closed or replaced."""
+    """The environment's output; its streams may be closed or replaced."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

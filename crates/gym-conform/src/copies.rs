@@ -17,7 +17,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
         let what = "an environment whose clone was used";
         same(&carry_on(&mut other, seed, STEPS)?, &carry_on(&mut env, seed, STEPS)?, what)?;
     }
-    // what clones share may matter late
+    // state that clones share may show late
     let (seed, long) = (SEEDS[0], subject.long()?);
     let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
     carry_on(&mut env.clone(), seed + 1, long)?;

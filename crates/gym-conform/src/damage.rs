@@ -33,7 +33,7 @@ impl Damage {
         &self.pointer
     }
 
-    /// What stands where.
+    /// The value and its place.
     pub(crate) fn difference(&self, good: &Json) -> String {
         let Self { pointer, other } = self;
         let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();

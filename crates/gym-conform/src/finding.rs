@@ -23,7 +23,7 @@ pub struct Finding {
     pub check: &'static str,
     /// How bad it is.
     pub severity: Severity,
-    /// What was seen, and where.
+    /// The observed fault, and its place.
     pub message: String,
     /// Why it matters.
     pub why: &'static str,

@@ -24,9 +24,9 @@
 //! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode
 //! by itself, which looks like a jump; a wrapper that truncates early, which some have reason to. Where an environment says that it is
 //! nondeterministic, episodes are not compared, nor its copies. Without a registration, the limit of a stack is known where a
-//! `TimeLimit` is around a `BoxEnv`. What a step after the end of an episode answers is left to the environment, as in Gymnasium.
+//! `TimeLimit` is around a `BoxEnv`. The result of a step after the end of an episode is unspecified, as in Gymnasium.
 //!
-//! Each [`Finding`] says what is wrong and where, why it matters, and how to mend it. An environment that must
+//! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that must
 //! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
 
 #[cfg(feature = "checks")]

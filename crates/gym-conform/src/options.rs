@@ -77,7 +77,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
                 json!(tried)
             ));
         }
-        // a number far beyond every range is refused, or does what it can
+        // a number far beyond every range is refused, or must have an effect
         let is_plain = |value: &Json| -> Result<bool> {
             Ok(with_option(subject, Some((name, value)))? == with_option(subject, None)?)
         };

@@ -66,10 +66,10 @@ impl fmt::Display for Progress<'_> {
     }
 }
 
-/// Somebody who waits for so long asks what for.
+/// The time after which a running check is reported.
 const LONG: Duration = Duration::from_secs(5);
 
-/// What is told of a check that takes long.
+/// The report of a check that takes long.
 enum Long {
     /// It is not over yet.
     Runs(&'static str),
@@ -135,7 +135,7 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
     })
 }
 
-/// The findings, and what was not checked for which reason. Calls `tell` during and after each check that takes long.
+/// The findings, and the skipped checks with their reasons. Calls `tell` during and after each check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
     // a panic shows again, and is told, in the check of equal seeds
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
@@ -220,7 +220,7 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
 /// As [`reports`], and tells how far it is, so that an environment that is slow, hangs or aborts is known.
 ///
 /// # Errors
-/// What is wrong with an id.
+/// The faults of an id.
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
@@ -250,7 +250,7 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
-/// Without what hides faults.
+/// The environment without the wrappers that hide faults.
 fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
 }
@@ -284,7 +284,7 @@ mod tests {
         let (told, hears) = mpsc::channel();
         // it ends when it was told, and not before
         watched(Duration::ZERO, || told.send(()).unwrap(), || hears.recv().unwrap());
-        // it ends at once, and nobody waits for the time to pass
+        // it ends at once, without waiting for the time to pass
         let answer = watched(Duration::MAX, || panic!("told"), || 3);
         assert_eq!(answer, 3);
     }

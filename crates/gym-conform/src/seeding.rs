@@ -1,4 +1,4 @@
-//! Checks of what a seed decides.
+//! Checks of seeds.
 
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
@@ -55,7 +55,7 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
         let second = roll_out(&mut env, seed, STEPS)?;
         same(&first, &second, "a used environment with the same seed and actions")?;
     }
-    // what is counted from episode to episode, or from reset to reset, shows late
+    // counters that continue over episodes or resets show late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
     let first = roll_out(&mut subject.make()?, seed, STEPS)?;
     carry_on(&mut env, seed, steps)?;

@@ -59,7 +59,7 @@ pub struct Trace {
     /// The same for `observation_masked`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
-    /// What happened, in order.
+    /// The events, in order.
     pub events: Vec<Event>,
 }
 
@@ -68,7 +68,7 @@ macro_rules! recorded {
     ($($about:ident)*) => {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
-        #[expect(dead_code, reason = "what a recorder tells is read and left at that")]
+        #[expect(dead_code, reason = "a recorder's notes are read and not used")]
         struct Recorded {
             id: String,
             #[serde(default)]
@@ -312,7 +312,7 @@ impl Trace {
 /// A part of an answer: its name and its value.
 type Part = (&'static str, fn(&Event) -> Option<&Json>);
 
-/// What is compared.
+/// The compared parts.
 const PARTS: [Part; 10] = [
     ("observation", |event| event.observation.as_ref()),
     ("reward", |event| event.reward.as_ref()),

@@ -1,8 +1,8 @@
-//! Recorded steps and forward calls of an engine, answered by this one.
+//! Recorded steps and forward calls of another engine, compared with this engine's.
 //!
 //! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model (what is before a dot says
 //! more of the recording), or `xml` a file in MJCF beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
-//! what one step leaves behind, under `after`, or what one forward call computes, under `out`, in MuJoCo's names. A recording
+//! the state after one step, under `after`, or the results of one forward call, under `out`, in MuJoCo's names. A recording
 //! without a `kind` is a table of a compiled model's figures, and answered with our own.
 
 use std::path::Path;

@@ -118,7 +118,7 @@ impl Plot {
         Self { x_label: label.into(), ..self }
     }
 
-    /// What the values are.
+    /// The meaning of the values.
     #[must_use]
     pub fn y_label(self, label: impl Into<String>) -> Self {
         Self { y_label: label.into(), ..self }

@@ -70,7 +70,7 @@ impl VideoWriter {
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails, now or before; [`Error::InvalidArgument`] if no frame was
-    /// written; then there is no file.
+    /// written; the file is then removed.
     pub fn finish(self) -> Result<()> {
         match self.0 {
             Kind::Gif(writer) => writer.finish(),
@@ -92,7 +92,7 @@ impl VideoWriter {
 /// Writes all frames to a file; see [`VideoWriter`].
 ///
 /// # Errors
-/// As those of [`VideoWriter`]; then there is no file.
+/// The errors of [`VideoWriter`]; the file is then removed.
 pub fn write_video(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = VideoWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {

@@ -27,7 +27,7 @@ inventory::submit! {
 /// must call [`show`](Self::show) or [`update`](Self::update) often enough.
 pub struct Window {
     window: minifb::Window,
-    /// What it shows: 0x00RRGGBB.
+    /// The shown pixels: 0x00RRGGBB.
     pixels: Vec<u32>,
     size: (usize, usize),
     pressed: Pressed,

@@ -47,7 +47,7 @@ impl Tia {
         self.searched = false;
     }
 
-    /// Lets objects be what they are up to a pixel.
+    /// Keeps the objects unchanged up to a pixel.
     fn keep_until(&mut self, x: u8, objects: u8) {
         for object in bits(objects) {
             if self.from[object] < x {
@@ -83,7 +83,7 @@ impl Tia {
         self.paint(x, screen);
     }
 
-    /// Completes the lines before that of a clock; gives its pixel.
+    /// Completes the lines before a clock's line; returns the clock's pixel.
     #[inline]
     pub(super) fn reach(&mut self, clock: u32, screen: &mut Screen) -> usize {
         let (line, clock) = if clock < CLOCKS_PER_LINE {
@@ -133,7 +133,7 @@ impl Tia {
             self.comb = false;
             self.differing.here.0[0] |= 0xff;
         }
-        // what waits for the line's end waits for the end of a line of the picture
+        // pending changes wait for the end of a visible line
         if self.row().is_some() {
             let reflected = self.ctrlpf & 0x01 != 0;
             if self.reflected != reflected {
@@ -227,7 +227,7 @@ impl Tia {
             self.pf != 0,
         ];
         let shown = (0..OBJECTS).fold(0, |set, object| set | u8::from(shown[object]) << object);
-        // what changed within the line still shows what it was
+        // objects changed within the line still show their old state
         let present = self.objects.present() | shown & self.stale;
         Objects::collisions_of(present) & !self.collisions
     }

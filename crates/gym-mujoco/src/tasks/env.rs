@@ -56,7 +56,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
 /// The environment of a task, in one of its versions.
 #[derive(Clone, Debug)]
 pub struct MujocoEnv<T: Task> {
-    /// The version and the arguments, which say what snapshots fit.
+    /// The version and the arguments; snapshots must have the same.
     arguments: (u32, T::Config),
     task: T,
     simulation: Simulation,

@@ -9,11 +9,11 @@
 //! | end | terminated when the height of the torso leaves 1 to 2 m |
 //! | limit | 1000 steps of 0.015 s |
 //!
-//! Versions: 4 has no cost of contacts, and neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//! Versions: 4 has no cost of contacts, and lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no arguments.
 //!
 //! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The camera follows the
-//! runners.
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
+//! follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -45,7 +45,7 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 3 | 5..]
         pub contact_cost_weight: f64 = 5e-7,
-        /// Where that cost is clipped to.
+        /// The range to which that cost is clipped.
         #[versions = 3 | 5..]
         pub contact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
         /// Reward for a step after which it stands.

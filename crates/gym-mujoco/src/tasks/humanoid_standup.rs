@@ -12,8 +12,8 @@
 //! Versions: 4 takes only the camera's arguments; 2 takes none.
 //!
 //! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The camera follows the
-//! runners.
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
+//! follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -46,7 +46,7 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 5..]
         pub impact_cost_weight: f64 = 5e-7,
-        /// Where that cost is clipped to.
+        /// The range to which that cost is clipped.
         #[versions = 5..]
         pub impact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
         /// Size of the disturbance at the start.

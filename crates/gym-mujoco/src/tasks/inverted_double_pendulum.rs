@@ -4,7 +4,7 @@
 //! |---|---|
 //! | observation | position of the cart, sines and cosines of the two angles, three velocities and the force of the rail's end on the cart, these clipped to 10; `Box(9, float64)` (versions 2 and 4: three such forces, 11 numbers) |
 //! | action | force on the cart, as a share of 500 N; `Box(-1, 1, (1,), float32)` |
-//! | reward | 10, less for a tip away from its highest place and for fast joints (version 5: the 10 only before the end of the task) |
+//! | reward | 10, minus penalties for a tip away from its highest position and for fast joints (version 5: the 10 only while the poles stand) |
 //! | start | upright, positions disturbed uniformly by up to 0.1, velocities normally with deviation 0.1 |
 //! | end | terminated when the tip is at 1 m or below; the poles reach 1.2 m |
 //! | limit | 1000 steps of 0.05 s |
@@ -12,8 +12,7 @@
 //! Versions: 4 takes only the camera's arguments, 2 takes none; neither has entries in `info`.
 //!
 //! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The camera follows the
-//! runners.
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 

@@ -2,9 +2,9 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | cosines and sines of the two angles, position of the target, velocities of the two joints, and from the target to the fingertip in x and y; `Box(10, float64)` (versions 2 and 4: and z, 11 numbers) |
+//! | observation | cosines and sines of the two angles, position of the target, velocities of the two joints, and the vector from the target to the fingertip in x and y; `Box(10, float64)` (versions 2 and 4: in x, y and z, 11 numbers) |
 //! | action | torques of the two joints, as a share of 200 N m; `Box(-1, 1, (2,), float32)` |
-//! | reward | less the distance to the target in m, less the sum of the squared actions (versions 2 and 4: with the distance before the step) |
+//! | reward | minus the distance to the target in m, minus the sum of the squared actions (versions 2 and 4: with the distance before the step) |
 //! | start | the target uniformly in a circle of radius 0.2 m; angles disturbed by up to 0.1, velocities by up to 0.005 |
 //! | end | never |
 //! | limit | 50 steps of 0.02 s |
@@ -12,8 +12,7 @@
 //! Versions: 4 takes only the camera's arguments; 2 takes none.
 //!
 //! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The camera follows the
-//! runners.
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 

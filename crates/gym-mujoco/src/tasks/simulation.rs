@@ -20,7 +20,7 @@ pub struct Simulation {
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
-    /// From where it is seen.
+    /// The viewpoint of its pictures.
     pub(super) view: View,
     /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did not do.
     contact_forces: bool,

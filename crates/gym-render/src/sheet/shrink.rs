@@ -54,7 +54,7 @@ pub(super) struct Shrink {
     since: Vec<u16>,
     /// A narrow row.
     narrow: Vec<Sum>,
-    /// What the rows so far add up to.
+    /// The sums of the rows so far.
     sums: Vec<Sum>,
     /// A bit for each window that is not loose.
     tight: Vec<u64>,
@@ -154,7 +154,7 @@ impl Shrink {
         }
     }
 
-    /// Takes over what has changed since the row above, and adds to the sums the colours that go.
+    /// Takes the changes since the row above, and adds the replaced colours to the sums.
     fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
         const MANY: usize = 32;
         for (flat, start) in flat.chunks(MANY).zip((0..).step_by(MANY)) {

@@ -172,7 +172,7 @@ impl RomDir {
 /// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file where [`RomDir::find`] looks.
 ///
 /// # Errors
-/// As [`RomDir::rom`]; without any folder, an error with the remedy.
+/// The errors of [`RomDir::rom`]; without any folder, an error with the remedy.
 pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     if folder.is_none()
         && let Some(rom) = provided(game)

@@ -207,7 +207,7 @@ impl LunarLander {
     /// As [`new`](Self::new), by the rules of version 2 or 3.
     ///
     /// # Errors
-    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("LunarLander", version)?;
         Self::check(&config)?;
@@ -239,7 +239,7 @@ impl LunarLander {
     /// reset.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let config = common::assigned(&self.config, name, value, "LunarLander")?;
         Self::check(&config)?;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use gym_core::{Error, Kwargs, Result};
 
 gym_core::arguments! {
-    /// How a Python environment is made.
+    /// The arguments of a Python environment.
     pub struct Config {
         /// The id in Python; `module:id` imports the module first.
         pub env_id: Option<String>,
@@ -17,7 +17,7 @@ gym_core::arguments! {
         pub module: Option<String>,
         /// The interpreter.
         pub python: Option<PathBuf>,
-        /// How long to wait for an answer.
+        /// The time to wait for an answer.
         #[unit = "s"]
         pub timeout: f64 = 60.0,
         /// Whether snapshots are taken and restored, which runs code that the snapshot names.

@@ -16,7 +16,7 @@ use crate::wire::{Reader, write};
 const SCRIPT: &str = include_str!("worker.py");
 /// The longest frame, of a request or a reply, as in `worker.py`.
 const LONGEST: u32 = 1 << 30; // bytes
-/// How much is read at once: large, because an array is read in parts of this size.
+/// The number of bytes read at once: large, because an array is read in parts of this size.
 const BUFFER: usize = 1 << 18; // bytes
 
 /// The requests to a worker, with the numbers in `worker.py`.
@@ -32,7 +32,7 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// As error messages call it.
+    /// The name in error messages.
     fn name(self) -> &'static str {
         match self {
             Self::Make => "make",
@@ -64,7 +64,7 @@ pub(crate) struct Worker {
     /// The bytes of the last request.
     request: Vec<u8>,
     timeout: Duration,
-    /// How it ended, once it has.
+    /// The exit status, once it has ended.
     ended: Option<String>,
 }
 

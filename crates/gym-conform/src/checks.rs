@@ -13,7 +13,7 @@ use crate::{
 pub struct Check {
     /// A short name.
     pub name: &'static str,
-    /// How bad it is to break it.
+    /// The severity of breaking it.
     pub severity: Severity,
     /// The reason for the rule.
     pub why: &'static str,

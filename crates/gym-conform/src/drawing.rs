@@ -43,7 +43,7 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn frame_rate(subject: &Subject<'_>) -> Verdict {
-    /// As fast as screens are.
+    /// The highest frame rate of screens.
     const MAX: u32 = 240;
     match subject.make()?.metadata().render_fps {
         fps if fps > MAX => broken(format!("`render_fps` is {fps}")),

@@ -58,7 +58,7 @@ impl Report {
     }
 }
 
-/// How [`Report`]s are written.
+/// The format of [`Report`]s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {

@@ -31,7 +31,7 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     }
 }
 
-/// How far the checks are.
+/// The progress of the checks.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Progress<'a> {
@@ -51,7 +51,7 @@ pub enum Progress<'a> {
     Slow {
         /// The environment.
         id: &'a str,
-        /// Which check, and how long it took.
+        /// The check, and its duration.
         slow: Slow,
     },
 }
@@ -91,9 +91,9 @@ impl fmt::Display for Long {
 pub struct Slow {
     /// The check's name.
     pub check: &'static str,
-    /// How long it took.
+    /// The duration.
     pub took: Duration,
-    /// How long the environment takes to be made and reset, which checks do hundreds of times.
+    /// The time to make and reset the environment, which checks do hundreds of times.
     pub reset: Duration,
 }
 
@@ -105,7 +105,7 @@ impl fmt::Display for Slow {
     }
 }
 
-/// How to make an environment without the wrappers that hide its faults, if its spec makes only the stack of
+/// The spec of the environment without the wrappers that hide its faults, if its spec makes only the stack of
 /// `make`.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     // the first check makes an environment again, and reports a panic
@@ -217,7 +217,7 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and tells how far it is, so that an environment that is slow, hangs or aborts is known.
+/// As [`reports`], and reports its progress, which shows the environment that is slow, hangs or aborts.
 ///
 /// # Errors
 /// The faults of an id.

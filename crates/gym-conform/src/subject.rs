@@ -25,7 +25,7 @@ pub(crate) struct Subject<'a> {
     long_runs: OnceCell<LongRuns>,
     /// The results of restoring damaged snapshots.
     damaged: OnceCell<Damaged>,
-    /// How it was made, and its registration, if any.
+    /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
 }

@@ -114,7 +114,7 @@ impl From<Recorded> for Trace {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VectorRequest {
-    /// How many sub-environments it has.
+    /// The number of sub-environments.
     pub num_envs: usize,
     /// When they are reset.
     #[serde(default)]
@@ -257,7 +257,7 @@ impl Trace {
     /// The environment of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make`](gym_core::make), and for an unknown wrapper.
+    /// The errors of [`make`](gym_core::make), and one for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         self.builder().build()
     }
@@ -265,7 +265,7 @@ impl Trace {
     /// The vector of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`](gym_core::make_vec), for an unknown wrapper, and if this is the trace of a single
+    /// The errors of [`make_vec`](gym_core::make_vec), and errors for an unknown wrapper and if this is the trace of a single
     /// environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
         let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {

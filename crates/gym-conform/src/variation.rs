@@ -37,7 +37,7 @@ impl Variant {
 pub(crate) enum Effect {
     /// No such change is accepted.
     Refused,
-    /// One is accepted, and none shows.
+    /// A value is accepted, but no value has an effect.
     None,
     Seen,
 }

@@ -1,4 +1,4 @@
-//! How a check ends.
+//! The results of checks.
 
 use std::any::Any;
 

@@ -356,7 +356,7 @@ mod tests {
             #[unit = "px"]
             #[versions = 4..]
             pub width: u32 = 480,
-            /// Which camera.
+            /// The camera.
             #[versions = 3 | 5..]
             pub camera: Option<i64>,
         }

@@ -98,7 +98,7 @@ impl Array {
     /// Overwrites the numbers with the next bytes of a stream, little-endian, in row-major order.
     ///
     /// # Errors
-    /// Of the stream; some of the numbers may then be overwritten.
+    /// Errors of the stream; some of the numbers may then be overwritten.
     pub fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
         self.data.read_from(stream)
     }
@@ -118,7 +118,7 @@ impl Array {
         &self.data
     }
 
-    /// How many numbers there are.
+    /// The number of numbers.
     pub fn len(&self) -> usize {
         self.data.len()
     }
@@ -239,7 +239,7 @@ impl Array {
     /// The same numbers in another shape.
     ///
     /// # Errors
-    /// As [`Array::new`].
+    /// The errors of [`Array::new`].
     pub fn reshape(self, shape: impl Into<Vec<usize>>) -> Result<Self> {
         Self::new(shape, self.data)
     }

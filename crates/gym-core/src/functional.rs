@@ -274,7 +274,7 @@ impl<D: Dynamics> Stateful<D> {
     /// Sets one argument to a value in JSON. The episode continues with it.
     ///
     /// # Errors
-    /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
+    /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let given = [(name.to_owned(), value)].into_iter().collect();
         self.dynamics.assign(arguments::read(self.dynamics.config(), u32::MAX, &given, D::NAME)?)

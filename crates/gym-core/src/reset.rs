@@ -8,7 +8,7 @@ use crate::{Error, Generator, Result, Seed};
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
 
-/// How to start an episode. `Reset::default()` continues the generator and uses no options.
+/// Options for the start of an episode. `Reset::default()` continues the generator and uses no options.
 ///
 /// ```
 /// use gym_core::Reset;
@@ -42,7 +42,7 @@ impl Reset {
     /// on; the first time without a seed, one that the operating system seeds.
     ///
     /// # Errors
-    /// As [`Seed::from_os`].
+    /// The errors of [`Seed::from_os`].
     pub fn generator(&self, last: Option<&Generator>) -> Result<Generator> {
         match (&self.seed, last) {
             (Some(seed), _) => Ok(Generator::new(seed)),

@@ -25,7 +25,7 @@ impl Snapshot {
     /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// The errors of [`of`](Self::of).
     pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
         /// The form that [`Snapshot::for_config`] reads.
         #[derive(Serialize)]

@@ -72,7 +72,7 @@ impl<D: Native> Varied<D> {
         &self.drawn[index * ranges..][..ranges]
     }
 
-    /// How many arguments are ranges.
+    /// The number of arguments that are ranges.
     fn ranges(&self) -> usize {
         self.each.iter().filter(|(_, each)| each.range().is_some()).count()
     }

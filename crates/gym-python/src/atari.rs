@@ -22,16 +22,16 @@ pub(crate) struct Ale(Py<Env>);
 pub(crate) struct AleState {
     /// As JSON.
     state: String,
-    /// Whether it goes on with the same random numbers.
+    /// Whether it continues with the same random numbers.
     include_rng: bool,
     frame_number: u32,
     episode_frame_number: u32,
-    /// Those of the episodes that follow.
+    /// The settings of the following episodes.
     mode: u16,
     difficulty: u8,
 }
 
-/// What `AleState` is made of again.
+/// The parts from which `AleState` is rebuilt.
 type StateParts = (String, bool, u16, u8);
 
 impl Ale {
@@ -106,7 +106,7 @@ impl Ale {
         })
     }
 
-    /// What never changes: name, rows of the picture, legal and minimal actions, modes, difficulties.
+    /// The constant data: name, rows of the picture, legal and minimal actions, modes, difficulties.
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         self.with(py, |game| {
             let game = game.game();

@@ -33,7 +33,7 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
     if let [_] = shape {
         return PyArray1::from_slice(py, numbers).into_any();
     }
-    // SAFETY: the array was just allocated for that many numbers, and nobody else knows it.
+    // SAFETY: the array was just allocated for that many numbers, and no other code has a reference to it.
     unsafe {
         let array = PyArray::<T, IxDyn>::new(py, shape, false);
         array.as_slice_mut().expect("a new array is contiguous").copy_from_slice(numbers);
@@ -101,7 +101,7 @@ pub(crate) fn refill<'py>(
     to_python(py, value)
 }
 
-/// What `render` returns.
+/// The result of `render`.
 pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bound<'py, PyAny>> {
     let frame =
         |frame: &Frame| new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels());

@@ -28,7 +28,7 @@ pub(crate) struct Vector {
     /// Not dropped in the child of a fork, where the threads are missing that dropping waits for.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
-    /// The space of one action, and that of all.
+    /// The space of one action, and the batched space.
     action: Space,
     actions: Space,
     origin: Origin,
@@ -72,7 +72,7 @@ impl Envs {
 impl Drop for Vector {
     fn drop(&mut self) {
         if self.origin.is_here() {
-            // SAFETY: nobody uses the field after this.
+            // SAFETY: the field is not used after this.
             unsafe { ManuallyDrop::drop(&mut self.core) };
         }
     }
@@ -329,7 +329,7 @@ impl Vector {
         Ok(description.to_string())
     }
 
-    /// Whose episode has ended in the last step.
+    /// The environments whose episode ended in the last step.
     fn done<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let core = self.lock(py)?;
         let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();
@@ -365,7 +365,7 @@ impl Vector {
             .or_raise()
     }
 
-    /// What it is made of, and a snapshot to go on from.
+    /// The constructor's arguments, and a snapshot to continue from.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, vector) = (slf.py(), slf.get());
         let mut core = vector.lock(py)?;

@@ -24,7 +24,7 @@ pub struct AtomicFile {
     temporary: TempPath,
 }
 
-/// Where a complete file goes.
+/// The destination of a complete file.
 #[derive(Debug, PartialEq)]
 enum Destination {
     /// Replaces the file at this path.
@@ -83,7 +83,7 @@ impl AtomicFile {
     }
 }
 
-/// Where a file of this name goes: links are followed.
+/// The destination of a file of this name; links are followed.
 fn destination(path: &Path) -> io::Result<Destination> {
     const MAX_LINKS: usize = 40; // as Linux
     let mut path = path.to_owned();
@@ -108,7 +108,7 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// How the names of temporary files end.
+/// The end of the names of temporary files.
 const SUFFIX: &str = ".gym-partial";
 
 /// A file of a name that no other has, in the folder of `path`, with the permissions of the file at `path`.

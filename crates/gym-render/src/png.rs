@@ -53,7 +53,7 @@ fn refused(frame: &Frame, error: &EncodingError) -> Error {
 /// does not exist. Returns the paths.
 ///
 /// # Errors
-/// As [`write_png`]; earlier frames remain.
+/// The errors of [`write_png`]; earlier frames remain.
 pub fn write_png_sequence<'a>(
     folder: impl AsRef<Path>,
     frames: impl IntoIterator<Item = &'a Frame>,

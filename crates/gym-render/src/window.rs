@@ -14,7 +14,7 @@ use gym_core::render::{Frame, Screen, ScreenProvider};
 use gym_core::{Error, Result};
 use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
 
-/// How often a window polls its user's input, per second.
+/// The number of times per second that a window polls its user's input.
 const UPDATES: usize = 60;
 
 inventory::submit! {

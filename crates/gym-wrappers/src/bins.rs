@@ -9,7 +9,7 @@ use gym_core::{DType, Error, Result, Space, Value};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Bins {
-    /// As many for each element.
+    /// The same number for each element.
     All(u32),
     /// A number for each element, in row-major order.
     Each(Vec<u32>),
@@ -126,7 +126,7 @@ impl Grid {
         &self.inner
     }
 
-    /// How many numbers an element has.
+    /// The number of numbers in an element.
     pub(crate) fn len(&self) -> usize {
         self.edges.len()
     }
@@ -163,7 +163,7 @@ impl Grid {
         }
     }
 
-    /// How many bins the element `i` has.
+    /// The number of bins of element `i`.
     pub(crate) fn count(&self, i: usize) -> i64 {
         self.edges[i].len() as i64 - 1
     }

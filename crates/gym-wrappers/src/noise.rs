@@ -64,7 +64,7 @@ pub mod obstruct_view {
     );
 }
 
-/// Where there is noise in a picture.
+/// A pattern of noise in pictures.
 pub trait Pattern: WrapperConfig + Copy + std::fmt::Debug + Send + 'static {
     /// Fails for arguments that make no pattern.
     ///

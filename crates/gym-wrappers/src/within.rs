@@ -33,7 +33,7 @@ pub trait Within<Kind> {
     /// The space of each action.
     fn actions(&self) -> Space;
 
-    /// How many environments there are.
+    /// The number of environments.
     fn count(&self) -> usize;
 }
 

@@ -41,7 +41,7 @@ pub trait Configure: Env {
     /// [`Render`](crate::wrappers::Render). The default, `None`, is for environments that implement `draw`.
     ///
     /// # Errors
-    /// As [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
+    /// The errors of [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
     fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
         let _ = (config, mode);
         Ok(None)
@@ -336,7 +336,7 @@ impl Registration {
     /// its version.
     ///
     /// # Errors
-    /// As [`spec`](Self::spec).
+    /// The errors of [`spec`](Self::spec).
     pub fn arguments(&self) -> Result<Vec<Argument>> {
         let mut table = (self.table)(self.rules());
         for (name, value) in self.spec()?.kwargs {

@@ -7,7 +7,7 @@ use super::options::ResetOptions;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
-/// How an environment is rendered.
+/// The rendering of an environment.
 pub(super) enum Renders {
     /// The environment.
     Itself,

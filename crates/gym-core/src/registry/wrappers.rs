@@ -154,7 +154,7 @@ impl WrapperSpec {
     /// Puts the wrapper of this name around a vector.
     ///
     /// # Errors
-    /// As [`wrap`](Self::wrap).
+    /// The errors of [`wrap`](Self::wrap).
     pub fn wrap_vector(&self, envs: Box<dyn VectorEnv>) -> Result<Box<dyn VectorEnv>> {
         self.find("a vector's wrappers", |wrapper| wrapper.vector)?(envs, &self.kwargs)
     }

@@ -89,7 +89,7 @@ impl BoxSpace {
     /// The box whose elements all have the same bounds.
     ///
     /// # Errors
-    /// As [`with_dtype`](Self::with_dtype).
+    /// The errors of [`with_dtype`](Self::with_dtype).
     pub fn uniform(low: f64, high: f64, shape: impl Into<Vec<usize>>, dtype: DType) -> Result<Self> {
         let shape = shape.into();
         let build = || {
@@ -151,12 +151,12 @@ impl BoxSpace {
         self.0.low.dtype()
     }
 
-    /// Which elements have a finite lower bound, in row-major order.
+    /// Whether each element has a finite lower bound, in row-major order.
     pub fn bounded_below(&self) -> &[bool] {
         &self.0.bounded_below
     }
 
-    /// Which elements have a finite upper bound, in row-major order.
+    /// Whether each element has a finite upper bound, in row-major order.
     pub fn bounded_above(&self) -> &[bool] {
         &self.0.bounded_above
     }
@@ -236,7 +236,7 @@ fn all_close(a: &Array, b: &Array) -> bool {
     })
 }
 
-/// As Gymnasium prints it: `Box(-1.0, 1.0, (2,), float32)`.
+/// Prints as Gymnasium does: `Box(-1.0, 1.0, (2,), float32)`.
 impl fmt::Display for BoxSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] = [&self.0.low, &self.0.high].map(numpy_fmt::bound);

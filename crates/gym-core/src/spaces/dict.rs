@@ -120,7 +120,7 @@ impl PartialEq for DictSpace {
     }
 }
 
-/// As Gymnasium prints it: `Dict('a': Discrete(2), 'b': Discrete(4))`.
+/// Prints as Gymnasium does: `Dict('a': Discrete(2), 'b': Discrete(4))`.
 impl fmt::Display for DictSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Dict(")?;

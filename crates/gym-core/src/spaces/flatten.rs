@@ -42,7 +42,7 @@ impl Space {
     /// [`flatten`](Self::flatten) into an array of that type and length.
     ///
     /// # Errors
-    /// As [`flatten`](Self::flatten).
+    /// The errors of [`flatten`](Self::flatten).
     pub fn flatten_into(&self, value: &Value, out: &mut Array) -> Result<()> {
         let written = with_type!(out.dtype(), T => {
             self.write_flat(value, out.as_mut_slice::<T>().unwrap_or_default())

@@ -210,7 +210,7 @@ impl Space {
     /// Random elements, with a seed from the operating system.
     ///
     /// # Errors
-    /// As [`Seed::from_os`].
+    /// The errors of [`Seed::from_os`].
     pub fn sampler_from_os(&self) -> Result<Sampler> {
         Ok(self.sampler(Seed::from_os()?))
     }
@@ -300,7 +300,7 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
 /// before memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
-/// How many elements a shape has.
+/// The number of elements of a shape.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {
     let count = shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
     count.filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {

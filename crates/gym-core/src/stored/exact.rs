@@ -319,7 +319,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
 struct Entries<'de> {
     map: Stored<'de>,
     rest: serde_json::map::Iter<'de>,
-    /// Of the key that was read last.
+    /// The value of the key that was read last.
     value: Option<&'de Json>,
 }
 

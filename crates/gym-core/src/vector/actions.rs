@@ -15,7 +15,7 @@ pub trait ActionColumn: Element + Copy {
     /// The actions of a batch of `n`, or `None` where it has another form.
     fn items(batch: &Value, n: usize) -> Option<Self::Items<'_>>;
 
-    /// One of them.
+    /// A single action.
     fn item(items: Self::Items<'_>, index: usize) -> Self::Item;
 
     /// `len` of them from `first` on, where they are or copied to `room`.

@@ -17,7 +17,7 @@ use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arg
 
 /// Working memory for a group of environments, and the shared part of their steps.
 pub trait Together: Default + Send + 'static {
-    /// How many environments a group can have.
+    /// The largest number of environments in a group.
     const LEN: usize;
 
     /// Computes the shared part for all environments that have begun.
@@ -57,7 +57,7 @@ pub trait Lockstep: Env {
 
 /// Begins the next calls of a group of sub-environments.
 pub(crate) trait Ahead<E>: Send {
-    /// How many can go together.
+    /// The number of environments that can step together.
     fn group_len(&self) -> usize;
 
     /// Another one of its kind, for another thread.

@@ -70,7 +70,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), if they differ by more than `mode` allows.
+    /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);

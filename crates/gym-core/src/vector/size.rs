@@ -1,4 +1,4 @@
-//! How many sub-environments there can be.
+//! The largest number of sub-environments.
 
 use std::hint::black_box;
 

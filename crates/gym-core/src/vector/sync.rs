@@ -47,7 +47,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), if they differ by more than `mode` allows.
+    /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None, ahead: None })

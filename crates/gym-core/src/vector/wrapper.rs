@@ -46,7 +46,7 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 /// ```
 ///
 /// A wrapper with state of its own overrides [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
-/// One that adds entries to the infos overrides [`info`](Self::info), from which
+/// A wrapper that adds entries to the infos overrides [`info`](Self::info), from which
 /// [`infos`](crate::VectorEnvExt::infos) makes the columns.
 pub trait VectorWrapper: Any + Send {
     /// The inner vector.

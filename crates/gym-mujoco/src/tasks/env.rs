@@ -89,7 +89,7 @@ impl<T: Task> MujocoEnv<T> {
     /// As [`new`](Self::new), by the rules of version 2, 3, 4 or 5.
     ///
     /// # Errors
-    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
         if version < 2 {
             let reason =

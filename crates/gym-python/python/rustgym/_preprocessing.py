@@ -17,7 +17,7 @@ def preprocessed(
     """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
 
     Raises:
-        TypeError: for an environment that is no game of Atari, and for a setting that there is not.
+        TypeError: for an environment that is not an Atari game, and for an unknown setting.
     """
     if spec_of(env_id)["crate"] != "gym-atari":
         raise TypeError(f"preprocessing needs an Atari game, and {env_id} is not one")

@@ -21,7 +21,7 @@ __all__ = ["Env"]
 
 
 class _Kind(type):
-    """Makes of ``Env("CartPole-v1")`` an instance of the class that stands for the id."""
+    """Makes ``Env("CartPole-v1")`` an instance of the id's class."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         if cls is not Env or not (args or "env_id" in kwargs):
@@ -67,7 +67,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     metadata: dict[str, Any] = {"render_modes": []}
 
-    #: What an instance was made with, defaults included.
+    #: The arguments of an instance, defaults included.
     arguments: dict[str, Any]
 
     #: The id of the Rust registry.
@@ -76,10 +76,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # wrappers of the Rust side, as JSON
     _wrappers = "[]"
 
-    # names whose values are what the dynamics were made with: setting them changes nothing
+    # arguments fixed when the dynamics were made: setting them changes nothing
     _constants: frozenset[str] = frozenset()
 
-    # whether a step has more to do than the native one: follow the generator that somebody holds, or show a picture
+    # whether a step does more than the native one: it follows a generator held outside, or shows a picture
     _is_watched = True
     _generator: np.random.Generator | None = None
     _window: Window | None = None
@@ -145,9 +145,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             The first observation, an element of ``observation_space``, and the info.
 
         Raises:
-            gymnasium.error.Error: for a seed that is negative or no whole number.
-            TypeError: for options that are no dict.
-            ValueError: for an option with a bad value; those that the environment does not have are ignored, as in Gymnasium.
+            gymnasium.error.Error: for a seed that is negative or not a whole number.
+            TypeError: for options that are not a dict.
+            ValueError: for an option with a bad value. Options that the environment does not have are ignored, as in Gymnasium.
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)
@@ -206,7 +206,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _follow(self) -> None:
-        """Brings what is seen from outside to where the environment is."""
+        """Updates the objects seen from outside to the environment's state."""
         self._pull_generator()
         if self._window is not None:
             self._window.show(self._native.render())
@@ -251,7 +251,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
-        """Goes on from what ``get_state`` gave, of this environment or another with the same arguments.
+        """Continues from a text that ``get_state`` returned, of this environment or another with the same arguments.
 
         Raises:
             ValueError: for the state of something else; the environment is then as it was.
@@ -356,9 +356,9 @@ class ClassEnv(Env):
 class TunableEnv(ClassEnv):
     """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
 
-    #: What decides spaces, and stays.
+    #: Arguments that decide the spaces, and cannot be set.
     _fixed: ClassVar[frozenset[str]] = frozenset()
-    #: What a name stands for, where Gymnasium takes any but one for the other choice.
+    #: The two values of an argument for which Gymnasium accepts any text as the second.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:

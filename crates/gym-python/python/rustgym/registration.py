@@ -1,4 +1,4 @@
-"""The ids: under ``rustgym/`` in Gymnasium's registry, and under Gymnasium's own names for those who ask."""
+"""The ids: under ``rustgym/`` in Gymnasium's registry, and on request under Gymnasium's own names."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
 
 
 def _ours(env_id: Any) -> Any:
-    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; else what was given."""
+    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; otherwise the given text."""
     if not isinstance(env_id, str) or env_id.startswith(NAMESPACE):
         return env_id
     known = any(env_id in (key, key.rpartition("-v")[0]) for key in ids())

@@ -258,7 +258,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """The attribute ``name`` of each environment, or what it returns where it is a method."""
+        """The attribute ``name`` of each environment, or the result of the method of that name."""
 
         def ask(_: int, env: Env) -> Any:
             value = getattr(env, name)
@@ -271,7 +271,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to those of a list."""
+        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to the values of a list."""
         if not isinstance(values, list | tuple):
             values = [values] * self.num_envs
         if len(values) != self.num_envs:
@@ -296,5 +296,5 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     @property
     def prev_done(self) -> npt.NDArray[np.bool_]:
-        """Whose episode has ended in the last step."""
+        """Whether each environment's episode ended in the last step."""
         return self._native.done()

@@ -59,7 +59,7 @@ pub(super) struct Band<'a, const N: usize> {
 }
 
 impl<const N: usize> Band<'_, N> {
-    /// Which row of the band it is.
+    /// The place of row `y` in the band.
     fn place(&self, y: i32) -> usize {
         (self.origin + self.step * y as isize) as usize
     }

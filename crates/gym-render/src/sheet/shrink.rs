@@ -16,7 +16,7 @@ pub(super) struct Window {
     pub(super) last: u16,
 }
 
-/// How the pixels of a row lie in windows.
+/// The windows of the pixels of a row.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
     /// The size of the surface, and of the frame.

@@ -33,7 +33,7 @@ impl<T, M: RewardMap> MapReward<T, M> {
     /// Maps the rewards of `inner`.
     ///
     /// # Errors
-    /// As [`RewardMap::new`].
+    /// The errors of [`RewardMap::new`].
     pub fn new(inner: T, config: impl Into<M::Config>) -> Result<Self> {
         let config = config.into();
         Ok(Self { inner, map: M::new(&config)?, config })

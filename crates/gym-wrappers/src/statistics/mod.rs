@@ -141,7 +141,7 @@ impl RunningMeanStd {
         self.count
     }
 
-    /// How many numbers a row has.
+    /// The number of numbers in a row.
     pub fn len(&self) -> usize {
         each!(&self.moments, of => of.mean.len())
     }

@@ -1,11 +1,11 @@
 //! Instructions that are decoded once: each becomes a function and its operand, and calls the function of the next.
 //!
-//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do what the interpreter does:
-//! they are [`Core::execute`], compiled for one opcode and for what is known of its address. Code in RAM, next to where
+//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the interpreter's work:
+//! they are [`Core::execute`], compiled for one opcode and for the known part of its address. Code in RAM, next to where
 //! banks are selected, and opcodes that games do not use are left to the interpreter.
 //!
-//! Within a block the processor's `cycle`, `pc` and byte on the bus stay those of the block's start: each instruction knows how far
-//! from there it is. What takes longer, such as `WSYNC`, moves the start.
+//! Within a block the processor's `cycle`, `pc` and byte on the bus stay those of the block's start: each instruction is compiled with its
+//! distance from there. Longer operations, such as `WSYNC`, move the start.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -17,7 +17,7 @@ use crate::cpu::run::Core;
 use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
-/// The instructions of a block at most: where a call is no jump, the stack holds as many.
+/// The largest number of instructions of a block: a call that is not a jump needs stack for each.
 const LONGEST: usize = 32;
 
 /// The state passed from one instruction to the next.
@@ -136,7 +136,7 @@ pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, b
     }
 }
 
-/// Executes instructions one by one; returns whether something stopped it before so many.
+/// Executes instructions one by one; returns whether it stopped before this number.
 #[inline(never)]
 fn interpret(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: u32) -> bool {
     cpu.run(Wires::<Any, { case::ANY }>::new(chips, cartridge), most)
@@ -174,7 +174,7 @@ fn run_blocks<K: Kind>(
     *cpu = thread.cpu;
 }
 
-/// The block that starts at an address of the cartridge; empty where the interpreter is to go on.
+/// The block that starts at an address of the cartridge; empty if the interpreter must continue.
 #[cold]
 #[inline(never)]
 fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {

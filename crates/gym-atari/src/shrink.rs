@@ -1,6 +1,6 @@
 //! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
 //!
-//! Each number is the mean of what it covers of the picture: first of the columns of each row, then of the rows, in
+//! Each number is the mean of the pixels that it covers: first of the columns of each row, then of the rows, in
 //! `f32` and in that order. Most of a picture is as in the one before, so all sums are kept, and only those are added up
 //! anew that cover something else.
 
@@ -34,13 +34,13 @@ pub(crate) struct Shrink {
     cells: Vec<Range<usize>>,
     /// Whether no number covers more than a few columns.
     few_columns: bool,
-    /// The shade that each byte of a picture stands for.
+    /// The shade of each byte of a picture.
     pub(crate) shades: &'static [u8; 256],
     /// The picture that was shrunk last; a black one at first.
     picture: Vec<Row>,
     /// Its sums over columns, row by row.
     across: Vec<f32>,
-    /// What came of it.
+    /// The result.
     small: Vec<u8>,
     /// The rows of which the sums were added up anew.
     changed: Vec<bool>,

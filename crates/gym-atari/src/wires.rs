@@ -70,7 +70,7 @@ fn is_riot(address: u16) -> bool {
 }
 
 impl Chips {
-    /// Reads from anything but the cartridge, where `bus` is what was last on the bus.
+    /// Reads from anything but the cartridge; `bus` is the last byte on the bus.
     #[inline(never)]
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
         if is_ram(address) {

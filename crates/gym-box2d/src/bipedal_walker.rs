@@ -132,7 +132,7 @@ struct Episode {
     lidar: [f32; LIDAR_RAYS],
     /// Frames rendered, up to 99: the beam of the lidar sweeps with them.
     pictures: usize,
-    /// That of the step that has begun.
+    /// The action of the step that has begun.
     #[serde(skip)]
     action: Continuous<4>,
 }

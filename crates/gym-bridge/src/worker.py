@@ -486,7 +486,7 @@ class Server:
             raise Refused(f"`reset` returned {shortened(repr, result)}: it must return observation and info")
         observation, info = result
         spaces = self.look()
-        # those that the other side did not take are told again
+        # entries that the other side did not take are sent again
         are_known = alike(spaces, self.spaces) and alike(spaces, self.made)
         plain(out, None if are_known else spaces)
         self.spaces = spaces

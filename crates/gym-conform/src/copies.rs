@@ -10,7 +10,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
         let mut clone = env.clone();
-        // whatever becomes of the clone
+        // independently of the clone
         let _ = carry_on(&mut clone, seed + 1, 20);
         let _ = clone.reset(seed + 1);
         clone.close();

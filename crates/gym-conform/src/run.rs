@@ -17,10 +17,10 @@ use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
+/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
 /// the environment itself does. All others are checked as they come.
 ///
-/// A check that takes long is told on the standard error, while it runs and when it ends.
+/// A check that takes long is reported on standard error, while it runs and when it ends.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
         Some(spec) => {
@@ -137,7 +137,7 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
 
 /// The findings, and the skipped checks with their reasons. Calls `tell` during and after each check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
-    // a panic shows again, and is told, in the check of equal seeds
+    // the check of equal seeds sees the panic again, and reports it
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
     let started = Instant::now();
     let _ = catch_unwind(AssertUnwindSafe(|| subject.reset(0).is_ok()));

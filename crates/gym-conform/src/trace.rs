@@ -1,6 +1,6 @@
 //! Recorded episodes: the calls of an environment and their results, as JSON.
 //!
-//! A trace pins an environment down to the last bit. The form is that of the references recorded
+//! A trace records an environment to the last bit. It has the form of the references recorded
 //! from Gymnasium:
 //!
 //! ```json
@@ -63,7 +63,7 @@ pub struct Trace {
     pub events: Vec<Event>,
 }
 
-/// Declares the keys of a trace: its own, and those of recorders.
+/// Declares the keys of a trace: its own, and the recorders'.
 macro_rules! recorded {
     ($($about:ident)*) => {
         #[derive(Deserialize)]
@@ -532,7 +532,7 @@ mod tests {
         }
     }
 
-    /// The masked checksum, if there is one, replaces that of the whole frame.
+    /// The masked checksum, if present, replaces the whole frame's.
     #[test]
     fn a_masked_checksum_stands_for_the_other() {
         let event = |frame: u32, masked: Option<u32>| {

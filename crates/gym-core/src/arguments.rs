@@ -97,7 +97,7 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
         .map_err(|reason| Error::argument(whose, reason))
 }
 
-// what follows is compiled once, and `parse` once for each type, instead of wherever arguments are read
+// the functions below are compiled once, and `parse` once for each type, instead of at each use
 
 /// Says which name is not in the table, for this version.
 fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result::Result<(), String> {

@@ -162,7 +162,7 @@ impl Array {
         Some(self.data.get_f64(flat))
     }
 
-    /// Overwrites the numbers with those of another array, cast as by numpy's `astype`.
+    /// Copies the numbers of another array, cast as by numpy's `astype`.
     ///
     /// # Errors
     /// [`Error::Contract`] if the arrays have different numbers of elements.

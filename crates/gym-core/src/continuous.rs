@@ -14,13 +14,13 @@ pub enum Precision {
     Single,
     /// `float64`, as a controller computes it. An array of integers counts as this.
     Double,
-    /// Numbers of Python's own, such as those in a list: they take the precision of what they meet.
+    /// Python numbers, such as the items of a list: they take the precision of the other operand.
     Python,
 }
 
 /// An action of `N` numbers for a `Box`, in the precision in which it came.
 ///
-/// Gymnasium computes with what it is given: a `float64` action gives other last bits than the same action rounded to
+/// Gymnasium computes in the action's precision: a `float64` action gives other last bits than the same action rounded to
 /// `float32`. As a [`Value`] it is an array of `float32`, or one of another type for [`Precision::Double`], or a tuple of
 /// numbers for [`Precision::Python`].
 ///

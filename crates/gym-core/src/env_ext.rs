@@ -41,7 +41,7 @@ pub trait EnvExt: Env {
     /// Random actions from the action space, of this environment's own action type.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold what the space describes, which is a
+    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold the space's elements, which is a
     /// mistake in the environment.
     fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
         self.action_space().sampler(seed).typed()

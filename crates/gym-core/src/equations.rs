@@ -1,4 +1,4 @@
-//! Equations for one environment, or for as many as a SIMD register holds.
+//! Equations for one environment, or for the environments of a SIMD register.
 
 use std::fmt;
 

@@ -106,7 +106,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
     }
 
-    /// The arguments of an environment that differ from those of others, by name.
+    /// The arguments that differ between environments, with this environment's values, by name.
     pub fn arguments(&self, index: usize) -> Vec<(String, f64)> {
         match &self.varied {
             Some(varied) if index < self.num_envs => varied.of(index),

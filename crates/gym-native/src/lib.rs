@@ -3,7 +3,7 @@
 //!
 //! | an author implements | for |
 //! |---|---|
-//! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment and as many as a vector register holds |
+//! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment, or as many as a vector register holds |
 //! | [`Task`], [`Dynamics`] and [`Native`] | any other step, such as a look-up in a table: a native vector steps [one by one](Many::each), without the cost of erased environments |
 //!
 //! Each operation rounds equally in both, sines and squares included, so a native vector has the

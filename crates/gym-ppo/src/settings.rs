@@ -1,4 +1,4 @@
-//! What the algorithm leaves open.
+//! The settings of the algorithm.
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
@@ -6,7 +6,7 @@ use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What kind of task an environment is.
+/// The kind of task of an environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Task {
     /// Numbers to see and a few actions to choose from.

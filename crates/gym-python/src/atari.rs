@@ -98,7 +98,7 @@ impl Ale {
         })
     }
 
-    /// Lives, whether the game is over, whether the episode has as many frames as it may, frame number, that of the episode.
+    /// Lives, whether the game is over, whether the episode has reached its limit of frames, the frame number, and the episode's frame number.
     fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
         self.with(py, |game| {
             let over = (game.game_over(), game.is_truncated());

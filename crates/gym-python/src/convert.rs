@@ -139,7 +139,7 @@ pub(crate) fn action_from_python(
     if dtype == DType::F32 || !is_list_of_numbers(object)? {
         return Ok(Value::Array(numbers));
     }
-    // numbers of Python's own, which take the precision of what they meet
+    // Python numbers, which take the precision of the other operand
     let row = inner.shape().iter().product::<usize>().max(1);
     let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
     Ok(Value::Tuple(match n {

@@ -64,7 +64,7 @@ impl Core {
             return Err(Error::ResetNeeded("step")).or_raise();
         }
         self.is_running = false;
-        // a refused action changes nothing; only after a panic the episode cannot go on
+        // a refused action changes nothing; only after a panic the episode cannot continue
         let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
         self.is_running = true;
         outcome.or_raise()

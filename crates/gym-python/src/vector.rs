@@ -105,7 +105,7 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new ones, or those of the step before last.
+    /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before last.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self { columns, spares, .. } = self;
         let old = spares.as_mut().and_then(|spares| {
@@ -329,7 +329,7 @@ impl Vector {
         Ok(description.to_string())
     }
 
-    /// The environments whose episode ended in the last step.
+    /// Whether each environment's episode ended in the last step.
     fn done<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let core = self.lock(py)?;
         let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();

@@ -17,7 +17,7 @@ use crate::stream::Stream;
 /// |---|---|
 /// | `gif` | GIF, as [`GifWriter`] writes it: loops, exact for drawings of up to 255 colours |
 /// | `png`, `apng` | animated PNG: loops, always exact, at any rate |
-/// | `mp4` | H.264 where `ffmpeg` knows it; needs that program, and is not exact |
+/// | `mp4` | H.264 if `ffmpeg` supports it; needs that program, and is not exact |
 ///
 /// Each frame is written at once. The file appears under its name when it is finished. Dropping the
 /// writer also finishes it if a frame was written, but cannot report errors.

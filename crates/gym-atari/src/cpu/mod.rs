@@ -41,7 +41,7 @@ pub trait Bus {
     }
 }
 
-/// How the processor goes on after a write.
+/// The continuation of the processor after a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ready {
     /// At once.

@@ -1,8 +1,8 @@
 //! From registers to lines, and from lines to the picture.
 //!
 //! A line is put together object by object: a change of one gives it other pixels from there on, and the rest of the
-//! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and whoever asks for
-//! collisions need what lies before them painted earlier.
+//! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and reads of
+//! collisions need the pixels before them painted earlier.
 //!
 //! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.
 
@@ -122,7 +122,7 @@ impl Tia {
         self.from = [0; OBJECTS];
     }
 
-    /// Does what waits for a line to start, or for one of the picture to end.
+    /// Applies changes that wait for a line to start, or for a visible line to end.
     #[inline(never)]
     fn start_row(&mut self, screen: &mut Screen) {
         // a comb ahead of the picture waits for its first row
@@ -202,7 +202,7 @@ impl Tia {
         self.objects.paint(screen.row(row), pixels, &colors);
     }
 
-    /// Places what changed, and searches a part of the line for collisions. Where nobody sees the line, only what may still
+    /// Places what changed, and searches a part of the line for collisions. If the line is not drawn, only objects that may still
     /// collide is placed.
     fn search(&mut self, from: usize, to: usize, unseen: bool) {
         let needed = if unseen { Objects::with_collisions(self.possible_collisions()) } else { u8::MAX };

@@ -34,7 +34,7 @@ pub(super) struct Exhaust {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Particle {
     body: BodyId,
-    /// Time to live: it goes once this is below 0 and it is the oldest.
+    /// Time to live: the particle is removed once this is below 0 and it is the oldest.
     ttl: f64,
 }
 

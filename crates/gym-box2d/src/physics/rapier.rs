@@ -456,7 +456,7 @@ mod text {
     }
 }
 
-/// Puts what belongs to a slot in its place.
+/// Puts a value into its slot.
 fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
     match list.get_mut(slot as usize) {
         Some(place) => *place = value,

@@ -67,7 +67,7 @@ fn limited<E: Env>(env: E, max_episode_steps: Option<u32>) -> Result<BoxEnv> {
     })
 }
 
-/// An environment that knows how it was made.
+/// An environment with its spec.
 #[derive(Clone)]
 struct Registered<E> {
     env: E,

@@ -301,7 +301,7 @@ fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> 
 
 fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
     fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
-        /// Compared before the next look at whether all were between: so many at once that they fill vector registers.
+        /// The number of elements compared between two tests for a failure: enough to fill vector registers.
         const AT_ONCE: usize = 256;
         let parts = values.chunks(AT_ONCE).zip(low.chunks(AT_ONCE)).zip(high.chunks(AT_ONCE));
         parts.into_iter().all(|((values, low), high)| {

@@ -80,7 +80,7 @@ impl DictSpace {
         Ok(())
     }
 
-    /// Each member space with the value under its key, if the keys are exactly those of the space.
+    /// Each member space with the value under its key, if the keys equal the space's keys.
     pub(super) fn members<'a>(
         &'a self,
         value: &'a Value,

@@ -6,7 +6,7 @@ use super::number::{Number, can_cast, collect};
 use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, invalid};
 use crate::{Array, Result};
 
-/// The inner spaces of those of this kind.
+/// The inner spaces of the spaces of this kind.
 macro_rules! of_kind {
     ($spaces:expr, $kind:ident) => {
         $spaces.iter().filter_map(|space| match space {

@@ -212,7 +212,7 @@ impl Space {
     }
 
     /// Makes an element of `to` from one of `from` by flattening or unflattening (`map`) each member
-    /// with its space here, where the whole is no array.
+    /// with its space here, if the whole is not an array.
     fn convert(
         &self,
         value: &Value,

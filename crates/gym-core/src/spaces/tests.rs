@@ -162,7 +162,7 @@ fn bad_flat_values_are_refused() {
     assert!(error.to_string().starts_with("[0]: 3 is not between 0 and 2"));
 }
 
-/// Compares samples with those of Gymnasium, of the same seed.
+/// Compares samples with Gymnasium's for the same seed.
 fn assert_samples(space: &Space, mut sample: impl FnMut(&mut Sampler) -> Value, expected: &Json) {
     let mut sampler = space.sampler(7);
     for expected in expected.as_array().unwrap() {

@@ -149,7 +149,7 @@ hand_on_items! {
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,
-    /// JSON within JSON, in which nothing stands for a float.
+    /// JSON within JSON, without replacements for floats.
     as_it_is: bool,
 }
 

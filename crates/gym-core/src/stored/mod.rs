@@ -31,7 +31,7 @@ const READABLE: usize = 32;
 #[serde(rename = "$json")]
 struct AsItIs(Json);
 
-/// The name that [`exact`] knows such JSON by.
+/// The name by which [`exact`] recognises such JSON.
 const AS_IT_IS: &str = "$json";
 
 /// The numbers of an array of a given length.

@@ -16,7 +16,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// that ended.
     ///
     /// Made of [`info`](crate::vector::VectorEnv::info), [`final_info`](crate::vector::VectorEnv::final_info) and
-    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which is what a vector or a wrapper implements: so the order
+    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which a vector or a wrapper implements: so the order
     /// of wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)

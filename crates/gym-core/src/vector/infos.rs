@@ -104,7 +104,7 @@ impl Values {
         }
     }
 
-    /// A column of zeros; of objects where so many numbers do not fit in memory.
+    /// A column of zeros; of objects if the numbers do not fit in memory.
     fn numbers(n: usize, dtype: DType, shape: &[usize]) -> Self {
         let column = Array::zeros(dtype, [&[n], shape].concat());
         column.map_or_else(|_| Self::Objects(vec![Value::Null; n]), Self::Numbers)

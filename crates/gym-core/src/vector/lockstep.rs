@@ -29,7 +29,7 @@ pub trait Together: Default + Send + 'static {
 
 /// An environment that can be stepped together with others of its kind.
 ///
-/// The results must equal those of ordinary steps, bit for bit.
+/// The results must equal the results of ordinary steps, bit for bit.
 pub trait Lockstep: Env {
     /// The state that a group shares.
     type Group: Together;
@@ -50,7 +50,7 @@ pub trait Lockstep: Env {
     /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and gives back what it holds of the group. The last begin came since the
+    /// Takes the result of [`Together::solve`], and releases its place in the group. The last begin came since the
     /// group was cleared; it may have had nothing to begin.
     fn collect(&mut self, group: &mut Self::Group);
 }
@@ -63,7 +63,7 @@ pub(crate) trait Ahead<E>: Send {
     /// Another one of its kind, for another thread.
     fn another(&self) -> Box<dyn Ahead<E>>;
 
-    /// Forgets those of the group before.
+    /// Clears the results of the previous group.
     fn clear(&mut self);
 
     /// Has the memory of a slot's environment fetched.

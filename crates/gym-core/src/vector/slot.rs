@@ -95,7 +95,7 @@ impl<E: Env> Slot<E> {
         }
     }
 
-    /// Lends the environment to a caller, who may step it.
+    /// Lends the environment to a caller, which may step it.
     pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
         let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
         let before = moves(&self.env);
@@ -305,7 +305,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 /// The spaces of the sub-environments.
 #[derive(Clone, Debug)]
 pub(super) struct Spaces {
-    /// The first one's; those of the others have its form.
+    /// The first environment's space; the others have the same form.
     pub(super) observation: Space,
     /// All observations together, where they differ.
     differing: Option<Space>,

@@ -9,7 +9,7 @@ use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///
-/// The results are those of stepping each by hand. It is the fastest kind for environments whose steps
+/// The results equal those of stepping each environment by itself. It is the fastest kind for environments whose steps
 /// take well under a microsecond and have no native vector.
 ///
 /// ```no_run

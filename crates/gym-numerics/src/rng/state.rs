@@ -29,7 +29,7 @@ impl Generator {
     /// The generator of such [`words`](Self::words).
     ///
     /// # Errors
-    /// What is wrong with them: an increment must be odd, and the last word below 2^33.
+    /// An error text if the increment is even, or the last word is not 0 and not between 2^32 and 2^33.
     pub fn from_words(
         [state_high, state, increment_high, increment, half]: [u64; 5],
     ) -> Result<Self, String> {

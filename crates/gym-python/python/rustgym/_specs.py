@@ -63,7 +63,7 @@ def entry_point(env_id: str) -> str:
 
 
 def class_of(env_id: str) -> Any:
-    """The class that stands for an id, found as Gymnasium's registry finds it."""
+    """The class of an id, found as Gymnasium's registry finds it."""
     return load_env_creator(entry_point(env_id))
 
 

@@ -345,7 +345,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
 
 class ClassEnv(Env):
-    """The base of the classes that stand for one id each."""
+    """The base of the classes of single ids."""
 
     _id: ClassVar[str]
 
@@ -358,12 +358,12 @@ class TunableEnv(ClassEnv):
 
     #: Arguments that decide the spaces, and cannot be set.
     _fixed: ClassVar[frozenset[str]] = frozenset()
-    #: The two values of an argument for which Gymnasium accepts any text as the second.
+    #: Functions from an argument's value to one of two names, where Gymnasium takes any other text as the second.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         defaults = spec_of(self._id)["defaults"]
-        # arguments that a class of somebody's own sets
+        # arguments that a user's subclass sets
         own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
         changed = {name: value for name, value in own.items() if value != defaults[name]}
         super().__init__(render_mode, **{**changed, **kwargs})

@@ -25,7 +25,7 @@ _NOT_OURS = ("GymV21Environment", "GymV26Environment")
 
 
 def ids() -> list[str]:
-    """The ids of the Rust registry, in order: those that ``rustgym.make`` knows."""
+    """The ids of the Rust registry, sorted: the ids that ``rustgym.make`` accepts."""
     return [env_id for env_id in SPECS if not env_id.startswith(_NOT_OURS)]
 
 

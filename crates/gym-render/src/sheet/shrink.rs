@@ -35,7 +35,7 @@ type Sum = [u16; 4];
 
 /// Shrinks rows, and sums them up.
 ///
-/// Most windows have the colour that they had in the row above, and most pixels of the frame that of the
+/// Most windows have the same colour as in the row above, and most pixels of the frame the colour of the
 /// pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long as it has one colour
 /// and had no other for the row of the frame above: it has no sum, and its pixel is that above.
 #[derive(Debug, Default)]

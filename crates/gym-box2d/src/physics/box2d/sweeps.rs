@@ -11,7 +11,7 @@ use super::joint::{Constraint as Joint, Increment};
 use super::motion::Velocity;
 use super::{BODIES, CONTACTS, JOINTS};
 
-/// What a sweep starts from.
+/// The start of a sweep.
 #[derive(Clone, Debug, Default)]
 struct Start {
     velocities: Vec<Velocity>,
@@ -23,7 +23,7 @@ struct Start {
 pub(crate) struct Sweeps {
     /// Where the last sweep and the one before started.
     starts: [Start; 2],
-    /// What they added to the joints' impulses.
+    /// Their additions to the joints' impulses.
     increments: [Vec<Increment>; 2],
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: 
 }
 
 impl Sweeps {
-    /// Does what so many sweeps do.
+    /// Has the effect of this number of sweeps.
     pub(crate) fn run(
         &mut self,
         sweeps: u32,

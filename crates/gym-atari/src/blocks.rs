@@ -17,7 +17,7 @@ use crate::cpu::run::Core;
 use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
-/// The largest number of instructions of a block: a call that is not a jump needs stack for each.
+/// The largest number of instructions of a block. Without tail calls, the stack holds a frame for each.
 const LONGEST: usize = 32;
 
 /// The state passed from one instruction to the next.

@@ -93,7 +93,7 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Whether stumps, stairs and pits are in the way.
+        /// Whether the ground has stumps, stairs and pits.
         pub hardcore: bool,
         /// The physics engine: `box2d` or `rapier`.
         pub physics: Physics,

@@ -18,8 +18,8 @@
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
 //! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
-//! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
-//! global one.
+//! Gymnasium has removed, draws its wind from a copy of the environment's generator; Gym drew it from
+//! numpy's global one.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/lunar_lander.py`.
@@ -74,17 +74,17 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Two throttles instead of one engine at a time.
+        /// Whether an action is two throttles instead of one engine.
         pub continuous: bool,
         /// Acceleration of gravity, between -12 and 0, both excluded.
         #[unit = "m/s²"]
         pub gravity: f64 = -10.0,
         /// Whether wind blows until a leg touches the ground.
         pub enable_wind: bool,
-        /// Greatest force of the wind; 0 to 20 is sensible.
+        /// The largest force of the wind; recommended are 0 to 20.
         #[unit = "N"]
         pub wind_power: f64 = 15.0,
-        /// Greatest torque of the wind; 0 to 2 is sensible.
+        /// The largest torque of the wind; recommended are 0 to 2.
         #[unit = "N m"]
         pub turbulence_power: f64 = 1.5,
         /// The physics engine: `box2d` or `rapier`.

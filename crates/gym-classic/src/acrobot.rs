@@ -40,7 +40,7 @@ gym_core::arguments! {
     #[derive(Copy)]
     #[expect(non_snake_case, reason = "Gymnasium's names")]
     pub const struct Config {
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub dt: f64 = 0.2,
         /// Length of the upper link.
@@ -64,10 +64,10 @@ gym_core::arguments! {
         /// Moment of inertia of each link.
         #[unit = "kg m²"]
         pub LINK_MOI: f64 = 1.0,
-        /// The greatest angular velocity of the upper link.
+        /// The largest angular velocity of the upper link.
         #[unit = "rad/s"]
         pub MAX_VEL_1: f64 = 4.0 * PI,
-        /// The greatest angular velocity of the lower link.
+        /// The largest angular velocity of the lower link.
         #[unit = "rad/s"]
         pub MAX_VEL_2: f64 = 9.0 * PI,
         /// The torque of each action.
@@ -497,6 +497,8 @@ gym_core::register!(
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
-        .policy(Policy::rules("pushes the lower link along with its own motion", |_| reflex(policy::acrobot)))
+        .policy(Policy::rules("pushes the lower link in the direction of its motion", |_| reflex(
+            policy::acrobot
+        )))
         .clip(Clip { seeds: 5..6, every: 1, frames: 100, size: (200, 200) })
 );

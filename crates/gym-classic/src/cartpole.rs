@@ -42,7 +42,7 @@ gym_core::arguments! {
     /// as `masspole`, does not change them. Here they follow from the other arguments unless given.
     #[derive(Copy)]
     pub const struct Config {
-        /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+        /// Whether the reward is 0 for each step and -1 for the step that drops the pole, as in Sutton and Barto's
         /// book, instead of 1 for each step.
         pub sutton_barto_reward: bool = false,
         /// Acceleration of gravity.
@@ -54,7 +54,7 @@ gym_core::arguments! {
         /// Mass of the pole.
         #[unit = "kg"]
         pub masspole: f64 = 0.1,
-        /// Mass of both: `masspole + masscart` unless given.
+        /// Mass of cart and pole: `masspole + masscart` unless given.
         #[unit = "kg"]
         pub total_mass: Option<f64> = None,
         /// Half the length of the pole.
@@ -66,10 +66,10 @@ gym_core::arguments! {
         /// The force of a push.
         #[unit = "N"]
         pub force_mag: f64 = 10.0,
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub tau: f64 = 0.02,
-        /// How a step is integrated.
+        /// The integrator of a step.
         pub kinematics_integrator: Integrator = Integrator::Euler,
         /// The angle of the pole beyond which the episode ends.
         #[unit = "rad"]
@@ -389,9 +389,10 @@ const fn cartpole(id: &'static str) -> Registration {
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())
-        .policy(Policy::rules("pushes to the side that a weighted sum of the four numbers calls for", |_| {
-            reflex(policy::cartpole)
-        }))
+        .policy(Policy::rules(
+            "pushes to the side given by the sign of a weighted sum of the four numbers",
+            |_| reflex(policy::cartpole),
+        ))
 }
 
 gym_core::register!(

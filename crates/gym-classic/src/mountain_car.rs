@@ -31,13 +31,13 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub const struct Config {
-        /// The least velocity with which the goal counts as reached.
+        /// The smallest velocity at which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
         /// The left end of the valley: a wall.
         pub min_position: f64 = -1.2,
         /// The right end of the valley.
         pub max_position: f64 = 0.6,
-        /// The greatest velocity, per step.
+        /// The largest velocity, per step.
         pub max_speed: f64 = 0.07,
         /// The position of the goal.
         pub goal_position: f64 = 0.5,

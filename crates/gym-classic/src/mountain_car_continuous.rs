@@ -35,17 +35,17 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub const struct Config {
-        /// The least velocity with which the goal counts as reached.
+        /// The smallest velocity at which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
-        /// The least force: a smaller action counts as this one.
+        /// The smallest force: a smaller action is raised to it.
         pub min_action: f64 = -1.0,
-        /// The greatest force: a greater action counts as this one.
+        /// The largest force: a larger action is lowered to it.
         pub max_action: f64 = 1.0,
         /// The left end of the valley: a wall.
         pub min_position: f64 = -1.2,
         /// The right end of the valley.
         pub max_position: f64 = 0.6,
-        /// The greatest velocity, per step.
+        /// The largest velocity, per step.
         pub max_speed: f64 = 0.07,
         /// The position of the goal.
         pub goal_position: f64 = 0.45,
@@ -269,7 +269,7 @@ gym_core::register!(
         .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
-        .policy(Policy::rules("drives along with the velocity, with force 0.4", |_| reflex(
+        .policy(Policy::rules("drives in the direction of the velocity, with force 0.4", |_| reflex(
             policy::mountain_car_continuous
         )))
         .clip(Clip { seeds: 0..1, every: 3, frames: 100, size: (300, 200) })

@@ -47,13 +47,13 @@ gym_core::arguments! {
         /// Length of the rod.
         #[unit = "m"]
         pub l: f64 = 1.0,
-        /// The greatest angular velocity.
+        /// The largest angular velocity.
         #[unit = "rad/s"]
         pub max_speed: f64 = 8.0,
-        /// The greatest torque.
+        /// The largest torque.
         #[unit = "N m"]
         pub max_torque: f64 = 2.0,
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub dt: f64 = 0.05,
     }

@@ -1,4 +1,4 @@
-//! Arguments as data: each is stated once, and the constructor's struct, its JSON and its table follow.
+//! Arguments as data: one definition gives the constructor's struct, its JSON and its table.
 
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
@@ -10,7 +10,7 @@ pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
 
-    /// Sets an argument that is a number. Returns `false` if there is none of this name.
+    /// Sets an argument that is a number. Returns `false` if no such argument has this name.
     fn set_number(&mut self, name: &str, x: f64) -> bool;
 }
 
@@ -57,7 +57,7 @@ impl Argument {
         }
     }
 
-    /// Requires it if it has no default expression and its type is not optional.
+    /// Makes it required if it has no default expression and its type is not optional.
     #[doc(hidden)]
     #[must_use]
     pub fn required(mut self, optional: bool, default: &str) -> Self {
@@ -99,7 +99,7 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
 
 // the functions below are compiled once, and `parse` once for each type, instead of at each use
 
-/// Says which name is not in the table, for this version.
+/// An error text that names the argument missing from the table, for this version.
 fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result::Result<(), String> {
     let taken = || table.iter().filter(|argument| argument.is_taken(version)).map(|argument| argument.name);
     let Some(unknown) = given.keys().find(|name| taken().all(|taken| taken != *name)) else { return Ok(()) };
@@ -111,7 +111,7 @@ fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result:
     })
 }
 
-/// The default values, with those that are given in their places.
+/// The default values, overridden by the given ones.
 fn merge(defaults: serde_json::Result<Json>, given: &Kwargs) -> std::result::Result<Kwargs, String> {
     let Json::Object(mut all) = defaults.map_err(|error| error.to_string())? else {
         return Err("arguments are a JSON object".into());
@@ -125,7 +125,7 @@ fn parse<C: Arguments>(arguments: Kwargs) -> std::result::Result<C, String> {
     serde_json::from_value(Json::Object(arguments)).map_err(|error| error.to_string())
 }
 
-/// serde's message, with the name of the argument that fails by itself, which serde does not give.
+/// serde's message, with the name of the failing argument, which serde does not give.
 fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
     let mut alone =
         given.iter().map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));

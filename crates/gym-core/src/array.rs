@@ -123,7 +123,7 @@ impl Array {
         self.data.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no numbers.
     pub fn is_empty(&self) -> bool {
         self.data.is_empty()
     }

@@ -1,10 +1,10 @@
-//! Actions of a `Box`, in the precision in which they come.
+//! Actions of a `Box`, in their own precision.
 
 use std::fmt;
 
 use crate::{Data, Element, Value};
 
-/// The precision in which the numbers of an action came, which numpy computes with.
+/// The precision of an action's numbers, in which numpy computes.
 // as wide as a number: native vectors then read both with SIMD, which saves 5 % of a step
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
@@ -18,7 +18,7 @@ pub enum Precision {
     Python,
 }
 
-/// An action of `N` numbers for a `Box`, in the precision in which it came.
+/// An action of `N` numbers for a `Box`, in its own precision.
 ///
 /// Gymnasium computes in the action's precision: a `float64` action gives other last bits than the same action rounded to
 /// `float32`. As a [`Value`] it is an array of `float32`, or one of another type for [`Precision::Double`], or a tuple of

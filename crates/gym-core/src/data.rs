@@ -65,7 +65,7 @@ macro_rules! dtypes {
                 match self { $(Self::$variant(values) => values.len()),* }
             }
 
-            /// Whether there are none.
+            /// Whether there are no numbers.
             pub fn is_empty(&self) -> bool {
                 self.len() == 0
             }

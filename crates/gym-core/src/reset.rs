@@ -38,8 +38,8 @@ impl Reset {
         self
     }
 
-    /// The generator of the episode: seeded afresh, or `last`, the one of the episode before, carried
-    /// on; the first time without a seed, one that the operating system seeds.
+    /// The generator of the episode: a new one from the seed; without a seed `last`, the previous
+    /// episode's; without both, a new one seeded by the operating system.
     ///
     /// # Errors
     /// The errors of [`Seed::from_os`].

@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use crate::stored::exact;
 use crate::{Error, Result};
 
-/// The whole state of an environment and its wrappers, as JSON data, with every float it had.
+/// The whole state of an environment and its wrappers, as JSON data, NaN and infinite floats included.
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

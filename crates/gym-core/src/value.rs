@@ -265,7 +265,7 @@ impl fmt::Display for Value {
 /// | `i64`, `usize`, `u8`, `u32` | a `Discrete` |
 /// | an enum of [`discrete!`](crate::discrete) | a `Discrete`, from 0 on |
 /// | `[T; N]` of numbers | a `Box`, `MultiDiscrete` or `MultiBinary` of one axis |
-/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in the precision in which it comes |
+/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in its own precision |
 /// | [`Array`] | these of any shape |
 /// | [`String`] | a `Text` |
 /// | tuples of two to four of these | a `Tuple` |

@@ -103,7 +103,7 @@ impl<D: Native> Varied<D> {
         &self.drawn
     }
 
-    /// Goes on with values that were stored.
+    /// Continues with stored values.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if they are outside these ranges.

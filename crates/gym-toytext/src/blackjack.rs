@@ -37,7 +37,7 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether a win with a natural earns 1.5. Without effect if `sab` is set.
         pub natural: bool,
-        /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
+        /// Whether a natural beats every hand except another natural, as in Sutton and Barto's book.
         /// `Blackjack-v1` is registered with this set.
         pub sab: bool,
     }

@@ -11,7 +11,7 @@
 //! | limit | none |
 //! | info | `prob`: the probability of the outcome |
 //!
-//! Versions: v1 added `is_slippery`; v0, which Gymnasium no longer has, takes no arguments.
+//! Versions: v1 added `is_slippery`; v0, which Gymnasium has removed, takes no arguments.
 //!
 //! After Example 6.6 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
 //! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.

@@ -2,7 +2,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | `((row * 5 + column) * 5 + passenger) * 4 + destination`, where stands count red 0, green 1, yellow 2, blue 3, and a passenger aboard is 4; see [`encode`]; `Discrete(500)` |
+//! | observation | `((row * 5 + column) * 5 + passenger) * 4 + destination`, where the stands are red 0, green 1, yellow 2, blue 3, and a passenger aboard is 4; see [`encode`]; `Discrete(500)` |
 //! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
 //! | dynamics | walls and the border stop a move; see [`Config::is_rainy`] and [`Config::fickle_passenger`] for chance |
 //! | reward | -1 per step; 20 for a drop-off at the destination, -10 for an illegal pick-up or drop-off |
@@ -11,8 +11,8 @@
 //! | limit | 200 steps |
 //! | info | `prob`: the probability of the outcome; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
-//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
-//! longer has, is the version of 0.29 and takes none.
+//! Versions: v4 added all arguments (in Gymnasium 1.2, v3 had two of them, with faults); v3, which Gymnasium
+//! has removed, behaves as in 0.29 and takes none.
 //!
 //! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.
@@ -47,10 +47,10 @@ gym_core::arguments! {
         /// Whether a passenger may change the destination once, at the first move with them aboard.
         #[versions = 4..]
         pub fickle_passenger: bool,
-        /// In rain, the probability of going straight on; left and right share the rest.
+        /// In rain, the probability of moving straight; left and right share the rest.
         #[versions = 4..]
         pub rainy_probability: f64 = 0.8,
-        /// The probability that a fickle passenger does change the destination.
+        /// The probability that a fickle passenger changes the destination.
         #[versions = 4..]
         pub fickle_probability: f64 = 0.3,
     }

@@ -47,7 +47,7 @@ macro_rules! bins_config {
             pub struct Config {
                 /// The number of bins for each element of the bounded `Box`, at least 1.
                 pub bins: Bins,
-                /// Whether there is an integer for each element, rather than one that counts the combinations in
+                /// Whether each element has its own integer, instead of one integer for the combination, counted in
                 /// row-major order.
                 pub multidiscrete: bool = false,
             }

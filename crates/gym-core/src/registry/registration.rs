@@ -90,7 +90,7 @@ pub struct Need {
 }
 
 impl Need {
-    /// Whether it is there.
+    /// Whether the requirement is met.
     pub fn is_met(&self) -> bool {
         (self.is_met)()
     }
@@ -101,9 +101,9 @@ impl Need {
 pub struct Clip {
     /// Seeds of its episodes.
     pub seeds: Range<u64>,
-    /// Every n-th state is a frame.
+    /// Draws every n-th state.
     pub every: u32,
-    /// Frames at most.
+    /// The largest number of frames.
     pub frames: u32,
     /// Width and height in pixels.
     pub size: (u32, u32),

@@ -216,7 +216,7 @@ impl VectorSpec {
         env
     }
 
-    /// Makes the sub-environments, for a vector of one's own.
+    /// Makes the sub-environments, for your own kind of vector.
     ///
     /// # Errors
     /// The errors of [`EnvSpec::make`]; [`Error::InvalidArgument`] if the environments do not fit in memory, estimated
@@ -276,7 +276,7 @@ impl VectorSpec {
     }
 }
 
-/// The least memory of an environment from `make`, beside its observations: its state, its spec, and the
+/// The smallest memory of an environment from `make`, without its observations: its state, its spec, and the
 /// boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
@@ -292,7 +292,7 @@ fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
 }
 
 impl EnvBuilder {
-    /// Goes on to a vector of `num_envs` environments, each made with these options.
+    /// Starts a vector of `num_envs` environments, each made with these options.
     ///
     /// ```no_run
     /// # fn main() -> gym_core::Result<()> {

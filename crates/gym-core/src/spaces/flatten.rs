@@ -50,7 +50,7 @@ impl Space {
         written.map_err(|fault| self.refuse(value, &fault))
     }
 
-    /// The element that [`flatten`](Self::flatten) made a row of, with its types restored.
+    /// Converts a row from [`flatten`](Self::flatten) back to the element, with its types.
     ///
     /// Integers beyond 2^53 that were flattened together with real numbers are rounded.
     ///
@@ -205,7 +205,7 @@ impl Space {
         }
     }
 
-    /// The element of the first numbers of a row, which are taken off.
+    /// Removes the first numbers of a row, and returns their element.
     fn read_next<T: Numeric>(&self, flat: &mut &[T]) -> Result<Value, Fault> {
         let len = self.flat_len().unwrap_or_default();
         self.read_flat(flat.split_off(..len).unwrap_or_default())

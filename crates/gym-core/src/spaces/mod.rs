@@ -1,4 +1,4 @@
-//! Spaces: which observations and actions an environment has, and random elements of them.
+//! Spaces: the sets of observations and actions of an environment, and random elements of them.
 //!
 //! A [`Space`] is an immutable description. A [`Sampler`] has the generators that Gymnasium keeps
 //! in the space. Names, samples, printed form and rules of membership equal those of Gymnasium
@@ -296,8 +296,8 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
     }
 }
 
-/// The most numbers that an element may have: some gigabytes. A larger description is refused
-/// before memory runs out.
+/// The largest number of numbers in an element: some gigabytes. A larger space is refused, before
+/// memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// The number of elements of a shape.

@@ -30,7 +30,7 @@ use super::{Discrete, GraphSpace, MultiDiscrete, Space, TextSpace};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Selection<T> {
-    /// No preference.
+    /// The ordinary sample.
     #[default]
     Any,
     /// An entry per element of a `Discrete`, or per number of a `MultiBinary`.

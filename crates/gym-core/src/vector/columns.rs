@@ -96,7 +96,7 @@ impl Columns {
         self.rewards.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.rewards.is_empty()
     }

@@ -4,7 +4,7 @@
 //! lanes. A vector lets a group of sub-environments [begin](Lockstep::begin_step) their next call,
 //! [solves](Together::solve) the middle part for all of them, and then resets or steps each as a sync vector does:
 //! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
-//! those of a sync vector.
+//! equal to a sync vector's.
 
 use std::hint::black_box;
 use std::marker::PhantomData;
@@ -34,10 +34,10 @@ pub trait Lockstep: Env {
     /// The state that a group shares.
     type Group: Together;
 
-    /// Reads a little of everything that a step needs, and returns something made of it. The CPU then fetches the memory
-    /// of several environments at once; their steps would wait for it piece by piece. A vector calls it where it has
-    /// more environments than fit the cache. It must not panic, not even where a step has left the environment
-    /// half done by a panic.
+    /// Reads some bytes of all memory that a step needs, and returns a value computed from them. The CPU then fetches the
+    /// memory of several environments at once; their steps would wait for each piece in turn. A vector calls it if it has
+    /// more environments than fit the cache. It must not panic, even if a step panicked and left the environment half
+    /// updated.
     fn touch(&self) -> u32 {
         0
     }

@@ -12,7 +12,7 @@ pub trait RewardMap: Clone + fmt::Debug + Send + 'static {
     /// The map with some arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for arguments that make no map.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for invalid arguments.
     fn new(config: &Self::Config) -> Result<Self>;
 
     /// Another reward for a reward.

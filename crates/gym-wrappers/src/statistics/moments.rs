@@ -15,7 +15,7 @@ pub(crate) struct Batch<T> {
 }
 
 impl<T: Real> Batch<T> {
-    /// A single sample: variance 0, or NaN if the sample is not finite.
+    /// The moments of a single sample: variance 0, or NaN if the sample is not finite.
     pub(crate) fn of_one(x: T) -> Self {
         let mean = x;
         Self { mean, m2: (x - mean) * (x - mean), n: 1 }

@@ -1,11 +1,11 @@
-//! Instructions that are decoded once: each becomes a function and its operand, and calls the function of the next.
+//! Instructions decoded once: each becomes a function with an operand, and calls the next instruction's function.
 //!
 //! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the interpreter's work:
 //! they are [`Core::execute`], compiled for one opcode and for the known part of its address. Code in RAM, next to where
 //! banks are selected, and opcodes that games do not use are left to the interpreter.
 //!
-//! Within a block the processor's `cycle`, `pc` and byte on the bus stay those of the block's start: each instruction is compiled with its
-//! distance from there. Longer operations, such as `WSYNC`, move the start.
+//! Within a block the processor's `cycle`, `pc` and byte on the bus keep their values from the block's start: each instruction
+//! stores its distance from there. Longer operations, such as `WSYNC`, move the start.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};

@@ -1,7 +1,7 @@
 //! The 6532 RIOT: 128 bytes of RAM, two ports, and the interval timer.
 //!
-//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". What the timer reads
-//! after its end was measured: see `NOTICE.md`.
+//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". The timer's
+//! values after its end were measured: see `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 

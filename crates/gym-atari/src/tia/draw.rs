@@ -1,7 +1,7 @@
 //! From registers to lines, and from lines to the picture.
 //!
-//! A line is put together object by object: a change of one gives it other pixels from there on, and the rest of the
-//! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and reads of
+//! A line is composed object by object: a change of an object changes its pixels from there on, and the rest of the
+//! line stays. So most lines are painted at once, at their end; only colours, `VBLANK` and reads of
 //! collisions need the pixels before them painted earlier.
 //!
 //! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.

@@ -1,14 +1,14 @@
 //! The Television Interface Adaptor: draws the picture, line by line, while the program runs.
 //!
-//! Registers have the names and addresses of the Stella Programmer's Guide (1979). When a write shows, and what happens to
-//! objects that are moved while they are drawn, was measured: see `NOTICE.md`.
+//! Registers have the names and addresses of the Stella Programmer's Guide (1979). The timing of writes, and the effect of
+//! moving objects while they are drawn, were measured: see `NOTICE.md`.
 //!
 //! Time is counted in the processor's cycles, of which a line has 76, or in colour clocks, three to a cycle. The first 68
 //! clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number of cycles of the line that have passed
 //! at the end of an access.
 //!
-//! Nothing is drawn until something changes: a write first paints what lies before it with what was, and a write of what
-//! is there already does nothing.
+//! Drawing is delayed until a register changes: a write first paints the pixels before it with the old values, and a write
+//! of the value already there does nothing.
 
 mod draw;
 mod objects;

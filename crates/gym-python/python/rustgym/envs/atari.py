@@ -67,7 +67,7 @@ class Ale:
     # -- playing
 
     def act(self, action: SupportsIndex | Action, paddle_strength: float = 1.0) -> int:
-        """Plays a frame, in which the previous action may stick, and returns the reward; ``ValueError`` if it is not an ``Action``."""
+        """Plays a frame, in which the previous action may stick, and returns the reward; ``ValueError`` for no ``Action``."""
         # (ale-py's own `Action` is not a number)
         return self._native.act(action if isinstance(action, int) else operator.index(getattr(action, "value", action)), paddle_strength)
 

@@ -11,7 +11,7 @@
 //!
 //! Versions: 4 observes contact forces, and subtracts their cost, only with `use_contact_forces`; only 5 has `forward_reward_weight` and `main_body`. 3 also lacks the camera's arguments; 2 takes no arguments.
 //!
-//! Differences from Gymnasium: all numbers are equal, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
 //! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
 //! follows the torso.
 //!

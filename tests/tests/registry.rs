@@ -139,7 +139,7 @@ fn reset_options_that_are_not_known_are_refused() {
     let error = env.reset(reset()).unwrap_err().to_string();
     assert_eq!(
         error,
-        "invalid argument for reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (there are `low`, `high`)"
+        "invalid argument for reset options of `CartPole-v1`: unknown option `lo`: did you mean `low`? (known are `low`, `high`)"
     );
     for kind in gym::vector::VectorKind::ALL {
         let mut envs = gym::make_vec("CartPole-v1", 2, kind).unwrap();
@@ -151,7 +151,7 @@ fn reset_options_that_are_not_known_are_refused() {
         envs.reset_into(&reset.option("low", -0.01), &mut columns).unwrap();
     }
     let error = make("Pendulum-v1").unwrap().reset(Reset::seed(1).option("zzz", 1)).unwrap_err().to_string();
-    assert!(error.contains("unknown option `zzz` (there are `x_init`, `y_init`)"), "{error}");
+    assert!(error.contains("unknown option `zzz` (known are `x_init`, `y_init`)"), "{error}");
     // as in Gymnasium, where a task knows none
     make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }

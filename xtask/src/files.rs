@@ -21,7 +21,7 @@ pub(crate) fn create(folder: &Path) -> Result<(), String> {
     fs::create_dir_all(folder).map_err(at(folder))
 }
 
-/// What is in a folder, in the order of the names.
+/// The entries of a folder, sorted by name.
 pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(folder).map_err(at(folder))?;
     let mut paths =
@@ -30,7 +30,7 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(paths)
 }
 
-/// Copies a file, or a folder but for what Python's interpreter left there.
+/// Copies a file, or a folder without the caches of Python's interpreter.
 pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
     if !from.is_dir() {
         return fs::copy(from, to).map(|_| ()).map_err(at(from));

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     match run(env::args_os().skip(1).collect()) {
         Ok(code) => code,
         Err(error) => {
-            // `eprintln!` panics where nobody can be told
+            // `eprintln!` panics if standard error is closed
             let _ = writeln!(std::io::stderr(), "error: {error}");
             ExitCode::FAILURE
         }
@@ -69,7 +69,7 @@ fn own(command: &OsStr) -> Option<Own> {
     }
 }
 
-/// Builds the commands, and runs the one that is asked for.
+/// Builds the commands, and runs the requested one.
 fn start(build: &Build, plugin: Option<&Path>, arguments: &[OsString]) -> Result<ExitCode, String> {
     let mut cargo = Command::new(cargo());
     cargo.arg("run").args(["--profile", build.profile]);
@@ -104,14 +104,14 @@ fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
     writeln!(std::io::stdout(), "{line}").map_err(|error| format!("standard output: {error}"))
 }
 
-/// How the commands are built for one of them.
+/// The settings with which a command is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Build {
     profile: &'static str,
     feature: Option<&'static str>,
     /// The families that are linked without rapier2d.
     families: &'static str,
-    /// Whether this is the demo, and the first thing to be built: then what is quick to build is shown first.
+    /// Whether this is the demo, and nothing is built yet: then the families that build quickly are shown first.
     is_first_demo: bool,
     /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to build.
     rapier: bool,

@@ -101,7 +101,7 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     Ok(())
 }
 
-/// Says what to do where the compiler has no standard library for the target.
+/// The remedy if the compiler has no standard library for the target.
 fn check_target() -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output = Command::new(&rustc).args(["--print", "target-libdir", "--target", TARGET]).output();

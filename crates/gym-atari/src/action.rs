@@ -1,4 +1,4 @@
-//! What a player does during a frame.
+//! The actions of a player in a frame.
 
 use serde::{Deserialize, Serialize};
 

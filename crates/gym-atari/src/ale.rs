@@ -69,7 +69,7 @@ struct Progress {
     power_ons: usize,
     /// Draws whether an action sticks.
     generator: Mt19937,
-    /// What was done in the frame before.
+    /// The action of the previous frame.
     previous: Command,
     paddle: Paddle,
     score: i32,
@@ -162,7 +162,7 @@ impl Ale {
             self.progress.generator.random();
         }
         if self.game.menu.is_some() {
-            // what sticks in the menu, and what RAM keeps of it, depends on the seed
+            // sticky actions in the menu, and their traces in RAM, depend on the seed
             let Settings { repeat_action_probability, .. } = self.settings;
             let cartridge = self.console.cartridge().clone();
             let fresh = Self::with_cartridge(self.game, cartridge, seed, repeat_action_probability);

@@ -1,11 +1,11 @@
-//! Instructions that are decoded once: each becomes a function and its operand, and calls the function of the next.
+//! Instructions decoded once: each becomes a function with an operand, and calls the next instruction's function.
 //!
-//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do what the interpreter does:
-//! they are [`Core::execute`], compiled for one opcode and for what is known of its address. Code in RAM, next to where
+//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the interpreter's work:
+//! they are [`Core::execute`], compiled for one opcode and for the known part of its address. Code in RAM, next to where
 //! banks are selected, and opcodes that games do not use are left to the interpreter.
 //!
-//! Within a block the processor's `cycle`, `pc` and byte on the bus stay those of the block's start: each instruction knows how far
-//! from there it is. What takes longer, such as `WSYNC`, moves the start.
+//! Within a block the processor's `cycle`, `pc` and byte on the bus keep their values from the block's start: each instruction
+//! stores its distance from there. Longer operations, such as `WSYNC`, move the start.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -17,10 +17,10 @@ use crate::cpu::run::Core;
 use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
-/// The instructions of a block at most: where a call is no jump, the stack holds as many.
+/// The largest number of instructions of a block. Without tail calls, the stack holds a frame for each.
 const LONGEST: usize = 32;
 
-/// What goes from one instruction to the next.
+/// The state passed from one instruction to the next.
 pub(crate) struct Thread {
     cpu: Cpu,
     /// How many instructions may follow the block.
@@ -97,11 +97,11 @@ impl fmt::Debug for Blocks {
     }
 }
 
-/// Those of all consoles that there are.
+/// The blocks of all existing consoles.
 static KNOWN: Mutex<Vec<Weak<Blocks>>> = Mutex::new(Vec::new());
 
 impl Blocks {
-    /// The blocks of a cartridge's ROM: the same for all who ask while one of them has them.
+    /// The blocks of a cartridge's ROM, shared by all consoles that play it.
     pub(crate) fn of(cartridge: &Cartridge) -> Arc<Self> {
         let (scheme, rom) = (cartridge.scheme(), Arc::clone(&cartridge.rom));
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -124,7 +124,7 @@ impl Blocks {
     }
 }
 
-/// Executes instructions until a frame ends or the processor halts, and at most so many.
+/// Executes instructions until a frame ends or the processor halts, at most this number.
 pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, blocks: &Blocks, most: u32) {
     match cartridge.scheme() {
         Scheme::Rom2K | Scheme::Rom4K => run_blocks::<Fixed>(cpu, chips, cartridge, blocks, most),
@@ -136,7 +136,7 @@ pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, b
     }
 }
 
-/// Executes instructions one by one; returns whether something stopped it before so many.
+/// Executes instructions one by one; returns whether it stopped before this number.
 #[inline(never)]
 fn interpret(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: u32) -> bool {
     cpu.run(Wires::<Any, { case::ANY }>::new(chips, cartridge), most)
@@ -174,7 +174,7 @@ fn run_blocks<K: Kind>(
     *cpu = thread.cpu;
 }
 
-/// The block that starts at an address of the cartridge; empty where the interpreter is to go on.
+/// The block that starts at an address of the cartridge; empty if the interpreter must continue.
 #[cold]
 #[inline(never)]
 fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
@@ -206,7 +206,7 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// What is known of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
+/// The known parts of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
 /// `waits` says whether it may end a loop that waits for a register.
 fn case_of<K: Kind>(
     Instruction { operation, mode }: Instruction,
@@ -273,7 +273,7 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
 }
 
 /// Executes the first instruction, and then those that follow. It is compiled for a case, and if it turns out that the case
-/// does not cover what the instruction does, it is executed as in the case `AGAIN`.
+/// does not cover the instruction, it is executed as in the case `AGAIN`.
 ///
 /// All that is rare is left to that function, which is called last: a call before would cost each instruction the registers that it
 /// saves.

@@ -136,7 +136,7 @@ impl Cartridge {
     }
 
     /// Reads a byte, of which only the lower 12 bits of the address count, and bit 13 in `FE`. The byte last seen on the bus
-    /// is what an address reads that nothing answers.
+    /// is read at addresses without a chip.
     #[inline(always)]
     pub fn read(&mut self, address: u16, bus: u8) -> u8 {
         let low = address & 0x0fff;
@@ -145,7 +145,7 @@ impl Cartridge {
         } else if low < 0x0100 && self.banks.scheme.has_ram() {
             let cell = usize::from(low & 0x7f);
             if low < 0x80 {
-                // a read of the write port stores what is on the bus
+                // a read of the write port stores the byte on the bus
                 self.banks.ram[cell] = bus;
                 return bus;
             }
@@ -216,7 +216,7 @@ impl Cartridge {
     }
 }
 
-/// What a kind of cartridge does, so that the processor runs on code for that kind alone.
+/// The behaviour of a kind of cartridge, so that the processor's code is compiled for each kind.
 pub(crate) trait Kind: 'static {
     /// The addresses of a bank that do nothing but read, from the first one on.
     const PLAIN: u16;

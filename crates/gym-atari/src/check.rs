@@ -51,7 +51,7 @@ impl Sums {
         runs.into_iter().filter(|(_, equal)| !equal).map(|(run, _)| run).collect()
     }
 
-    /// What this crate gives.
+    /// This crate's results.
     pub fn of(rom: &Rom) -> Self {
         let game = rom.game();
         let run = |seed, actions: &[Action], repeat_action_probability| {
@@ -76,7 +76,7 @@ impl Sums {
     }
 }
 
-/// A game that is played at random, and the sum of what came of it.
+/// A game played at random, and the checksum of its results.
 struct Run {
     ale: Ale,
     sum: Hasher,

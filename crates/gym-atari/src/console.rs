@@ -32,7 +32,7 @@ const MOST_INSTRUCTIONS: u32 = 25_000;
 /// A row of the picture: a colour index, which is even, for each of 160 pixels.
 pub type Row = crate::screen::Row;
 
-/// What the controllers and switches do during a frame.
+/// The positions of controllers and switches during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input {
     /// Port A of the RIOT, `SWCHA`: joystick directions, the left stick in the upper four bits, 0 where pressed.
@@ -143,7 +143,7 @@ impl Console {
     }
 
     /// Whether the last call did not draw a whole picture: the frame ended before, or is not over, or had begun in the
-    /// call before. The rest of the picture is then what it was two frames ago.
+    /// call before. The rest of the picture is then as two frames ago.
     pub fn is_short(&self) -> bool {
         self.chips.continued || !self.chips.frame_ended || self.chips.tia.is_short()
     }

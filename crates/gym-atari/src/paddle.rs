@@ -11,7 +11,7 @@ pub(crate) struct Paddle(u32);
 
 /// The resistance at the right end. That at the left end depends on the game.
 const LEAST: u32 = 27_450;
-/// What an action changes in a frame.
+/// The change by an action in a frame.
 const STEP: f64 = 23_000.0;
 /// The processor's cycles in a second.
 const CYCLES_PER_SECOND: f64 = 1.19e6;

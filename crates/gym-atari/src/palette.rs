@@ -103,7 +103,7 @@ const fn gray([red, green, blue]: [u8; 3]) -> u8 {
 mod tests {
     use super::*;
 
-    /// Sums of what ale-py shows of a program that paints each index.
+    /// Checksums of ale-py's pictures of a program that paints each index.
     #[test]
     fn a_pal_set_has_the_colors_of_ale_py() {
         assert_eq!(crc32fast::hash(PAL_RGB.as_flattened()), 0xac0c_80bc);

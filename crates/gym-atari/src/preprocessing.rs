@@ -89,11 +89,13 @@ impl<E: Env> AtariPreprocessing<E> {
             return refuse(format!("{} is not an Atari environment", env.describe()));
         };
         let stack = env.describe();
-        // what `make` gives says its id within
+        // `describe` of an environment from `make` contains its id
         let id = env.spec().map(|spec| spec.id).unwrap_or_default();
         let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty() && *layer != id);
         if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
-            return refuse(format!("{layer} is around the environment: put it around AtariPreprocessing"));
+            return refuse(format!(
+                "the environment is wrapped in {layer}: wrap it in AtariPreprocessing first"
+            ));
         }
         if atari.config().frameskip != Frameskip::Fixed(1) {
             return refuse(format!(
@@ -133,8 +135,8 @@ impl<E: Env> AtariPreprocessing<E> {
         self.env
     }
 
-    /// Plays a step's frames, of which those from `first_seen` on are drawn. What they leave is the sum of rewards, how it
-    /// ended, and the two last frames; and whether a picture may show what an undrawn frame left.
+    /// Plays a step's frames, and draws those from `first_seen` on. Returns the sum of rewards, the end, and the two last
+    /// frames; and whether a picture may show remains of an undrawn frame.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self { env, settings, frames, lives, .. } = self;
         let env = within_mut(env);
@@ -173,7 +175,7 @@ fn look(env: &AtariEnv, out: &mut [u8]) {
     out.copy_from_slice(env.ale().picture().as_flattened());
 }
 
-/// Turns the colours of a picture into those of another where these are brighter.
+/// Replaces the colours of a picture by another picture's where these are brighter.
 fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
     let cells = picture.as_chunks_mut::<32>().0.iter_mut().zip(other.as_chunks::<32>().0);
     for (cell, other) in cells.filter(|(cell, other)| cell != other) {
@@ -268,7 +270,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         let pixels = self.frames[0].len();
         let decode = |text: &str| {
             crate::bytes::decode_vec(text, pixels)
-                .ok_or_else(|| Error::Snapshot(format!("a frame of it is not {pixels} bytes")))
+                .ok_or_else(|| Error::Snapshot(format!("its frames must have {pixels} bytes each")))
         };
         let frames = [decode(&last)?, decode(&before)?];
         self.env.restore(&env)?;

@@ -7,7 +7,7 @@ use crate::action::Action;
 use crate::ale::{Ale, Settings};
 use crate::rom::Rom;
 
-/// A recorded game: what was asked, and the answers, a list of each kind with an entry for each operation.
+/// A recorded game: operations and answers, in one list of each kind with an entry for each operation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recording {
     /// `raw`.
@@ -20,7 +20,7 @@ pub struct Recording {
     pub mode: Option<u16>,
     /// The difficulty; `None` for the default.
     pub difficulty: Option<u8>,
-    /// What there was at the start.
+    /// The state at the start.
     pub start: Start,
     /// 0 to 17 play a frame with an action, -1 starts an episode.
     pub ops: Vec<i8>,
@@ -42,7 +42,7 @@ pub struct Recording {
     pub frame: Vec<u32>,
 }
 
-/// What there was before the first operation.
+/// The state before the first operation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Start {
     /// The RAM.
@@ -109,7 +109,7 @@ impl Recording {
         Ok(answers)
     }
 
-    /// The first operation whose answers differ in another recording of the same operations, and what differs.
+    /// The first operation whose answers differ in another recording of the same operations, and the differing part.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.start != other.start {
             return Some("the start".to_owned());

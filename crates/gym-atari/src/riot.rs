@@ -1,7 +1,7 @@
 //! The 6532 RIOT: 128 bytes of RAM, two ports, and the interval timer.
 //!
-//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". What the timer reads
-//! after its end was measured: see `NOTICE.md`.
+//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". The timer's
+//! values after its end were measured: see `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,9 +11,9 @@ pub struct Riot {
     /// The machine's RAM, `$80` to `$FF` of the processor.
     #[serde(with = "crate::bytes")]
     pub ram: [u8; 128],
-    /// What the controllers drive onto port A, read at `SWCHA`.
+    /// The controllers' bits on port A, read at `SWCHA`.
     pub port_a: u8,
-    /// What the console's switches drive onto port B, read at `SWCHB`.
+    /// The console switches' bits on port B, read at `SWCHB`.
     pub port_b: u8,
     swcha: u8,
     swacnt: u8,
@@ -71,7 +71,7 @@ impl Riot {
         (is_intim && value > 0).then(|| written + 1 + (u64::from(value - 1) << shift))
     }
 
-    /// What `INTIM` reads as at a cycle before its interval ends.
+    /// The value of `INTIM` at a cycle before its interval ends.
     pub(crate) fn count(&self, cycle: u64) -> u8 {
         self.timer.count(cycle).1 as u8
     }
@@ -101,7 +101,7 @@ struct Timer {
     /// The interval is `1 << shift` cycles.
     shift: u8,
     written: u64,
-    /// What the first read after the end found; it puts the interval back.
+    /// The value of the first read after the end, which restores the interval.
     read_after_end: Option<i64>,
 }
 
@@ -127,7 +127,7 @@ impl Timer {
         }
     }
 
-    /// What `INTIM` reads as at `cycle`, and up to which cycle; after the end of the interval a read changes the timer.
+    /// The value of `INTIM` at `cycle`, and the cycle up to which it stays; after the end of the interval a read changes the timer.
     fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {

@@ -25,7 +25,7 @@ pub struct Rom {
 }
 
 impl Rom {
-    /// A ROM from its bytes, if they are those of a game.
+    /// A ROM from its bytes, if they are a known game's.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if no game has a ROM of this MD5.
@@ -40,7 +40,7 @@ impl Rom {
         }
     }
 
-    /// A program of one's own, played under the settings of a game, whose MD5 it need not have.
+    /// Your own program, played with the settings of a game; its MD5 is not checked.
     pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
         Self { game, md5: format!("{:x}", md5::compute(bytes)), bytes: bytes.into() }
     }
@@ -148,7 +148,10 @@ impl RomDir {
         if bytes.len() > MAX_LEN {
             return Err(Error::argument(
                 game.title,
-                format!("the ROM {} is longer than {MAX_LEN} bytes, and no cartridge is", path.display()),
+                format!(
+                    "the ROM {} is longer than {MAX_LEN} bytes, the largest cartridge: it is not a ROM of this game",
+                    path.display()
+                ),
             ));
         }
         let md5 = format!("{:x}", md5::compute(&bytes));
@@ -169,7 +172,7 @@ impl RomDir {
 /// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file where [`RomDir::find`] looks.
 ///
 /// # Errors
-/// As [`RomDir::rom`]; without any folder, an error with the remedy.
+/// The errors of [`RomDir::rom`]; without any folder, an error with the remedy.
 pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     if folder.is_none()
         && let Some(rom) = provided(game)

@@ -1,6 +1,6 @@
 //! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
 //!
-//! Each number is the mean of what it covers of the picture: first of the columns of each row, then of the rows, in
+//! Each number is the mean of the pixels that it covers: first of the columns of each row, then of the rows, in
 //! `f32` and in that order. Most of a picture is as in the one before, so all sums are kept, and only those are added up
 //! anew that cover something else.
 
@@ -17,7 +17,7 @@ const CELL: usize = 8;
 /// The index of black.
 const BLACK: u8 = 0;
 
-/// What one number covers along one axis: the first of the source, and the share of each from there on.
+/// The source pixels of one number along one axis: the first, and the share of each from there on.
 #[derive(Clone, Copy, Debug)]
 struct Cover {
     first: usize,
@@ -34,13 +34,13 @@ pub(crate) struct Shrink {
     cells: Vec<Range<usize>>,
     /// Whether no number covers more than a few columns.
     few_columns: bool,
-    /// The shade that each byte of a picture stands for.
+    /// The shade of each byte of a picture.
     pub(crate) shades: &'static [u8; 256],
     /// The picture that was shrunk last; a black one at first.
     picture: Vec<Row>,
     /// Its sums over columns, row by row.
     across: Vec<f32>,
-    /// What came of it.
+    /// The result.
     small: Vec<u8>,
     /// The rows of which the sums were added up anew.
     changed: Vec<bool>,
@@ -51,7 +51,7 @@ pub(crate) struct Shrink {
 }
 
 impl Shrink {
-    /// From pictures of so many rows to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
+    /// From pictures with this number of rows to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
     pub(crate) fn new(height: usize, target: (usize, usize), shades: &'static [u8; 256]) -> Option<Self> {
         let rows = covers(height, target.0)?;
         let columns = covers(WIDTH, target.1)?;
@@ -162,7 +162,7 @@ fn round(shade: f32) -> u8 {
     (shade + 8_388_608.0).to_bits() as u8
 }
 
-/// What each number covers, with shares below a thousandth left out.
+/// The source pixels of each number, without shares below a thousandth.
 fn covers(source: usize, target: usize) -> Option<Vec<Cover>> {
     const LEAST: f64 = 1e-3;
     if target == 0 || target > source || source > 14 * target {
@@ -198,7 +198,7 @@ fn covers(source: usize, target: usize) -> Option<Vec<Cover>> {
 mod tests {
     use super::*;
 
-    /// Checksums of what OpenCV 5.0.0 makes of a picture of noise.
+    /// Checksums of OpenCV 5.0.0's results for a picture of noise.
     #[test]
     fn equals_opencvs() {
         let noise: Vec<u8> = (0..210 * 160u32)
@@ -226,7 +226,7 @@ mod tests {
         shades
     };
 
-    /// What is kept of the pictures before does not show.
+    /// Data kept from earlier pictures does not affect the result.
     #[test]
     fn changes_come_out_as_new_pictures_do() {
         for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {

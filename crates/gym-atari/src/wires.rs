@@ -8,17 +8,17 @@ use crate::riot::Riot;
 use crate::screen::Screen;
 use crate::tia::Tia;
 
-/// What the processor sees while a frame runs. `CASE` is what is known of the address that an instruction names: see
+/// The processor's bus while a frame runs. `CASE` is the known part of the address that an instruction names: see
 /// [`case`].
 pub(crate) struct Wires<'a, K, const CASE: u8> {
     chips: &'a mut Chips,
     cartridge: &'a mut Cartridge,
-    /// Whether the instruction did what its case does not cover; nothing has come of it then.
+    /// Whether the instruction did something that its case does not cover; it then had no effect.
     pub(crate) missed: bool,
     kind: PhantomData<K>,
 }
 
-/// What is known of the address that an instruction names, and of those that it reads on the way there.
+/// The known part of the address that an instruction names, and of the addresses that it reads before.
 pub(crate) mod case {
     /// Nothing.
     pub(crate) const ANY: u8 = 0;
@@ -41,7 +41,7 @@ impl<'a, K, const CASE: u8> Wires<'a, K, CASE> {
     }
 }
 
-/// What is soldered in: all but the processor and the cartridge.
+/// The console without the processor and the cartridge.
 #[derive(Clone, Debug)]
 pub(crate) struct Chips {
     pub(crate) riot: Riot,
@@ -70,7 +70,7 @@ fn is_riot(address: u16) -> bool {
 }
 
 impl Chips {
-    /// Reads from anything but the cartridge, where `bus` is what was last on the bus.
+    /// Reads from anything but the cartridge; `bus` is the last byte on the bus.
     #[inline(never)]
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
         if is_ram(address) {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | observation | motion of the hull, joints and contacts of the legs, ten distances by lidar; `Box(24, float32)`, see below |
 //! | action | hip and knee of the first leg, hip and knee of the second: direction and strength of the motor, as a share of 80 N m; `Box(-1, 1, (4,), float32)` |
-//! | reward | 130/30 per m forward, less 5 per rad that the hull tilts, less 0.028 per motor and step at full strength; -100 for a fall |
+//! | reward | 130/30 per m forward, less 5 per rad that the hull tilts, less 0.028 per step for each motor at full strength; -100 for a fall |
 //! | start | standing, with a random push; reset options: none |
 //! | end | terminated when the hull touches the ground, the walker goes back beyond the start, or reaches the end |
 //! | limit | 1600 steps (hardcore: 2000) |
@@ -93,9 +93,9 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Whether stumps, stairs and pits are in the way.
+        /// Whether the ground has stumps, stairs and pits.
         pub hardcore: bool,
-        /// Which engine moves the walker: `box2d` or `rapier`.
+        /// The physics engine: `box2d` or `rapier`.
         pub physics: Physics,
     }
 }
@@ -132,7 +132,7 @@ struct Episode {
     lidar: [f32; LIDAR_RAYS],
     /// Frames rendered, up to 99: the beam of the lidar sweeps with them.
     pictures: usize,
-    /// That of the step that has begun.
+    /// The action of the step that has begun.
     #[serde(skip)]
     action: Continuous<4>,
 }
@@ -252,7 +252,7 @@ impl Episode {
         }
     }
 
-    /// The motors, and the world's step: all of it, or the first part if others go along.
+    /// Drives the motors, and steps the world: fully, or only the first part if several worlds step together.
     fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
         for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
@@ -266,7 +266,7 @@ impl Episode {
         common::step(&mut self.world, FPS, worlds)
     }
 
-    /// What follows from the world's step.
+    /// Observation, reward and end of the episode, from the world after its step.
     fn finish(&mut self) -> ([f32; 24], Outcome) {
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.hull);
@@ -339,7 +339,7 @@ impl Episode {
     }
 
     fn is_valid(&self) -> bool {
-        /// Far beyond what the end of the ground is worth.
+        /// Far beyond the potential at the end of the ground.
         const MAX_SHAPING: f64 = 1e6;
         let world = &self.world;
         world.is_valid()
@@ -570,7 +570,7 @@ const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",
 );
-/// What all ids have in common.
+/// The registration that all ids share.
 const fn walker(id: &'static str) -> Registration {
     Registration::new::<BipedalWalker>(id)
         .description("Walk on two legs over slightly uneven ground.")

@@ -1,4 +1,4 @@
-//! What the three environments share.
+//! Parts that the three environments share.
 
 use fearless_simd::Level;
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
@@ -8,10 +8,10 @@ use serde_json::Value as Json;
 
 use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
-/// The arguments with one set to a value in JSON; those that decide spaces and engine stay as they are.
+/// The arguments with one set to a value in JSON. Arguments that decide spaces and engine cannot be set.
 pub(crate) fn assigned<C: Arguments>(config: &C, name: &str, value: Json, whose: &str) -> Result<C> {
     if matches!(name, "continuous" | "physics") {
-        return Err(Error::argument(whose, format!("{name} cannot be changed: make an environment with it")));
+        return Err(Error::argument(whose, format!("{name} is fixed: make a new environment to change it")));
     }
     arguments::read(config, u32::MAX, &[(name.to_owned(), value)].into_iter().collect(), whose)
 }
@@ -51,7 +51,7 @@ pub(crate) enum Call {
     Step,
 }
 
-/// A step of the world: all of it, or the first part if others go along.
+/// Steps the world: fully, or only the first part if several worlds step together.
 pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> Place {
     let dt = (1.0 / fps) as f32;
     match worlds {
@@ -83,7 +83,7 @@ pub(crate) const fn on_rapier(registration: Registration) -> Registration {
 /// An exception to the checks of gym-conform.
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
 
-/// The rules of a version of `env`: later ones have those of 3.
+/// The rules of a version of `env`: later versions use those of version 3.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for a version that never was.

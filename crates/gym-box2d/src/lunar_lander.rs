@@ -4,9 +4,9 @@
 //! |---|---|
 //! | observation | position, velocity, angle and angular velocity of the craft, contacts of its legs; `Box(8, float32)`, see below |
 //! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)`: the main engine is off up to 0 and goes from half to full power at 1; the left engine fires below -0.5, the right one above 0.5 |
-//! | reward | the step's gain in nearness, slowness, uprightness and leg contacts, less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
+//! | reward | the step's increase of a potential, which is higher near the pad, at low speed, upright and with legs on the ground; less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
 //! | start | top centre, with a random push; reset options: none |
-//! | end | terminated when the hull touches the ground, the craft leaves the sides or comes to rest |
+//! | end | terminated when the hull touches the ground, or the craft leaves the picture at a side or comes to rest |
 //! | limit | 1000 steps |
 //!
 //! | number | observation | unit |
@@ -18,8 +18,8 @@
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
 //! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
-//! Gymnasium no longer has, takes its wind from a copy of the generator, where Gym took it from numpy's
-//! global one.
+//! Gymnasium has removed, draws its wind from a copy of the environment's generator; Gym drew it from
+//! numpy's global one.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/lunar_lander.py`.
@@ -74,20 +74,20 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub struct Config {
-        /// Two throttles instead of one engine at a time.
+        /// Whether an action is two throttles instead of one engine.
         pub continuous: bool,
         /// Acceleration of gravity, between -12 and 0, both excluded.
         #[unit = "m/s²"]
         pub gravity: f64 = -10.0,
         /// Whether wind blows until a leg touches the ground.
         pub enable_wind: bool,
-        /// Greatest force of the wind; 0 to 20 is sensible.
+        /// The largest force of the wind; recommended are 0 to 20.
         #[unit = "N"]
         pub wind_power: f64 = 15.0,
-        /// Greatest torque of the wind; 0 to 2 is sensible.
+        /// The largest torque of the wind; recommended are 0 to 2.
         #[unit = "N m"]
         pub turbulence_power: f64 = 1.5,
-        /// Which engine moves the craft: `box2d` or `rapier`.
+        /// The physics engine: `box2d` or `rapier`.
         pub physics: Physics,
     }
 }
@@ -103,7 +103,7 @@ impl Config {
 }
 
 gym_core::discrete! {
-    /// Which engine fires.
+    /// The engine that fires.
     pub enum Engine {
         /// No engine.
         Off,
@@ -116,7 +116,7 @@ gym_core::discrete! {
     }
 }
 
-/// What the engines do.
+/// An action: the use of the engines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// One engine at full power, or none.
@@ -164,7 +164,7 @@ pub struct LunarLander {
     config: Config,
     version: u32,
     episode: Option<Episode>,
-    /// Whether pictures are taken.
+    /// Whether frames are rendered.
     renders: bool,
     ahead: Option<Ahead>,
 }
@@ -185,14 +185,14 @@ struct Episode {
     game_over: bool,
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
-    /// What the engines emit, if pictures are taken.
+    /// The exhaust of the engines, kept only while frames are rendered.
     exhaust: Option<Exhaust>,
     /// Main and side throttle in the step that has begun.
     #[serde(skip)]
     throttles: [f64; 2],
 }
 
-/// Far beyond the 20 up to which Gymnasium recommends wind, and far below what overflows a `float32`.
+/// Far above the 20 that Gymnasium recommends as the strongest wind, and far below an overflow of `float32`.
 const MAX_POWER: f64 = 1e6;
 
 impl LunarLander {
@@ -207,7 +207,7 @@ impl LunarLander {
     /// As [`new`](Self::new), by the rules of version 2 or 3.
     ///
     /// # Errors
-    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("LunarLander", version)?;
         Self::check(&config)?;
@@ -239,7 +239,7 @@ impl LunarLander {
     /// reset.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let config = common::assigned(&self.config, name, value, "LunarLander")?;
         Self::check(&config)?;
@@ -364,7 +364,7 @@ impl Episode {
         self.world.apply_torque(self.lander, torque_mag as f32);
     }
 
-    /// An engine at a place of the craft: it pushes the craft one way and a puff the other.
+    /// Fires an engine at a point of the craft: an impulse on the craft, and the opposite one on an exhaust particle.
     fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
         let position = self.world.position(self.lander);
         let at = [f64::from(position.x) + ox + at[0], f64::from(position.y) + oy + at[1]];
@@ -376,7 +376,7 @@ impl Episode {
         }
     }
 
-    /// Wind and engines, and the world's step: all of it, or the first part if others go along.
+    /// Applies wind and engines, and steps the world: fully, or only the first part if several worlds step together.
     fn begin(&mut self, config: &Config, action: &Action, worlds: Option<&mut Worlds>) -> Place {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);
@@ -420,7 +420,7 @@ impl Episode {
         common::step(&mut self.world, FPS, worlds)
     }
 
-    /// What follows from the world's step.
+    /// Observation, reward and end of the episode, from the world after its step.
     fn finish(&mut self) -> ([f32; 8], Outcome) {
         let [m_power, s_power] = self.throttles;
         if let Some(exhaust) = &mut self.exhaust {
@@ -474,7 +474,7 @@ impl Episode {
     }
 
     fn is_valid(&self) -> bool {
-        /// Far beyond what any place and speed are worth.
+        /// Far beyond the potential of any position and speed.
         const MAX_SHAPING: f64 = 1e6;
         let [a, b] = self.legs;
         self.world.is_valid()
@@ -506,7 +506,7 @@ impl Episode {
     }
 }
 
-/// Where a point of the ground is.
+/// The position of a point of the ground.
 fn chunk_x(i: usize) -> f64 {
     W / (CHUNKS - 1) as f64 * i as f64
 }
@@ -680,7 +680,7 @@ const V2_EXCEPTIONS: &[(&str, &str)] =
 const SPINS: (&str, &str) =
     ("observation-in-space", "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too");
 
-/// What all ids have in common.
+/// The registration that all ids share.
 const fn lander(id: &'static str) -> Registration {
     Registration::new::<LunarLander>(id)
         .description("Land a craft softly between two flags.")

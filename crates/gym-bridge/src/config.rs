@@ -5,7 +5,7 @@ use std::time::Duration;
 use gym_core::{Error, Kwargs, Result};
 
 gym_core::arguments! {
-    /// How a Python environment is made.
+    /// The arguments of a Python environment.
     pub struct Config {
         /// The id in Python; `module:id` imports the module first.
         pub env_id: Option<String>,
@@ -17,7 +17,7 @@ gym_core::arguments! {
         pub module: Option<String>,
         /// The interpreter.
         pub python: Option<PathBuf>,
-        /// How long to wait for an answer.
+        /// The time to wait for an answer.
         #[unit = "s"]
         pub timeout: f64 = 60.0,
         /// Whether snapshots are taken and restored, which runs code that the snapshot names.
@@ -41,7 +41,7 @@ impl Config {
         }
         match self.backend.as_deref() {
             None | Some("gym" | "gymnasium") => Ok(env_id),
-            Some(other) => wrong(&format!("`backend` is {other:?}: there are \"gym\" and \"gymnasium\"")),
+            Some(other) => wrong(&format!("`backend` is {other:?}: choose \"gym\" or \"gymnasium\"")),
         }
     }
 
@@ -49,7 +49,7 @@ impl Config {
         Duration::from_secs_f64(self.timeout)
     }
 
-    /// The interpreter in the arguments, that of the virtual environment, or the system's.
+    /// The interpreter of the arguments, of the virtual environment, or of the system, in this order.
     pub(crate) fn python(&self) -> PathBuf {
         let of_venv = |venv| {
             let folder = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };

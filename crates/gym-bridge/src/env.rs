@@ -33,7 +33,7 @@ enum State {
     Closed,
 }
 
-/// What a snapshot holds.
+/// The content of a snapshot.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     config: Config,
@@ -301,7 +301,7 @@ impl Env for PythonEnv {
             Value::Array(array) => Rendered::Frame(frame(&array).ok_or_else(|| {
                 let shape = array.shape();
                 Error::Contract(format!(
-                    "`{}` renders an array of {} with shape {shape:?}",
+                    "`{}` rendered an array of {} with shape {shape:?}: a frame is uint8 of shape (height, width, 3)",
                     self.name,
                     array.dtype()
                 ))

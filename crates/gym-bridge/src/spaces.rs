@@ -66,7 +66,7 @@ fn space(described: &Value) -> Result<Space> {
     })
 }
 
-/// Bounds in the shape of their box, for all of whose elements one number may stand.
+/// Bounds in the shape of their box; one number may stand for all elements.
 fn bounds(described: &Array, shape: &[usize]) -> Result<Array> {
     let mut bounds = Array::zeros(described.dtype(), shape)?;
     let bytes = described.to_bytes();

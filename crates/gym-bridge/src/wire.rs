@@ -90,12 +90,12 @@ pub(crate) struct Reader<'a, R> {
 }
 
 impl<'a, R: BufRead> Reader<'a, R> {
-    /// Reads a frame of so many bytes.
+    /// Reads a frame of a given length in bytes.
     pub(crate) fn new(stream: &'a mut R, length: u64) -> Self {
         Self { stream, left: length, failure: None }
     }
 
-    /// What is wrong with a frame that was read: the stream's failure, or `None` if its bytes are invalid.
+    /// The error of reading a frame: the stream's failure, or `None` if the bytes are invalid.
     pub(crate) fn into_failure(self) -> Option<io::Error> {
         self.failure
     }

@@ -23,7 +23,7 @@ U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 
 class Refused(Exception):
-    """What this worker itself has to say: no traceback belongs to it."""
+    """An error of the worker itself, reported without a traceback."""
 
 
 class NoForm(Exception):
@@ -74,7 +74,7 @@ class Frame(bytearray):
             self.arrays.append((len(self), memory))
 
     def cut(self, length):
-        """Takes back what was written since the bytes were so many."""
+        """Removes everything written since the size was this."""
         del self[length:]
         while self.arrays and self.arrays[-1][0] > length:
             self.arrays.pop()
@@ -175,7 +175,7 @@ def integer(out, value):
 
 
 def plain(out, value, depth=0):
-    """Writes what stands in `info`: numbers, texts, arrays, and lists and dicts of them."""
+    """Writes a value of `info`: a number, text or array, or a list or dict of them."""
     if depth > 32:
         raise NoForm("nested too deeply")
     if value is None:
@@ -237,14 +237,14 @@ def kind_of_sample(space):
             return "AnyText"
     except Exception:
         pass
-    raise Refused(f"the space {space!r} has no counterpart: its class is {type(space).__module__}.{type(space).__name__}")
+    raise Refused(f"the space {space!r} is not supported: its class is {type(space).__module__}.{type(space).__name__}")
 
 
 def bounds(numbers):
     """The bounds of a box: one number where all are alike."""
     numbers = np.ascontiguousarray(numbers)
     if numbers.dtype.name not in [*DTYPES, "float16", "bool"]:
-        raise Refused(f"a box of {numbers.dtype} has no counterpart: the types are {', '.join(DTYPES)}, float16 and bool")
+        raise Refused(f"a box of {numbers.dtype} is not supported: the types are {', '.join(DTYPES)}, float16 and bool")
     bits = numbers.reshape(-1).view(f"u{numbers.itemsize}")
     return numbers.reshape(-1)[:1].reshape(()) if bits.size and (bits == bits[0]).all() else numbers
 
@@ -294,12 +294,12 @@ def numbers_of(space, value):
     """An array as an element of a space: of the space's type and shape."""
     given = np.asarray(value)
     if given.dtype.kind not in "biuf":
-        raise NoForm(f"it holds {given.dtype}, and the space {np.dtype(space.dtype)}")
+        raise NoForm(f"it has type {given.dtype}, and the space has {np.dtype(space.dtype)}")
     numbers = np.asarray(given, space.dtype)
     if numbers.dtype.kind in "iu" and given.dtype != numbers.dtype and not np.array_equal(numbers, given):
-        raise NoForm(f"it holds numbers that are no {numbers.dtype}")
+        raise NoForm(f"it holds numbers that {numbers.dtype} cannot represent")
     if numbers.shape != space.shape:
-        raise Refused(f"an observation has the shape {numbers.shape} and its space the shape {space.shape}")
+        raise Refused(f"an observation has the shape {numbers.shape}, and its space has {space.shape}")
     return numbers
 
 
@@ -309,16 +309,16 @@ def element(out, space, kind, value):
         array(out, numbers_of(space, value))
     elif kind == "Discrete":
         if int(value) != value:
-            raise NoForm("it is no whole number")
+            raise NoForm("it is not a whole number")
         integer(out, value)
     elif kind == "Text" or kind == "AnyText":
         if not isinstance(value, str):
-            raise NoForm(f"it is of type {type(value).__name__} and no text")
+            raise NoForm(f"it is of type {type(value).__name__}, not a text")
         out.append(TEXT)
         text(out, value)
     elif kind == "Tuple":
         if len(value) != len(space.spaces):
-            raise NoForm(f"it has {len(value)} members, and the space {len(space.spaces)}")
+            raise NoForm(f"it has {len(value)} members, and the space has {len(space.spaces)}")
         out.append(TUPLE)
         out += U32.pack(len(space.spaces))
         for member, item in zip(space.spaces, value):
@@ -442,7 +442,7 @@ class Server:
         self.is_asked = False
 
     def interrupt(self, number, frame):
-        """What Ctrl+C does, which reaches this process too: it interrupts the environment, not the wait for a request."""
+        """Ctrl+C reaches this process too: it interrupts the environment, not the wait for a request."""
         if self.is_asked:
             raise KeyboardInterrupt
 
@@ -486,7 +486,7 @@ class Server:
             raise Refused(f"`reset` returned {shortened(repr, result)}: it must return observation and info")
         observation, info = result
         spaces = self.look()
-        # those that the other side did not take are told again
+        # entries that the other side did not take are sent again
         are_known = alike(spaces, self.spaces) and alike(spaces, self.made)
         plain(out, None if are_known else spaces)
         self.spaces = spaces
@@ -500,7 +500,7 @@ class Server:
             raise
         except Exception as error:
             shown = shortened(repr, observation)
-            raise Refused(f"the observation {shown} is no element of {self.observation_space}: {shortened(str, error)}") from None
+            raise Refused(f"the observation {shown} is not an element of {self.observation_space}: {shortened(str, error)}") from None
 
     def told(self, out, info):
         if not isinstance(info, dict):
@@ -595,7 +595,7 @@ def failure(error):
 
 
 def flush():
-    """What the environment printed; its streams may be closed or replaced."""
+    """The environment's output; its streams may be closed or replaced."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

@@ -12,11 +12,11 @@ use gym_core::{Error, Result, Value};
 use crate::Config;
 use crate::wire::{Reader, write};
 
-/// What the worker runs.
+/// The program of the worker.
 const SCRIPT: &str = include_str!("worker.py");
 /// The longest frame, of a request or a reply, as in `worker.py`.
 const LONGEST: u32 = 1 << 30; // bytes
-/// How much is read at once: large, because an array is read in parts of this size.
+/// The number of bytes read at once: large, because an array is read in parts of this size.
 const BUFFER: usize = 1 << 18; // bytes
 
 /// The requests to a worker, with the numbers in `worker.py`.
@@ -32,7 +32,7 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// As error messages call it.
+    /// The name in error messages.
     fn name(self) -> &'static str {
         match self {
             Self::Make => "make",
@@ -64,7 +64,7 @@ pub(crate) struct Worker {
     /// The bytes of the last request.
     request: Vec<u8>,
     timeout: Duration,
-    /// How it ended, once it has.
+    /// The exit status, once it has ended.
     ended: Option<String>,
 }
 
@@ -109,7 +109,7 @@ impl Worker {
         }
         self.write(request, values)?;
         let sent = self.pipe.get_mut().write_all(&self.request);
-        // what large arrays need of it is returned
+        // memory for large arrays is given back
         self.request.shrink_to(BUFFER);
         let length = sent.and_then(|()| self.length());
         let length = length.map_err(|error| self.end(request, &error))?;
@@ -229,7 +229,7 @@ impl Drop for Worker {
     }
 }
 
-/// What Python raised.
+/// The error that Python raised.
 fn exception(name: &str, request: Request, told: &Value) -> Error {
     let text = |key: &str| told.get(key)?.as_text();
     let message = text("message").filter(|message| !message.is_empty());

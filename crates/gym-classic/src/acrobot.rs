@@ -40,13 +40,13 @@ gym_core::arguments! {
     #[derive(Copy)]
     #[expect(non_snake_case, reason = "Gymnasium's names")]
     pub const struct Config {
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub dt: f64 = 0.2,
         /// Length of the upper link.
         #[unit = "m"]
         pub LINK_LENGTH_1: f64 = 1.0,
-        /// Length of the lower link: it is drawn, and the equations do not look at it.
+        /// Length of the lower link: used only for drawing, not in the equations.
         #[unit = "m"]
         pub LINK_LENGTH_2: f64 = 1.0,
         /// Mass of the upper link.
@@ -64,19 +64,19 @@ gym_core::arguments! {
         /// Moment of inertia of each link.
         #[unit = "kg m²"]
         pub LINK_MOI: f64 = 1.0,
-        /// The greatest angular velocity of the upper link.
+        /// The largest angular velocity of the upper link.
         #[unit = "rad/s"]
         pub MAX_VEL_1: f64 = 4.0 * PI,
-        /// The greatest angular velocity of the lower link.
+        /// The largest angular velocity of the lower link.
         #[unit = "rad/s"]
         pub MAX_VEL_2: f64 = 9.0 * PI,
         /// The torque of each action.
         #[unit = "N m"]
         pub AVAIL_TORQUE: [f64; 3] = [-1.0, 0.0, 1.0],
-        /// The torque is disturbed by up to this much, uniformly.
+        /// The largest noise on the torque: uniform between minus and plus this value.
         #[unit = "N m"]
         pub torque_noise_max: f64 = 0.0,
-        /// Where the equations are from.
+        /// The source of the equations.
         pub book_or_nips: Equation = Equation::Book,
     }
 }
@@ -497,6 +497,8 @@ gym_core::register!(
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
-        .policy(Policy::rules("pushes the lower link along with its own motion", |_| reflex(policy::acrobot)))
+        .policy(Policy::rules("pushes the lower link in the direction of its motion", |_| reflex(
+            policy::acrobot
+        )))
         .clip(Clip { seeds: 5..6, every: 1, frames: 100, size: (200, 200) })
 );

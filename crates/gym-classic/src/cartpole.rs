@@ -42,7 +42,7 @@ gym_core::arguments! {
     /// as `masspole`, does not change them. Here they follow from the other arguments unless given.
     #[derive(Copy)]
     pub const struct Config {
-        /// Reward 0 for each step and -1 for the one that drops the pole, as in Sutton and Barto's
+        /// Whether the reward is 0 for each step and -1 for the step that drops the pole, as in Sutton and Barto's
         /// book, instead of 1 for each step.
         pub sutton_barto_reward: bool = false,
         /// Acceleration of gravity.
@@ -54,7 +54,7 @@ gym_core::arguments! {
         /// Mass of the pole.
         #[unit = "kg"]
         pub masspole: f64 = 0.1,
-        /// Mass of both: `masspole + masscart` unless given.
+        /// Mass of cart and pole: `masspole + masscart` unless given.
         #[unit = "kg"]
         pub total_mass: Option<f64> = None,
         /// Half the length of the pole.
@@ -66,10 +66,10 @@ gym_core::arguments! {
         /// The force of a push.
         #[unit = "N"]
         pub force_mag: f64 = 10.0,
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub tau: f64 = 0.02,
-        /// How a step is integrated.
+        /// The integrator of a step.
         pub kinematics_integrator: Integrator = Integrator::Euler,
         /// The angle of the pole beyond which the episode ends.
         #[unit = "rad"]
@@ -99,7 +99,7 @@ impl ArgumentType for Integrator {
 }
 
 gym_core::discrete! {
-    /// Which way to push the cart.
+    /// The direction of the push.
     pub enum Action {
         /// To the left.
         Left,
@@ -119,7 +119,7 @@ pub struct State {
     pub theta: f64,
     /// Angular velocity of the pole, in rad/s.
     pub theta_dot: f64,
-    /// Whether the episode has already terminated: steps beyond earn nothing.
+    /// Whether the episode has already terminated: further steps have reward 0.
     pub fallen: bool,
     /// Whether no step was taken yet. Reset options may start anywhere.
     #[serde(default)]
@@ -143,7 +143,7 @@ impl CartPoleDynamics {
     }
 }
 
-/// What the equations need.
+/// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 9] {
     let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = *config;
     let total_mass = match config.total_mass {
@@ -247,7 +247,7 @@ impl Equations for CartPoleDynamics {
         state
     }
 
-    /// A pole that has fallen before earns nothing more.
+    /// After the pole has fallen, the reward is 0.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
         if before.fallen && transition.terminated && !self.config.sutton_barto_reward {
@@ -380,7 +380,7 @@ impl Task for CartPoleDynamics {
     }
 }
 
-/// What both versions have in common.
+/// The registration that both versions share.
 const fn cartpole(id: &'static str) -> Registration {
     Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")
@@ -389,9 +389,10 @@ const fn cartpole(id: &'static str) -> Registration {
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())
-        .policy(Policy::rules("pushes to the side that a weighted sum of the four numbers calls for", |_| {
-            reflex(policy::cartpole)
-        }))
+        .policy(Policy::rules(
+            "pushes to the side given by the sign of a weighted sum of the four numbers",
+            |_| reflex(policy::cartpole),
+        ))
 }
 
 gym_core::register!(

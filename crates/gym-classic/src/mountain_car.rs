@@ -31,15 +31,15 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub const struct Config {
-        /// The least velocity with which the goal counts as reached.
+        /// The smallest velocity at which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
-        /// The left end of the valley, where a wall is.
+        /// The left end of the valley: a wall.
         pub min_position: f64 = -1.2,
         /// The right end of the valley.
         pub max_position: f64 = 0.6,
-        /// The greatest velocity, per step.
+        /// The largest velocity, per step.
         pub max_speed: f64 = 0.07,
-        /// Where the goal is.
+        /// The position of the goal.
         pub goal_position: f64 = 0.5,
         /// The change of velocity by the motor in a step.
         pub force: f64 = 0.001,
@@ -49,7 +49,7 @@ gym_core::arguments! {
 }
 
 gym_core::discrete! {
-    /// Where to accelerate.
+    /// The direction of the acceleration.
     pub enum Action {
         /// To the left.
         Left,
@@ -78,7 +78,7 @@ pub struct MountainCarDynamics {
     is_usual: bool,
 }
 
-/// What the equations need.
+/// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 7] {
     let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
         *config;

@@ -1,4 +1,4 @@
-//! MountainCarContinuous: drive an underpowered car out of a valley, with as little force as can be.
+//! MountainCarContinuous: drive an underpowered car out of a valley, with as little force as possible.
 //!
 //! | | |
 //! |---|---|
@@ -11,7 +11,7 @@
 //!
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
 //! is that of Gymnasium 1.4.0, `envs/classic_control/continuous_mountain_car.py`, with numpy 2:
-//! the state is `float64` after a reset and `float32` from the first step on, and the force has the precision in which it comes.
+//! the state is `float64` after a reset and `float32` from the first step on, and the force keeps the precision of the action.
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
@@ -35,19 +35,19 @@ gym_core::arguments! {
     /// Arguments.
     #[derive(Copy)]
     pub const struct Config {
-        /// The least velocity with which the goal counts as reached.
+        /// The smallest velocity at which the goal counts as reached.
         pub goal_velocity: f64 = 0.0,
-        /// The least force: a smaller action counts as this one.
+        /// The smallest force: a smaller action is raised to it.
         pub min_action: f64 = -1.0,
-        /// The greatest force: a greater action counts as this one.
+        /// The largest force: a larger action is lowered to it.
         pub max_action: f64 = 1.0,
-        /// The left end of the valley, where a wall is.
+        /// The left end of the valley: a wall.
         pub min_position: f64 = -1.2,
         /// The right end of the valley.
         pub max_position: f64 = 0.6,
-        /// The greatest velocity, per step.
+        /// The largest velocity, per step.
         pub max_speed: f64 = 0.07,
-        /// Where the goal is.
+        /// The position of the goal.
         pub goal_position: f64 = 0.45,
         /// The change of velocity by a force of 1 in a step.
         pub power: f64 = 0.0015,
@@ -74,7 +74,7 @@ pub struct MountainCarContinuousDynamics {
     is_usual: bool,
 }
 
-/// What the equations need.
+/// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 8] {
     let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = *config;
     let Config { max_speed, goal_position, power, .. } = *config;
@@ -269,7 +269,7 @@ gym_core::register!(
         .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
-        .policy(Policy::rules("drives along with the velocity, with force 0.4", |_| reflex(
+        .policy(Policy::rules("drives in the direction of the velocity, with force 0.4", |_| reflex(
             policy::mountain_car_continuous
         )))
         .clip(Clip { seeds: 0..1, every: 3, frames: 100, size: (300, 200) })

@@ -47,13 +47,13 @@ gym_core::arguments! {
         /// Length of the rod.
         #[unit = "m"]
         pub l: f64 = 1.0,
-        /// The greatest angular velocity.
+        /// The largest angular velocity.
         #[unit = "rad/s"]
         pub max_speed: f64 = 8.0,
-        /// The greatest torque.
+        /// The largest torque.
         #[unit = "N m"]
         pub max_torque: f64 = 2.0,
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub dt: f64 = 0.05,
     }
@@ -95,7 +95,7 @@ const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     [3.0 * g / (2.0 * l), 3.0 / (m * l_2), max_speed, max_torque, dt]
 }
 
-/// What a torque costs and how it accelerates, computed by numpy in `float32` or not.
+/// The cost of a torque, and its acceleration, computed by numpy in `float32` or not.
 #[inline(always)]
 fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R) -> [R; 2] {
     let rounded = |x: R| if SINGLE { x.single() } else { x };
@@ -128,7 +128,7 @@ impl Equations for PendulumDynamics {
         [state.theta, state.theta_dot, 0.0]
     }
 
-    /// The third number is the sine of the angle: it was computed to be seen, and the next step needs it.
+    /// The third number is the sine of the angle, kept from the observation for the next step.
     #[inline(always)]
     fn complete<R: Real>([theta, theta_dot, _]: [R; 3]) -> [R; 3] {
         [theta, theta_dot, theta.sin()]

@@ -3,11 +3,11 @@
 use gym_core::{Error, Reset, Result};
 use serde::{Deserialize, Deserializer};
 
-/// The largest magnitude of a state's numbers that is worked with. Far beyond any episode, and
+/// The largest magnitude accepted for a number of a state: far beyond any episode, and
 /// small enough that no equation overflows in one step.
 const LIMIT: f64 = 1e6;
 
-/// Whether all numbers of a state from outside can be worked with.
+/// Whether all numbers of a state from outside are accepted.
 pub(crate) fn plausible(state: &[f64]) -> bool {
     state.iter().all(|x| x.abs() <= LIMIT)
 }

@@ -341,7 +341,7 @@ fn what_cannot_differ_is_refused() {
     assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
     assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
     assert!(error("mass", [1.0, 2.0].into()).contains("no argument of this name"));
-    assert!(error("x_threshold", [1.0, 2.0].into()).contains("the spaces of the environments differ"));
+    assert!(error("x_threshold", [1.0, 2.0].into()).contains("must give all environments the same spaces"));
     assert!(
         error("kinematics_integrator", ["euler", "euler"].into()).contains("only arguments that are numbers")
     );

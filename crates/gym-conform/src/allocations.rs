@@ -1,4 +1,4 @@
-//! Checks of what a step costs.
+//! Checks of allocations in a step.
 
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken};

@@ -13,7 +13,7 @@ use crate::{
 pub struct Check {
     /// A short name.
     pub name: &'static str,
-    /// How bad it is to break it.
+    /// The severity of breaking it.
     pub severity: Severity,
     /// The reason for the rule.
     pub why: &'static str,
@@ -38,9 +38,9 @@ macro_rules! warning {
     };
 }
 
-/// What an episode rests on.
+/// The checks that every check of episodes needs.
 const EPISODES: [&str; 2] = ["resets", "action-accepted"];
-/// What a comparison of episodes rests on.
+/// The checks that every comparison of episodes needs.
 pub(crate) const REPEATABLE: [&str; 2] = ["same-seed-same-episode", "reset-forgets"];
 
 /// Every rule, in the order in which they are checked.

@@ -10,14 +10,14 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
         let mut clone = env.clone();
-        // whatever becomes of the clone
+        // independently of the clone
         let _ = carry_on(&mut clone, seed + 1, 20);
         let _ = clone.reset(seed + 1);
         clone.close();
         let what = "an environment whose clone was used";
         same(&carry_on(&mut other, seed, STEPS)?, &carry_on(&mut env, seed, STEPS)?, what)?;
     }
-    // what clones share may matter late
+    // state that clones share may show late
     let (seed, long) = (SEEDS[0], subject.long()?);
     let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
     carry_on(&mut env.clone(), seed + 1, long)?;

@@ -28,12 +28,12 @@ impl Damage {
         result
     }
 
-    /// Where it is.
+    /// The place of the part.
     pub(crate) fn place(&self) -> &str {
         &self.pointer
     }
 
-    /// What stands where.
+    /// The value and its place.
     pub(crate) fn difference(&self, good: &Json) -> String {
         let Self { pointer, other } = self;
         let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();
@@ -138,7 +138,7 @@ fn others(part: &Json) -> Vec<Json> {
     others
 }
 
-/// Where a part is.
+/// The place of a part.
 #[derive(Clone, Copy)]
 enum Place {
     /// In no long array.
@@ -194,7 +194,7 @@ fn paths(json: &Json) -> Vec<Path> {
     paths
 }
 
-/// As JSON pointers are written.
+/// Prints as a JSON pointer.
 fn pointer(path: &[String]) -> String {
     path.iter().map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1"))).collect()
 }

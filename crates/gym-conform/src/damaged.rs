@@ -114,7 +114,7 @@ fn sound_steps(mut env: BoxEnv, space: &Space) -> Result<usize> {
     Ok(STEPS)
 }
 
-/// What no state of an episode shows.
+/// Results that no valid state can give.
 fn fault(step: &Step<Value>, space: &Space) -> Option<String> {
     match space.check(&step.observation) {
         Err(error) => Some(error.to_string()),

@@ -27,8 +27,8 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     if modes.is_empty() {
         return match (Calls::of(&env).count, env.ansi()) {
             (0, None) => Ok(()),
-            (0, _) => broken("there is a text for the mode ansi, which `render_modes` does not name"),
-            _ => broken("there is a drawing, and `render_modes` does not name rgb_array"),
+            (0, _) => broken("`ansi` returns a text, but `render_modes` lacks ansi: add it"),
+            _ => broken("`draw` draws, but `render_modes` lacks rgb_array: add it"),
         };
     }
     let (width, height) = metadata.render_size;
@@ -43,7 +43,7 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn frame_rate(subject: &Subject<'_>) -> Verdict {
-    /// As fast as screens are.
+    /// The highest frame rate of screens.
     const MAX: u32 = 240;
     match subject.make()?.metadata().render_fps {
         fps if fps > MAX => broken(format!("`render_fps` is {fps}")),
@@ -80,11 +80,13 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
             if first.text != second.text {
                 return broken(format!(
-                    "seed {seed}, step {step}: drawn twice, it makes other calls the second time"
+                    "seed {seed}, step {step}: drawing one state twice makes different calls"
                 ));
             }
             if env.ansi() != env.ansi() {
-                return broken(format!("seed {seed}, step {step}: asked twice, `ansi` gives two texts"));
+                return broken(format!(
+                    "seed {seed}, step {step}: two calls of `ansi` for one state return different texts"
+                ));
             }
             env.picture_taken();
             let what = "an episode that was drawn";

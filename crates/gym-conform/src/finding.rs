@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// How bad a broken rule is.
+/// The severity of a broken rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
@@ -21,13 +21,13 @@ pub enum Severity {
 pub struct Finding {
     /// The name of the check, one of [`CHECKS`](crate::CHECKS).
     pub check: &'static str,
-    /// How bad it is.
+    /// The severity.
     pub severity: Severity,
-    /// What was seen, and where.
+    /// The observed fault, and its place.
     pub message: String,
     /// Why it matters.
     pub why: &'static str,
-    /// How to mend it.
+    /// The remedy.
     pub mend: &'static str,
 }
 

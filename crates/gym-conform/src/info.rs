@@ -51,7 +51,7 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         Ok(())
     };
     each_event(subject, &mut check)?;
-    // what comes seldom
+    // rare entries
     let late = subject.first_run()?.iter().enumerate();
     late.into_iter().try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }

@@ -22,7 +22,7 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
     }
 }
 
-/// Of four corners of a box all lows, all highs, and both in turns.
+/// Four corners of a box: all lows, all highs, and both alternating.
 fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
     let is_high = |i: usize| if i.is_multiple_of(2) { which & 1 != 0 } else { which & 2 != 0 };
     let bounds = space.low().iter_f64().zip(space.high().iter_f64()).enumerate();

@@ -26,9 +26,9 @@
 //! refused step has written to, as after an error it may be anything; memory that grows outside of the environment, in a static variable, or only
 //! after hundreds of steps. Where an environment says that it is
 //! nondeterministic, episodes are not compared, nor its copies. Without a registration, the limit of a stack is known where a
-//! `TimeLimit` is around a `BoxEnv`. What a step after the end of an episode answers is left to the environment, as in Gymnasium.
+//! `TimeLimit` is around a `BoxEnv`. The result of a step after the end of an episode is unspecified, as in Gymnasium.
 //!
-//! Each [`Finding`] says what is wrong and where, why it matters, and how to mend it. An environment that must
+//! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that must
 //! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
 
 #[cfg(feature = "checks")]

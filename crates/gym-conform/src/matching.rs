@@ -20,7 +20,7 @@ pub enum InfoComparison {
     Skip,
 }
 
-/// What [`environments_match`] compares.
+/// The parts that [`environments_match`] compares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matching {
     /// The number of steps; 0 compares only the reset.
@@ -38,7 +38,7 @@ pub struct Matching {
     /// Does not compare rendering. By default rendering is compared if both environments have a render mode
     /// other than `human`.
     pub skip_render: bool,
-    /// What to compare of `info`.
+    /// The entries of `info` to compare.
     pub info_comparison: InfoComparison,
 }
 

@@ -18,14 +18,14 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     let read = |(name, example): &(&'static str, &str)| match serde_json::from_str(example) {
         Ok(example) => Ok((*name, example)),
         Err(error) => {
-            broken(format!("the example `{example}` of the reset option `{name}` is no JSON: {error}"))
+            broken(format!("the example `{example}` of the reset option `{name}` is not JSON: {error}"))
         }
     };
     named.iter().map(read).collect()
 }
 
 /// An option that is not named is refused where some are, and ignored elsewhere. Where nothing is registered, as around an
-/// environment that knows options, either is right.
+/// environment with options, both are right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
     let knows_options =
@@ -77,7 +77,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
                 json!(tried)
             ));
         }
-        // a number far beyond every range is refused, or does what it can
+        // a number far beyond every range is refused, or must have an effect
         let is_plain = |value: &Json| -> Result<bool> {
             Ok(with_option(subject, Some((name, value)))? == with_option(subject, None)?)
         };

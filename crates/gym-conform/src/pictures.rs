@@ -1,4 +1,4 @@
-//! Checks of what a picture shows.
+//! Checks of the content of pictures.
 
 use std::collections::BTreeSet;
 

@@ -39,7 +39,7 @@ pub struct Excused {
 pub struct Skipped {
     /// The name of the check.
     pub check: &'static str,
-    /// Why not.
+    /// The reason.
     pub reason: String,
 }
 
@@ -58,7 +58,7 @@ impl Report {
     }
 }
 
-/// How [`Report`]s are written.
+/// The format of [`Report`]s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
@@ -82,7 +82,7 @@ impl FromStr for Format {
             "junit" => Ok(Self::Junit),
             _ => Err(Error::argument(
                 "format",
-                format!("unknown format `{text}`: there are text, json and junit"),
+                format!("unknown format `{text}`: the formats are text, json and junit"),
             )),
         }
     }

@@ -17,10 +17,10 @@ use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// What [`make`](gym_core::make) gives is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
+/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
 /// the environment itself does. All others are checked as they come.
 ///
-/// A check that takes long is told on the standard error, while it runs and when it ends.
+/// A check that takes long is reported on standard error, while it runs and when it ends.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
         Some(spec) => {
@@ -31,7 +31,7 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     }
 }
 
-/// How far the checks are.
+/// The progress of the checks.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Progress<'a> {
@@ -51,7 +51,7 @@ pub enum Progress<'a> {
     Slow {
         /// The environment.
         id: &'a str,
-        /// Which check, and how long it took.
+        /// The check, and its duration.
         slow: Slow,
     },
 }
@@ -66,10 +66,10 @@ impl fmt::Display for Progress<'_> {
     }
 }
 
-/// Somebody who waits for so long asks what for.
+/// The time after which a running check is reported.
 const LONG: Duration = Duration::from_secs(5);
 
-/// What is told of a check that takes long.
+/// The report of a check that takes long.
 enum Long {
     /// It is not over yet.
     Runs(&'static str),
@@ -91,9 +91,9 @@ impl fmt::Display for Long {
 pub struct Slow {
     /// The check's name.
     pub check: &'static str,
-    /// How long it took.
+    /// The duration.
     pub took: Duration,
-    /// How long the environment takes to be made and reset, which checks do hundreds of times.
+    /// The time to make and reset the environment, which checks do hundreds of times.
     pub reset: Duration,
 }
 
@@ -105,7 +105,7 @@ impl fmt::Display for Slow {
     }
 }
 
-/// How to make an environment without the wrappers that hide its faults, if its spec makes only the stack of
+/// The spec of the environment without the wrappers that hide its faults, if its spec makes only the stack of
 /// `make`.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     // the first check makes an environment again, and reports a panic
@@ -135,9 +135,9 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
     })
 }
 
-/// The findings, and what was not checked for which reason. Calls `tell` during and after each check that takes long.
+/// The findings, and the skipped checks with their reasons. Calls `tell` during and after each check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
-    // a panic shows again, and is told, in the check of equal seeds
+    // the check of equal seeds sees the panic again, and reports it
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
     let started = Instant::now();
     let _ = catch_unwind(AssertUnwindSafe(|| subject.reset(0).is_ok()));
@@ -217,10 +217,10 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and tells how far it is, so that an environment that is slow, hangs or aborts is known.
+/// As [`reports`], and reports its progress, which shows the environment that is slow, hangs or aborts.
 ///
 /// # Errors
-/// What is wrong with an id.
+/// The faults of an id.
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
@@ -250,7 +250,7 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
-/// Without what hides faults.
+/// The environment without the wrappers that hide faults.
 fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
 }
@@ -284,7 +284,7 @@ mod tests {
         let (told, hears) = mpsc::channel();
         // it ends when it was told, and not before
         watched(Duration::ZERO, || told.send(()).unwrap(), || hears.recv().unwrap());
-        // it ends at once, and nobody waits for the time to pass
+        // it ends at once, without waiting for the time to pass
         let answer = watched(Duration::MAX, || panic!("told"), || 3);
         assert_eq!(answer, 3);
     }

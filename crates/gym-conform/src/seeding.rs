@@ -1,4 +1,4 @@
-//! Checks of what a seed decides.
+//! Checks of seeds.
 
 use crate::options;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
@@ -63,7 +63,7 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
         let second = roll_out(&mut env, seed, STEPS)?;
         same(&first, &second, "a used environment with the same seed and actions")?;
     }
-    // what is counted from episode to episode, or from reset to reset, shows late
+    // counters that continue over episodes or resets show late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
     let first = roll_out(&mut subject.make()?, seed, STEPS)?;
     carry_on(&mut env, seed, steps)?;
@@ -98,7 +98,7 @@ fn episode_of(env: &mut BoxEnv, reset: Reset, steps: usize) -> Result<Vec<Shown>
 pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let first = episode(&mut env, Reset::seed(0))?;
     for seed in 1..TRIES {
@@ -178,7 +178,7 @@ fn not_always_true(
 pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let first = episode(&mut env, Reset::seed(0))?;
     for _ in 1..TRIES {
@@ -229,7 +229,7 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
     let mut env = subject.make()?;
     if !is_random(&mut env)? {
-        return skipped("nothing about it is random");
+        return skipped("it is not random");
     }
     let mut seeded = |seed: u64| -> Result<Option<Generator>> {
         env.reset(seed)?;
@@ -239,8 +239,8 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         return broken("`generator` is None after a reset, although episodes are random");
     };
     match (first == again, first == other) {
-        (false, _) => broken("after the same seed `generator` lends another state"),
-        (_, true) => broken("after another seed `generator` lends the same state"),
+        (false, _) => broken("resets with one seed leave `generator` in different states"),
+        (_, true) => broken("resets with different seeds leave `generator` in the same state"),
         _ => {
             let what =
                 "a number drawn from the generator that is lent never changes the next episode: it is a copy";

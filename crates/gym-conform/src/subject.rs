@@ -23,9 +23,9 @@ pub(crate) struct Subject<'a> {
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// The longer runs, also played once.
     long_runs: OnceCell<LongRuns>,
-    /// What becomes of damaged snapshots.
+    /// The results of restoring damaged snapshots.
     damaged: OnceCell<Damaged>,
-    /// How it was made, and its registration, if any.
+    /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
 }
@@ -63,7 +63,7 @@ impl<'a> Subject<'a> {
     /// A new environment without a time limit, if it can be identified: its snapshots contain only its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
-            // what is wrapped may need the limit
+            // the wrapped environment may need the limit
             Some(spec) if self.registration.is_some() => {
                 EnvSpec { max_episode_steps: None, ..spec.clone() }.make().or_else(|_| self.make())
             }

@@ -13,7 +13,7 @@ pub fn ids_of(crate_name: &str) -> Vec<String> {
     own.map(|registration| registration.id().to_owned()).collect()
 }
 
-/// What [`suite!`](crate::suite) calls.
+/// The function that [`suite!`](crate::suite) calls.
 ///
 /// # Panics
 /// If the crate registers nothing, or one of its environments breaks a rule.
@@ -47,7 +47,7 @@ pub fn assert_conforms(crate_name: &str) {
 #[macro_export]
 macro_rules! suite {
     ($name:ident) => {
-        // what is not named is not linked
+        // a crate that is not named is not linked
         use $name as _;
 
         #[test]

@@ -1,6 +1,6 @@
 //! Recorded episodes: the calls of an environment and their results, as JSON.
 //!
-//! A trace pins an environment down to the last bit. The form is that of the references recorded
+//! A trace records an environment to the last bit. It has the form of the references recorded
 //! from Gymnasium:
 //!
 //! ```json
@@ -59,16 +59,16 @@ pub struct Trace {
     /// The same for `observation_masked`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
-    /// What happened, in order.
+    /// The events, in order.
     pub events: Vec<Event>,
 }
 
-/// Declares the keys of a trace: its own, and those of recorders.
+/// Declares the keys of a trace: its own, and the recorders'.
 macro_rules! recorded {
     ($($about:ident)*) => {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
-        #[expect(dead_code, reason = "what a recorder tells is read and left at that")]
+        #[expect(dead_code, reason = "a recorder's notes are read and not used")]
         struct Recorded {
             id: String,
             #[serde(default)]
@@ -114,7 +114,7 @@ impl From<Recorded> for Trace {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VectorRequest {
-    /// How many sub-environments it has.
+    /// The number of sub-environments.
     pub num_envs: usize,
     /// When they are reset.
     #[serde(default)]
@@ -257,7 +257,7 @@ impl Trace {
     /// The environment of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make`](gym_core::make), and for an unknown wrapper.
+    /// The errors of [`make`](gym_core::make), and one for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         self.builder().build()
     }
@@ -265,7 +265,7 @@ impl Trace {
     /// The vector of the trace, in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`](gym_core::make_vec), for an unknown wrapper, and if this is the trace of a single
+    /// The errors of [`make_vec`](gym_core::make_vec), and errors for an unknown wrapper and if this is the trace of a single
     /// environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
         let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {
@@ -312,7 +312,7 @@ impl Trace {
 /// A part of an answer: its name and its value.
 type Part = (&'static str, fn(&Event) -> Option<&Json>);
 
-/// What is compared.
+/// The compared parts.
 const PARTS: [Part; 10] = [
     ("observation", |event| event.observation.as_ref()),
     ("reward", |event| event.reward.as_ref()),
@@ -532,7 +532,7 @@ mod tests {
         }
     }
 
-    /// The masked checksum, if there is one, replaces that of the whole frame.
+    /// The masked checksum, if present, replaces the whole frame's.
     #[test]
     fn a_masked_checksum_stands_for_the_other() {
         let event = |frame: u32, masked: Option<u32>| {

@@ -32,12 +32,12 @@ impl Variant {
     }
 }
 
-/// What a [`Search`] found.
+/// The result of a [`Search`].
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Effect {
     /// No such change is accepted.
     Refused,
-    /// One is accepted, and none shows.
+    /// A value is accepted, but no value has an effect.
     None,
     Seen,
 }
@@ -107,7 +107,7 @@ impl Play {
         Ok(Self { actions: env.action_sampler(seed)?, options: options.clone(), env, look, shown })
     }
 
-    /// What a reset or step shows.
+    /// The visible results of a reset or step.
     fn event(&mut self, i: usize) -> Result<&Shown> {
         while self.shown.len() <= i {
             let shown = match self.shown.last() {
@@ -155,7 +155,7 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
         play.event(FEW)?;
     }
     let [mut at_a, mut at_b] = [a.env.snapshot()?.get::<Json>()?, b.env.snapshot()?.get::<Json>()?];
-    // what differs is the change itself
+    // the difference is the change itself
     let moves = moves(&at_a).into_iter().filter(|to| to.is_same(&at_a, &at_b));
     for to in moves.take(MAX).collect::<Vec<_>>() {
         let restored = |env: &BoxEnv, json: &mut Json| {

@@ -1,10 +1,10 @@
-//! How a check ends.
+//! The results of checks.
 
 use std::any::Any;
 
 use gym_core::Error;
 
-/// What a check found.
+/// The result of a check.
 pub(crate) type Verdict<T = ()> = std::result::Result<T, Trouble>;
 
 /// Why a check did not pass.
@@ -31,7 +31,7 @@ pub(crate) fn skipped<T>(reason: impl Into<String>) -> Verdict<T> {
     Err(Trouble::Skipped(reason.into()))
 }
 
-/// What a panic says.
+/// The message of a panic.
 pub(crate) fn message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));

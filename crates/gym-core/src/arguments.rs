@@ -1,4 +1,4 @@
-//! Arguments as data: each is stated once, and the constructor's struct, its JSON and its table follow.
+//! Arguments as data: one definition gives the constructor's struct, its JSON and its table.
 
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
@@ -10,7 +10,7 @@ pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
 
-    /// Sets an argument that is a number. Returns `false` if there is none of this name.
+    /// Sets an argument that is a number. Returns `false` if no such argument has this name.
     fn set_number(&mut self, name: &str, x: f64) -> bool;
 }
 
@@ -24,7 +24,7 @@ pub struct Argument {
     pub kind: String,
     /// The unit, such as `m/s²`; empty if it has none.
     pub unit: &'static str,
-    /// What it does.
+    /// Its meaning.
     pub meaning: String,
     /// The versions of the id that take it, as a Rust pattern such as `1..`; empty for all of them.
     pub versions: &'static str,
@@ -57,7 +57,7 @@ impl Argument {
         }
     }
 
-    /// Requires it if it has no default expression and its type is not optional.
+    /// Makes it required if it has no default expression and its type is not optional.
     #[doc(hidden)]
     #[must_use]
     pub fn required(mut self, optional: bool, default: &str) -> Self {
@@ -97,9 +97,9 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
         .map_err(|reason| Error::argument(whose, reason))
 }
 
-// what follows is compiled once, and `parse` once for each type, instead of wherever arguments are read
+// the functions below are compiled once, and `parse` once for each type, instead of at each use
 
-/// Says which name is not in the table, for this version.
+/// An error text that names the argument missing from the table, for this version.
 fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result::Result<(), String> {
     let taken = || table.iter().filter(|argument| argument.is_taken(version)).map(|argument| argument.name);
     let Some(unknown) = given.keys().find(|name| taken().all(|taken| taken != *name)) else { return Ok(()) };
@@ -107,11 +107,11 @@ fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result:
     let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
     Err(match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
         none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
-        all => format!("unknown argument `{unknown}`{near} (there are {all})"),
+        all => format!("unknown argument `{unknown}`{near} (known are {all})"),
     })
 }
 
-/// The default values, with those that are given in their places.
+/// The default values, overridden by the given ones.
 fn merge(defaults: serde_json::Result<Json>, given: &Kwargs) -> std::result::Result<Kwargs, String> {
     let Json::Object(mut all) = defaults.map_err(|error| error.to_string())? else {
         return Err("arguments are a JSON object".into());
@@ -125,13 +125,13 @@ fn parse<C: Arguments>(arguments: Kwargs) -> std::result::Result<C, String> {
     serde_json::from_value(Json::Object(arguments)).map_err(|error| error.to_string())
 }
 
-/// serde's message, with the name of the argument that fails by itself, which serde does not give.
+/// serde's message, with the name of the failing argument, which serde does not give.
 fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
     let mut alone =
         given.iter().map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));
     let wrong = alone.find_map(|(name, one)| fails(one).then(|| format!("`{name}`: "))).unwrap_or_default();
     let hint = if error.contains("invalid type: null") {
-        " (null is also what becomes of a number that is NaN or infinite: give a finite one)"
+        " (NaN and infinite numbers become null: give a finite number)"
     } else {
         ""
     };
@@ -356,7 +356,7 @@ mod tests {
             #[unit = "px"]
             #[versions = 4..]
             pub width: u32 = 480,
-            /// Which camera.
+            /// The camera.
             #[versions = 3 | 5..]
             pub camera: Option<i64>,
         }
@@ -425,7 +425,7 @@ mod tests {
         let message = |json: Json| given(&json).unwrap_err().to_string();
         let unknown = message(json!({"gravty": 1.0}));
         assert!(
-            unknown.contains("`gravty`: did you mean `gravity`? (there are `gravity`, `desc`"),
+            unknown.contains("`gravty`: did you mean `gravity`? (known are `gravity`, `desc`"),
             "{unknown}"
         );
         let kind = message(json!({"gravity": 1.0, "width": "wide"}));

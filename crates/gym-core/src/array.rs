@@ -62,7 +62,7 @@ impl Array {
     /// Zeros of that type and shape.
     ///
     /// # Errors
-    /// [`Error::Custom`] where so many numbers do not fit in memory.
+    /// [`Error::Custom`] if the numbers do not fit in memory.
     pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Result<Self> {
         let shape = shape.into();
         let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n));
@@ -98,7 +98,7 @@ impl Array {
     /// Overwrites the numbers with the next bytes of a stream, little-endian, in row-major order.
     ///
     /// # Errors
-    /// Of the stream; some of the numbers may then be overwritten.
+    /// Errors of the stream; some of the numbers may then be overwritten.
     pub fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
         self.data.read_from(stream)
     }
@@ -118,12 +118,12 @@ impl Array {
         &self.data
     }
 
-    /// How many numbers there are.
+    /// The number of numbers.
     pub fn len(&self) -> usize {
         self.data.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no numbers.
     pub fn is_empty(&self) -> bool {
         self.data.is_empty()
     }
@@ -162,7 +162,7 @@ impl Array {
         Some(self.data.get_f64(flat))
     }
 
-    /// Overwrites the numbers with those of another array, cast as by numpy's `astype`.
+    /// Copies the numbers of another array, cast as by numpy's `astype`.
     ///
     /// # Errors
     /// [`Error::Contract`] if the arrays have different numbers of elements.
@@ -239,7 +239,7 @@ impl Array {
     /// The same numbers in another shape.
     ///
     /// # Errors
-    /// As [`Array::new`].
+    /// The errors of [`Array::new`].
     pub fn reshape(self, shape: impl Into<Vec<usize>>) -> Result<Self> {
         Self::new(shape, self.data)
     }

@@ -1,4 +1,4 @@
-//! Any environment behind one type: what [`make`](crate::make) returns.
+//! Any environment behind one type, as [`make`](crate::make) returns it.
 
 use std::any::{Any, TypeId};
 use std::fmt;
@@ -15,7 +15,7 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 /// environment, which clips it if Gymnasium's does.
 pub struct BoxEnv {
     env: Box<dyn Erased>,
-    /// How often it was reset, stepped or restored.
+    /// The number of resets, steps and restores.
     moves: u64,
 }
 

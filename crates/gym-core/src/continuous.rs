@@ -1,10 +1,10 @@
-//! Actions of a `Box`, in the precision in which they come.
+//! Actions of a `Box`, in their own precision.
 
 use std::fmt;
 
 use crate::{Data, Element, Value};
 
-/// The precision in which the numbers of an action came, which numpy computes with.
+/// The precision of an action's numbers, in which numpy computes.
 // as wide as a number: native vectors then read both with SIMD, which saves 5 % of a step
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
@@ -14,13 +14,13 @@ pub enum Precision {
     Single,
     /// `float64`, as a controller computes it. An array of integers counts as this.
     Double,
-    /// Numbers of Python's own, such as those in a list: they take the precision of what they meet.
+    /// Python numbers, such as the items of a list: they take the precision of the other operand.
     Python,
 }
 
-/// An action of `N` numbers for a `Box`, in the precision in which it came.
+/// An action of `N` numbers for a `Box`, in its own precision.
 ///
-/// Gymnasium computes with what it is given: a `float64` action gives other last bits than the same action rounded to
+/// Gymnasium computes in the action's precision: a `float64` action gives other last bits than the same action rounded to
 /// `float32`. As a [`Value`] it is an array of `float32`, or one of another type for [`Precision::Double`], or a tuple of
 /// numbers for [`Precision::Python`].
 ///
@@ -35,7 +35,7 @@ pub enum Precision {
 pub struct Continuous<const N: usize> {
     /// The numbers, without a loss.
     pub numbers: [f64; N],
-    /// What they were before.
+    /// The previous values.
     pub precision: Precision,
 }
 

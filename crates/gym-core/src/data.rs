@@ -39,7 +39,7 @@ macro_rules! dtypes {
                 match self { $(Self::$variant => $name),* }
             }
 
-            /// How many bytes a number takes.
+            /// The size of a number in bytes.
             pub const fn size(self) -> usize {
                 match self { $(Self::$variant => size_of::<$type>()),* }
             }
@@ -60,12 +60,12 @@ macro_rules! dtypes {
         }
 
         impl Data {
-            /// How many numbers there are.
+            /// The number of numbers.
             pub fn len(&self) -> usize {
                 match self { $(Self::$variant(values) => values.len()),* }
             }
 
-            /// Whether there are none.
+            /// Whether there are no numbers.
             pub fn is_empty(&self) -> bool {
                 self.len() == 0
             }

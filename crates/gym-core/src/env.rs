@@ -105,9 +105,9 @@ use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, 
 ///
 /// The crate gym-conform checks these.
 pub trait Env: Clone + Send + 'static {
-    /// What the agent sees.
+    /// The type of observations.
     type Observation: Element;
-    /// What the agent does.
+    /// The type of actions.
     type Action: Element;
 
     /// The space that every observation lies in.
@@ -239,7 +239,7 @@ fn no_snapshots(env: &str) -> Error {
 /// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<O> {
-    /// What the agent sees next.
+    /// The next observation.
     pub observation: O,
     /// The reward of this step.
     pub reward: f64,

@@ -11,7 +11,7 @@ pub trait EnvExt: Env {
     /// `reset(Reset::seed(42).option("low", -0.1))` with options.
     ///
     /// # Errors
-    /// As [`reset_into`](Env::reset_into).
+    /// The errors of [`reset_into`](Env::reset_into).
     fn reset(&mut self, reset: impl Into<Reset>) -> Result<Self::Observation> {
         let mut observation = Self::Observation::empty();
         self.reset_into(&reset.into(), &mut observation)?;
@@ -21,7 +21,7 @@ pub trait EnvExt: Env {
     /// Takes one step.
     ///
     /// # Errors
-    /// As [`step_into`](Env::step_into).
+    /// The errors of [`step_into`](Env::step_into).
     fn step(&mut self, action: &Self::Action) -> Result<Step<Self::Observation>> {
         let mut observation = Self::Observation::empty();
         let Outcome { reward, terminated, truncated } = self.step_into(action, &mut observation)?;
@@ -31,7 +31,7 @@ pub trait EnvExt: Env {
     /// The frame or text of the render mode.
     ///
     /// # Errors
-    /// As [`render_into`](crate::Env::render_into).
+    /// The errors of [`render_into`](crate::Env::render_into).
     fn render(&mut self) -> Result<Rendered> {
         let mut rendered = Rendered::Shown;
         self.render_into(&mut rendered)?;
@@ -41,7 +41,7 @@ pub trait EnvExt: Env {
     /// Random actions from the action space, of this environment's own action type.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold what the space describes, which is a
+    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold the space's elements, which is a
     /// mistake in the environment.
     fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
         self.action_space().sampler(seed).typed()

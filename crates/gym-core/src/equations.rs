@@ -1,4 +1,4 @@
-//! Equations for one environment, or for as many as a SIMD register holds.
+//! Equations for one environment, or for the environments of a SIMD register.
 
 use std::fmt;
 
@@ -83,7 +83,7 @@ pub trait Equations:
     where
         Self: Sized;
 
-    /// What is seen of a state.
+    /// The observation of a state.
     fn see<R: Real>(&self, state: Of<Self::Numbers, R>) -> Of<Self::Observation, R>;
 
     /// The observation of a state, if it is not [`see`](Self::see) of its numbers.
@@ -112,7 +112,7 @@ impl<S: Copy + fmt::Debug + Send + Sync + 'static, const N: usize> Row for [S; N
 /// `[T; N]` for a type `A` that is an array of `N`.
 pub type Of<A, T> = <A as Row>::Of<T>;
 
-/// What comes of a step.
+/// The result of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Next<R: Real, E: Equations> {
     /// The numbers of the new state.
@@ -121,7 +121,7 @@ pub struct Next<R: Real, E: Equations> {
     pub reward: R,
     /// Whether the episode is over.
     pub terminated: R::Mask,
-    /// What is seen of the new state.
+    /// The observation of the new state.
     pub seen: Of<E::Observation, R>,
 }
 

@@ -79,14 +79,14 @@ pub enum Error {
     Registration {
         /// The id.
         id: String,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
 
     /// A constructor argument or reset option that does not exist or has a bad value.
     #[error("invalid argument for {target}: {reason}")]
     InvalidArgument {
-        /// What was being built or reset.
+        /// The thing being built or reset.
         target: String,
         /// The fault, and the valid values.
         reason: String,
@@ -103,7 +103,7 @@ pub enum Error {
         value: String,
         /// The space, printed.
         space: String,
-        /// What to change.
+        /// The fault, and the remedy.
         reason: String,
     },
 
@@ -137,7 +137,7 @@ pub enum Error {
         target: String,
         /// The mode asked for.
         mode: String,
-        /// What to do instead.
+        /// The remedy.
         reason: String,
     },
 
@@ -152,9 +152,9 @@ pub enum Error {
     /// One environment of a vector failed.
     #[error("sub-environment {index}: {source}")]
     SubEnvironment {
-        /// Which one.
+        /// Its index.
         index: usize,
-        /// What is wrong with it.
+        /// Its error.
         source: Box<Error>,
     },
 
@@ -163,7 +163,7 @@ pub enum Error {
     Io {
         /// The file.
         path: String,
-        /// What the system answered.
+        /// The operating system's error.
         source: Arc<std::io::Error>,
     },
 

@@ -20,9 +20,9 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     type Config: Arguments + PartialEq;
     /// The state.
     type State: Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static;
-    /// What the agent sees.
+    /// The type of observations.
     type Observation: Element;
-    /// What the agent does.
+    /// The type of actions.
     type Action: Element;
 
     /// The name of the environment, without version.
@@ -87,11 +87,11 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 
 /// The dynamics of a [`Task`], as pure functions of a plain state.
 ///
-/// | function | Gymnasium's `FuncEnv` | what it gives |
+/// | function | Gymnasium's `FuncEnv` | result |
 /// |---|---|---|
 /// | [`start`](Task::start)`(reset, rng)` | `initial` | a state |
 /// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
-/// | [`observe`](Self::observe)`(state)` | `observation` | what the agent sees |
+/// | [`observe`](Self::observe)`(state)` | `observation` | the observation |
 ///
 /// Results depend only on the arguments and the generator. [`Stateful`] makes an [`Env`] of them; a planner calls them
 /// directly, from any state:
@@ -203,7 +203,7 @@ pub trait Dynamics: Task {
     /// CPU's features.
     ///
     /// # Errors
-    /// Those of `transition`; then nothing has changed.
+    /// The errors of `transition`; the state is then unchanged.
     #[inline]
     fn step(
         &self,
@@ -274,7 +274,7 @@ impl<D: Dynamics> Stateful<D> {
     /// Sets one argument to a value in JSON. The episode continues with it.
     ///
     /// # Errors
-    /// As [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
+    /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let given = [(name.to_owned(), value)].into_iter().collect();
         self.dynamics.assign(arguments::read(self.dynamics.config(), u32::MAX, &given, D::NAME)?)

@@ -101,7 +101,7 @@ impl Metadata {
 }
 
 impl Default for Metadata {
-    /// Nothing to see.
+    /// No render modes.
     fn default() -> Self {
         Self { render_modes: &[], render_fps: 30, render_size: (600, 400) }
     }
@@ -143,7 +143,7 @@ impl Frame {
     /// A black picture.
     ///
     /// # Errors
-    /// [`Error::Custom`] where so many pixels do not fit in memory.
+    /// [`Error::Custom`] if the pixels do not fit in memory.
     pub fn new(width: u32, height: u32) -> Result<Self> {
         let bytes = usize::try_from(u128::from(width) * u128::from(height) * 3).ok();
         match bytes.and_then(|bytes| Data::zeros(DType::U8, bytes)) {
@@ -180,7 +180,7 @@ impl fmt::Debug for Frame {
     }
 }
 
-/// What [`render`](crate::EnvExt::render) returns, by render mode.
+/// The result of [`render`](crate::EnvExt::render), by render mode.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rendered {
     /// `human`: the window shows the frame.
@@ -246,7 +246,7 @@ pub type OpenScreen = fn(&str, (u32, u32), u32) -> Result<Box<dyn Screen>>;
 /// Link-time registration of a [`Screen`].
 #[derive(Debug)]
 pub struct ScreenProvider {
-    /// Opens one; fails without a display.
+    /// Opens a window; an error without a display.
     pub open: OpenScreen,
 }
 

@@ -8,7 +8,7 @@ use crate::{Error, Generator, Result, Seed};
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
 
-/// How to start an episode. `Reset::default()` continues the generator and uses no options.
+/// Options for the start of an episode. `Reset::default()` continues the generator and uses no options.
 ///
 /// ```
 /// use gym_core::Reset;
@@ -38,11 +38,11 @@ impl Reset {
         self
     }
 
-    /// The generator of the episode: seeded afresh, or `last`, the one of the episode before, carried
-    /// on; the first time without a seed, one that the operating system seeds.
+    /// The generator of the episode: a new one from the seed; without a seed `last`, the previous
+    /// episode's; without both, a new one seeded by the operating system.
     ///
     /// # Errors
-    /// As [`Seed::from_os`].
+    /// The errors of [`Seed::from_os`].
     pub fn generator(&self, last: Option<&Generator>) -> Result<Generator> {
         match (&self.seed, last) {
             (Some(seed), _) => Ok(Generator::new(seed)),

@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use crate::stored::exact;
 use crate::{Error, Result};
 
-/// The whole state of an environment and its wrappers, as JSON data, with every float it had.
+/// The whole state of an environment and its wrappers, as JSON data, NaN and infinite floats included.
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,9 +25,9 @@ impl Snapshot {
     /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// The errors of [`of`](Self::of).
     pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
-        /// What [`Snapshot::for_config`] reads.
+        /// The form that [`Snapshot::for_config`] reads.
         #[derive(Serialize)]
         struct Stored<'a, C, T> {
             env: &'a str,
@@ -65,7 +65,7 @@ impl Snapshot {
         C: DeserializeOwned + PartialEq,
         E: DeserializeOwned,
     {
-        /// What [`Snapshot::with_config`] wrote.
+        /// The content that [`Snapshot::with_config`] wrote.
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Stored<C, E> {

@@ -265,7 +265,7 @@ impl fmt::Display for Value {
 /// | `i64`, `usize`, `u8`, `u32` | a `Discrete` |
 /// | an enum of [`discrete!`](crate::discrete) | a `Discrete`, from 0 on |
 /// | `[T; N]` of numbers | a `Box`, `MultiDiscrete` or `MultiBinary` of one axis |
-/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in the precision in which it comes |
+/// | [`Continuous<N>`](crate::Continuous) | an action in a `Box` of one axis, in its own precision |
 /// | [`Array`] | these of any shape |
 /// | [`String`] | a `Text` |
 /// | tuples of two to four of these | a `Tuple` |
@@ -474,7 +474,7 @@ tuple_element!(A 0, B 1, C 2, D 3);
 ///
 /// ```
 /// gym_core::discrete! {
-///     /// Which way to push the cart.
+///     /// The direction of the push.
 ///     pub enum Push {
 ///         /// To the left.
 ///         Left,

@@ -53,7 +53,7 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 /// the same names as [`Env`], and with both in scope `env.render_into(…)` could mean either. Within the
 /// implementation itself, call the wrapper's own methods as `Env::reset_into(self, …)`.
 ///
-/// # What a wrapper owes
+/// # Duties of a wrapper
 /// - **State.** A wrapper that keeps something from step to step stores it beside the inner snapshot, in
 ///   [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
 /// - **A stored form.** [`wrapper_spec`](Self::wrapper_spec) names the wrapper and its arguments; a
@@ -65,9 +65,9 @@ use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, 
 pub trait Wrapper: Clone + Send + 'static {
     /// The inner environment.
     type Inner: Env;
-    /// What the agent sees.
+    /// The type of observations.
     type Observation: Element;
-    /// What the agent does.
+    /// The type of actions.
     type Action: Element;
 
     /// The inner environment.
@@ -79,13 +79,13 @@ pub trait Wrapper: Clone + Send + 'static {
     /// As [`Env::reset_into`].
     ///
     /// # Errors
-    /// Those of the inner environment, and the wrapper's own.
+    /// The inner environment's errors and the wrapper's own.
     fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
 
     /// As [`Env::step_into`].
     ///
     /// # Errors
-    /// Those of the inner environment, and the wrapper's own.
+    /// The inner environment's errors and the wrapper's own.
     fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
 
     /// The name and arguments of this wrapper in a spec; `None` if it has no stored form, such as a
@@ -126,7 +126,7 @@ pub trait Wrapper: Clone + Send + 'static {
     /// As [`Env::restore`].
     ///
     /// # Errors
-    /// Those of the inner environment, and the wrapper's own; then nothing has changed.
+    /// The inner environment's errors and the wrapper's own; the state is then unchanged.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner_mut().restore(snapshot)
     }
@@ -168,7 +168,7 @@ macro_rules! all_methods {
 }
 pub(crate) use all_methods;
 
-/// A method that calls the same one of another place: that of `self.env`, given `{.env}`. A place is given
+/// A method that forwards to the same method of another place, such as `self.env` for `{.env}`. A place is given
 /// twice, to be read and to be changed.
 macro_rules! forward {
     ([$trait:ident] {$($place:tt)*} {$($_:tt)*} fn $name:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
@@ -186,7 +186,7 @@ macro_rules! forward {
 }
 pub(crate) use forward;
 
-/// A wrapper is an environment: each method is that of the wrapper.
+/// A wrapper is an environment: each method calls the wrapper's.
 impl<W: Wrapper> Env for W {
     type Observation = W::Observation;
     type Action = W::Action;

@@ -160,7 +160,7 @@ fn messages_name_what_is_wrong_first() {
     let error = message(registry::find("seams/Budget-v3").unwrap_err());
     assert!(error.contains("version 3"), "{error}");
     let error = message(gym_core::builder("seams/Budget-v4").arg("budget", f64::NAN).build().unwrap_err());
-    assert!(error.contains("NaN or infinite"), "{error}");
+    assert!(error.contains("NaN and infinite"), "{error}");
     let mut env = RecordEpisodeStatistics::new(make());
     env.reset(0).unwrap();
     let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());

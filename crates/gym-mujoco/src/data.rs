@@ -6,7 +6,7 @@ use crate::physics::spatial::IDENTITY;
 use crate::physics::{Call, Constraints, MAXVAL, Work, rne_post_constraint};
 use crate::{Error, Model, Result, forward, step};
 
-/// A state of a model, and what the last forward call computed from it: MuJoCo's `mjData`.
+/// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
 ///
 /// After [`step`], `time`, `qpos` and `qvel` are new; everything else belongs to the last forward call that the
 /// step made, as in MuJoCo. With the integrator Euler this is the state before the step, with RK4 its last stage.
@@ -14,8 +14,8 @@ use crate::{Error, Model, Result, forward, step};
 /// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional vectors are rotation, then
 /// translation, about the centre of mass of the kinematic tree (`subtree_com` of the body's root).
 ///
-/// A clone, or data that was serialised and read again, continues bit for bit. What is serialised is the state, and the one that
-/// the last step or forward call started from; everything else follows from that, and [`resume`](Self::resume) computes it again.
+/// A clone, or data that was serialised and read again, continues bit for bit. Two states are serialised: the current one, and the
+/// one from which the last step or forward call started. [`resume`](Self::resume) computes everything else from them.
 #[derive(Clone, Debug, Default)]
 pub struct Data {
     /// Time, in seconds.
@@ -24,9 +24,9 @@ pub struct Data {
     pub qpos: Vec<f64>,
     /// Velocities (nv).
     pub qvel: Vec<f64>,
-    /// Controls (nu); the engine clamps what it uses, not these.
+    /// Controls (nu), not clamped: the engine clamps a copy.
     pub ctrl: Vec<f64>,
-    /// Where the solver starts: the accelerations of the step before (nv).
+    /// The solver's starting point: the accelerations of the previous step (nv).
     pub qacc_warmstart: Vec<f64>,
     /// Accelerations (nv).
     pub qacc: Vec<f64>,
@@ -75,7 +75,7 @@ pub struct Data {
     pub qfrc_bias: Vec<f64>,
     /// Forces of the actuators (nv).
     pub qfrc_actuator: Vec<f64>,
-    /// Sum of all forces but those of constraints (nv).
+    /// Sum of all forces except constraint forces (nv).
     pub qfrc_smooth: Vec<f64>,
     /// Accelerations without constraints (nv).
     pub qacc_smooth: Vec<f64>,
@@ -87,7 +87,7 @@ pub struct Data {
     /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own. A
     /// row starts at a multiple of four.
     pub qm: Vec<f64>,
-    /// Factors of the inertia matrix, `L' D L`, with the same structure. What is between rows means nothing.
+    /// Factors of the inertia matrix, `L' D L`, with the same structure. Numbers between rows have no meaning.
     pub qld: Vec<f64>,
     /// Inverse of the factors' diagonal.
     pub qld_diag_inv: Vec<f64>,
@@ -101,7 +101,7 @@ pub struct Data {
     /// Iterations of the solver, by island.
     pub solver_niter: Vec<usize>,
 
-    /// What computed everything that follows from a state, and from which; nothing did yet where there is none.
+    /// The call that computed the derived arrays, and its state; `None` if nothing is computed yet.
     pub(crate) last: Option<Call>,
     before: State,
     /// Whether `cfrc_ext` is of that call.
@@ -225,7 +225,7 @@ impl Data {
         self.solver_niter.clear();
     }
 
-    /// Computes again what is not serialised, by the call that computed it. Before a step or a forward call there is no need to.
+    /// Repeats the last call to compute the arrays that are not serialised. Not needed before a step or a forward call.
     ///
     /// # Panics
     /// If the data is of another model; see [`check`](Self::check).
@@ -260,7 +260,7 @@ impl Data {
         (self.qpos, self.qvel, self.ctrl, self.qacc_warmstart) = (qpos, qvel, ctrl, qacc_warmstart);
     }
 
-    /// Notes the state that a call starts from.
+    /// Stores the state from which a call starts.
     #[inline]
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
         self.fit(m);
@@ -276,8 +276,8 @@ impl Data {
     /// Checks that this is data of a model, for instance from a snapshot.
     ///
     /// # Errors
-    /// [`Error::Data`] if an array of the state has another length than the model's, or a number is beyond what a simulation
-    /// reaches.
+    /// [`Error::Data`] if an array of the state has another length than the model's, or a number exceeds the
+    /// engine's bounds.
     pub fn check(&self, m: &Model) -> Result<()> {
         for state in [self.last.map(|_| &self.before), Some(&self.state())].into_iter().flatten() {
             for (name, numbers, length, most) in [
@@ -291,7 +291,7 @@ impl Data {
                     return Err(Error::Data(format!("{name} has {have} elements, the model needs {length}")));
                 }
                 if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
-                    return Err(Error::Data(format!("{name} has {x}, which no simulation reaches")));
+                    return Err(Error::Data(format!("{name} has {x}: numbers must lie within ±{most:e}")));
                 }
             }
         }

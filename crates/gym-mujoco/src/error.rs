@@ -1,13 +1,13 @@
-//! What can be wrong with a model.
+//! Errors of models and states.
 
 /// A `Result` whose error is [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What is wrong with a model, and where.
+/// An error of a model, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A compiled model whose parts do not fit together, or which is outside of what the engine supports.
+    /// A compiled model whose parts do not fit together, or with an unsupported feature.
     #[error("the compiled model is not valid: {0}")]
     Model(String),
     /// Two geoms that can touch, and whose contacts are not supported.
@@ -23,7 +23,7 @@ pub enum Error {
         /// Their shapes.
         kinds: String,
     },
-    /// A text that is not a model, or is outside of the supported part of MJCF.
+    /// A text that is not a model, or uses an unsupported part of MJCF.
     #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
     Mjcf {
         /// The line of the text, from 1.

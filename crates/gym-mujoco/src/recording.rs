@@ -1,8 +1,8 @@
-//! Recorded steps and forward calls of an engine, answered by this one.
+//! Recorded steps and forward calls of another engine, compared with this engine's.
 //!
 //! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model (what is before a dot says
 //! more of the recording), or `xml` a file in MJCF beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
-//! what one step leaves behind, under `after`, or what one forward call computes, under `out`, in MuJoCo's names. A recording
+//! the state after one step, under `after`, or the results of one forward call, under `out`, in MuJoCo's names. A recording
 //! without a `kind` is a table of a compiled model's figures, and answered with our own.
 
 use std::path::Path;
@@ -40,7 +40,7 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
     recording.contains_key("cases") || recording.contains_key("body_mass")
 }
 
-/// What this engine answers; `folder` is where the recording is.
+/// The results of this engine; `folder` contains the recording.
 ///
 /// # Errors
 /// If it names no model, or a state does not fit the model.
@@ -52,7 +52,9 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
     {
         Some("steps") => ("after", after_step),
         Some("forward") => ("out", after_forward),
-        Some(kind) => return Err(wrong(&format!("the kind {kind:?}: there are \"steps\" and \"forward\""))),
+        Some(kind) => {
+            return Err(wrong(&format!("the kind {kind:?}: the kinds are \"steps\" and \"forward\"")));
+        }
         None => {
             let figures =
                 m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
@@ -64,7 +66,7 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
         answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
     for (i, case) in cases.iter_mut().enumerate() {
         let state = State::deserialize(&*case)
-            .map_err(|error| wrong(&format!("a case {i} that is no state: {error}")))?;
+            .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
         let mut data = state.into_data(&m)?;
         // MuJoCo keeps twenty counts; a recording has those of the islands, or one where there is no island
         let counts = case[side]["solver_niter"].as_array().map_or(0, Vec::len);
@@ -89,7 +91,7 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     }
 }
 
-/// What a step leaves behind.
+/// The results of a step.
 #[must_use]
 pub fn after_step(m: &Model, d: &mut Data) -> Value {
     step(m, d);
@@ -101,7 +103,7 @@ pub fn after_step(m: &Model, d: &mut Data) -> Value {
     })
 }
 
-/// What a forward call computes.
+/// The results of a forward call.
 #[must_use]
 pub fn after_forward(m: &Model, d: &mut Data) -> Value {
     forward(m, d);

@@ -42,7 +42,7 @@ pub struct NativeVectorEnv<D: Native> {
     pub(crate) streams: Vec<D::Stream>,
     /// The last states of episodes, if infos need them.
     pub(crate) finals: Vec<D::Packed>,
-    /// Which environments the last reset has left out, if any.
+    /// The environments that the last reset left out, if any.
     pub(crate) left_out: Vec<bool>,
     /// Actions cast from another type of numbers.
     cast: Value,
@@ -95,7 +95,7 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// The same with arguments that differ: each environment has its own value of some arguments that are numbers, or
+    /// A vector whose environments have different arguments: each environment has its own value of some arguments that are numbers, or
     /// draws a new one from a range at each reset, from its generator before the start.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
     }
 
-    /// The arguments of an environment that differ from those of others, by name.
+    /// The arguments that differ between environments, with this environment's values, by name.
     pub fn arguments(&self, index: usize) -> Vec<(String, f64)> {
         match &self.varied {
             Some(varied) if index < self.num_envs => varied.of(index),
@@ -114,12 +114,12 @@ impl<D: Native> NativeVectorEnv<D> {
         }
     }
 
-    /// As its id is registered.
+    /// Sets the spec and the reset options of its registered id.
     pub(crate) fn registered(self, spec: VectorSpec, reset_options: ResetOptions) -> Self {
         Self { spec: Some(spec), reset_options, ..self }
     }
 
-    /// The same with only the baseline instructions of this kind of CPU: slower, with the same bits,
+    /// The same vector with only the baseline instructions of this kind of CPU: slower, with the same bits,
     /// as tests check.
     #[must_use]
     pub fn baseline(self) -> Self {

@@ -3,7 +3,7 @@
 //!
 //! | an author implements | for |
 //! |---|---|
-//! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment and as many as a vector register holds |
+//! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment, or as many as a vector register holds |
 //! | [`Task`], [`Dynamics`] and [`Native`] | any other step, such as a look-up in a table: a native vector steps [one by one](Many::each), without the cost of erased environments |
 //!
 //! Each operation rounds equally in both, sines and squares included, so a native vector has the
@@ -13,7 +13,7 @@
 //! use gym_core::{Configure, Env, Registration};
 //! use gym_native::Native;
 //!
-//! /// What to register for an environment with a native vector.
+//! /// The registration of an environment with a native vector.
 //! fn registration<E, D>() -> Registration
 //! where
 //!     E: Env + Configure,
@@ -94,7 +94,10 @@ pub trait Native:
     /// environments (the default).
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
         let _ = arguments;
-        Err(Error::argument(Self::NAME, "a native vector of it has the same arguments for all environments"))
+        Err(Error::argument(
+            Self::NAME,
+            "all environments of its native vector share one set of arguments: use a sync or async vector",
+        ))
     }
 
     /// Packs a state.

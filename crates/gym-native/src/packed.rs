@@ -9,22 +9,22 @@ use crate::LANES;
 
 /// The stored form of an environment's state between steps.
 pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
-    /// Those of [`LANES`] environments.
+    /// The numbers of [`LANES`] environments.
     type Block: Clone + fmt::Debug + Send + Sync + 'static;
 
     /// The same for each environment.
     fn splat(self) -> Self::Block;
 
-    /// That of an environment, below [`LANES`].
+    /// The number of one environment; its index is below [`LANES`].
     fn get(block: &Self::Block, lane: usize) -> Self;
 
-    /// Overwrites that of an environment, below [`LANES`].
+    /// Overwrites the number of one environment; its index is below [`LANES`].
     fn set(self, block: &mut Self::Block, lane: usize);
 
     /// Appends its stored form.
     fn put(self, bytes: &mut Vec<u8>);
 
-    /// Reads what [`put`](Self::put) wrote and advances behind it; `None` if the bytes do not fit.
+    /// Reads the value that [`put`](Self::put) wrote, and advances past it; `None` if the bytes do not fit.
     /// [`is_valid`](gym_core::Task::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
@@ -90,7 +90,7 @@ where
     fn put(self, bytes: &mut Vec<u8>) {
         match postcard::to_extend(&self.0, std::mem::take(bytes)) {
             Ok(extended) => *bytes = extended,
-            // what is missing is found when it is read
+            // missing parts are noticed when they are read
             Err(error) => log::warn!("a state has no stored form: {error}"),
         }
     }

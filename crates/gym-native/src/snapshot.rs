@@ -28,7 +28,7 @@ struct Stored<S: Stream> {
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Numbers<S: Stream> {
-    /// As [`Packed::put`] writes them, one after the other.
+    /// The values as [`Packed::put`] writes them, one after the other.
     #[serde(with = "row")]
     states: Vec<u8>,
     #[serde(with = "words")]

@@ -16,7 +16,7 @@ pub(crate) struct Block<D: Native> {
     pub(crate) steps: [u16; LANES],
     /// Environments whose episode is over and which have not been reset since.
     pub(crate) due: u32,
-    /// Which were never reset.
+    /// The environments that were never reset.
     pub(crate) unset: u32,
     /// Environments whose episode ended in the last step and which were reset in it.
     pub(crate) ended: u32,
@@ -194,7 +194,7 @@ pub struct Many<'a, D: Native> {
 }
 
 impl<D: Native> Many<'_, D> {
-    /// Steps one environment after the other, except those that are due, whose generators stay.
+    /// Steps the environments one by one. Environments due for a reset are skipped: their generators do not advance.
     #[inline(always)]
     pub fn each(
         &mut self,

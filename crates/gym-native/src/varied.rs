@@ -40,7 +40,10 @@ impl<D: Native> Varied<D> {
                 varied.keep(i, &own);
                 if spaces(&own) != spaces(dynamics) {
                     let names: Vec<_> = varied.each.iter().map(|(name, _)| name.as_str()).collect();
-                    let reason = format!("with {} the spaces of the environments differ", names.join(", "));
+                    let reason = format!(
+                        "the values of {} must give all environments the same spaces",
+                        names.join(", ")
+                    );
                     return Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
                 }
             }
@@ -69,7 +72,7 @@ impl<D: Native> Varied<D> {
         &self.drawn[index * ranges..][..ranges]
     }
 
-    /// How many arguments are ranges.
+    /// The number of arguments that are ranges.
     fn ranges(&self) -> usize {
         self.each.iter().filter(|(_, each)| each.range().is_some()).count()
     }
@@ -100,7 +103,7 @@ impl<D: Native> Varied<D> {
         &self.drawn
     }
 
-    /// Goes on with values that were stored.
+    /// Continues with stored values.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if they are outside these ranges.

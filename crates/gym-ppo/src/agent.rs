@@ -41,7 +41,7 @@ pub(crate) struct Sample {
     pub(crate) values: Vec<f32>,
 }
 
-/// What the outputs of the policy network mean.
+/// The meaning of the policy network's outputs.
 enum Head {
     /// Preferences for each action.
     Discrete,

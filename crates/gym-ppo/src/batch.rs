@@ -1,4 +1,4 @@
-//! What a policy learns from at once.
+//! The batch from which a policy learns at once.
 
 use candle_core::Tensor;
 
@@ -8,7 +8,7 @@ pub(crate) struct Batch {
     pub(crate) actions: Tensor,
     pub(crate) log_probabilities: Tensor,
     pub(crate) advantages: Tensor,
-    /// Advantage and value: what the value network should have said.
+    /// Advantage and value: the target of the value network.
     pub(crate) returns: Tensor,
 }
 

@@ -145,7 +145,7 @@ fn spread(rows: usize, columns: usize, sums: &Tensor, gradient: &Tensor) -> Resu
     let (gradient, gradient_layout) = gradient.storage_and_layout();
     let (sums, sums_layout) = sums.storage_and_layout();
     let (Storage::Cpu(gradient), Storage::Cpu(sums)) = (&*gradient, &*sums) else {
-        bail!("a gradient is elsewhere")
+        bail!("a gradient is not on the CPU")
     };
     let (gradient, sums) = (slice(gradient, gradient_layout)?, slice(sums, sums_layout)?);
 

@@ -1,4 +1,4 @@
-//! Networks: what an agent computes from observations.
+//! Networks: an agent's computations from observations.
 
 use std::iter::zip;
 

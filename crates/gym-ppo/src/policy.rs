@@ -1,4 +1,4 @@
-//! What a training leaves behind: a policy in a small file, which plays wherever its environment is.
+//! The result of a training: a policy in a small file, which plays without this crate.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! What the algorithm leaves open.
+//! The settings of the algorithm.
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
@@ -6,7 +6,7 @@ use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What kind of task an environment is.
+/// The kind of task of an environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Task {
     /// Numbers to see and a few actions to choose from.
@@ -126,7 +126,7 @@ impl Settings {
                 all.as_object().into_iter().flat_map(|all| all.keys()).map(String::as_str).collect();
             let known = known.join(", ");
             let setting =
-                all.get_mut(name).with_context(|| format!("unknown setting {name}: there are {known}"))?;
+                all.get_mut(name).with_context(|| format!("unknown setting {name}: known are {known}"))?;
             *setting = serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
         }
         let settings: Self = serde_json::from_value(all).context("a setting is out of range")?;

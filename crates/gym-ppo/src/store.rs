@@ -18,7 +18,7 @@ pub(crate) struct Checkpoint {
     pub(crate) settings: Settings,
     /// How the vector is made, wrappers included.
     pub(crate) spec: VectorSpec,
-    /// What it has come to.
+    /// The state of the training.
     pub(crate) envs: Snapshot,
     /// The observations that the next actions answer, a row for each environment.
     pub(crate) observations: Numbers,

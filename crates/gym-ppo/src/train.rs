@@ -107,7 +107,7 @@ impl Run {
         (recent.iter().sum::<f64>() / recent.len().max(1) as f64, recent.len())
     }
 
-    /// A rollout and what there is to learn from it.
+    /// A rollout and the batch to learn from.
     fn round(&mut self, total: u64) -> anyhow::Result<()> {
         let Self { settings, envs, agent, rollout, rng, returns, .. } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
@@ -203,7 +203,7 @@ mod tests {
     const SIDE: usize = 28;
 
     gym::discrete! {
-        /// What a picture shows.
+        /// The content of a picture.
         enum Answer { Lying, Standing }
     }
 

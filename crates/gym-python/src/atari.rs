@@ -22,16 +22,16 @@ pub(crate) struct Ale(Py<Env>);
 pub(crate) struct AleState {
     /// As JSON.
     state: String,
-    /// Whether it goes on with the same random numbers.
+    /// Whether it continues with the same random numbers.
     include_rng: bool,
     frame_number: u32,
     episode_frame_number: u32,
-    /// Those of the episodes that follow.
+    /// The settings of the following episodes.
     mode: u16,
     difficulty: u8,
 }
 
-/// What `AleState` is made of again.
+/// The parts from which `AleState` is rebuilt.
 type StateParts = (String, bool, u16, u8);
 
 impl Ale {
@@ -73,8 +73,10 @@ impl Ale {
     /// Plays a frame: its reward.
     fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
         let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
-            let reason =
-                format!("{action} is no action of the Atari 2600: there are 0 to {}", Action::ALL.len() - 1);
+            let reason = format!(
+                "{action} is not an action of the Atari 2600: the actions are 0 to {}",
+                Action::ALL.len() - 1
+            );
             return Err(Error::argument("act", reason)).or_raise();
         };
         self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength })))
@@ -96,7 +98,7 @@ impl Ale {
         })
     }
 
-    /// Lives, whether the game is over, whether the episode has as many frames as it may, frame number, that of the episode.
+    /// Lives, whether the game is over, whether the episode has reached its limit of frames, the frame number, and the episode's frame number.
     fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
         self.with(py, |game| {
             let over = (game.game_over(), game.is_truncated());
@@ -104,7 +106,7 @@ impl Ale {
         })
     }
 
-    /// What never changes: name, rows of the picture, legal and minimal actions, modes, difficulties.
+    /// The constant data: name, rows of the picture, legal and minimal actions, modes, difficulties.
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         self.with(py, |game| {
             let game = game.game();
@@ -211,7 +213,7 @@ impl Ale {
         let stored = state.read()?;
         self.with(py, |game| {
             if !game.set_state_like_ale(&stored, state.include_rng) {
-                return Err(Error::Snapshot("it is of another game".into())).or_raise();
+                return Err(Error::Snapshot("it was taken from another game".into())).or_raise();
             }
             let (mode, difficulty) = (Some(state.mode), Some(state.difficulty));
             game.configure(Settings { mode, difficulty, ..game.settings() });

@@ -33,7 +33,7 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
     if let [_] = shape {
         return PyArray1::from_slice(py, numbers).into_any();
     }
-    // SAFETY: the array was just allocated for that many numbers, and nobody else knows it.
+    // SAFETY: the array was just allocated for that many numbers, and no other code has a reference to it.
     unsafe {
         let array = PyArray::<T, IxDyn>::new(py, shape, false);
         array.as_slice_mut().expect("a new array is contiguous").copy_from_slice(numbers);
@@ -101,7 +101,7 @@ pub(crate) fn refill<'py>(
     to_python(py, value)
 }
 
-/// What `render` returns.
+/// The result of `render`.
 pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bound<'py, PyAny>> {
     let frame =
         |frame: &Frame| new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels());
@@ -139,7 +139,7 @@ pub(crate) fn action_from_python(
     if dtype == DType::F32 || !is_list_of_numbers(object)? {
         return Ok(Value::Array(numbers));
     }
-    // numbers of Python's own, which take the precision of what they meet
+    // Python numbers, which take the precision of the other operand
     let row = inner.shape().iter().product::<usize>().max(1);
     let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
     Ok(Value::Tuple(match n {

@@ -30,7 +30,7 @@ use crate::{mujoco, peek, registry};
 #[derive(Debug)]
 pub(crate) struct Env {
     core: Mutex<Core>,
-    /// What it was made of: id, arguments as JSON, render mode.
+    /// The constructor's arguments: id, arguments as JSON, render mode.
     id: String,
     kwargs: String,
     render_mode: Option<String>,
@@ -64,7 +64,7 @@ impl Core {
             return Err(Error::ResetNeeded("step")).or_raise();
         }
         self.is_running = false;
-        // a refused action changes nothing; only after a panic the episode cannot go on
+        // a refused action changes nothing; only after a panic the episode cannot continue
         let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
         self.is_running = true;
         outcome.or_raise()
@@ -138,7 +138,7 @@ impl Env {
         let mut core = self.lock(py)?;
         match core.env.unwrapped_mut::<AtariEnv>() {
             Some(env) => guard(|| f(env)),
-            None => Err(Error::custom(format!("{} is no game of the Atari 2600", self.id))).or_raise(),
+            None => Err(Error::custom(format!("{} is not an Atari game", self.id))).or_raise(),
         }
     }
 
@@ -159,7 +159,7 @@ impl Env {
         }
     }
 
-    /// Runs what takes long without the lock of Python.
+    /// Runs a long computation without the GIL.
     fn run<T: Send>(&self, py: Python<'_>, core: &mut Core, f: impl FnOnce(&mut Core) -> T + Send) -> T {
         if self.is_slow { py.detach(|| f(core)) } else { f(core) }
     }
@@ -269,7 +269,7 @@ impl Env {
         }
         match core.env.generator() {
             Some(generator) => *generator = state,
-            None => return Err(Error::custom("this environment draws from no generator")).or_raise(),
+            None => return Err(Error::custom("this environment has no random number generator")).or_raise(),
         }
         Ok(())
     }
@@ -313,7 +313,7 @@ impl Env {
         mujoco::data(py, &self.lock(py)?.env)
     }
 
-    /// What the model of a MuJoCo task is made of.
+    /// The parts of a MuJoCo task's model.
     fn mujoco_model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::model(py, &self.lock(py)?.env)
     }
@@ -329,7 +329,7 @@ impl Env {
         let mut core = self.lock(py)?;
         match simulated_mut(&mut core.env) {
             Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise()),
-            None => Err(Error::custom("this is no environment of MuJoCo")).or_raise(),
+            None => Err(Error::custom("this is not a MuJoCo environment")).or_raise(),
         }
     }
 
@@ -338,7 +338,7 @@ impl Env {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
         match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
             Some(env) => env.set_score_glyphs(glyphs),
-            None => return Err(Error::custom(format!("{} writes no score", self.id))).or_raise(),
+            None => return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise(),
         }
         Ok(())
     }
@@ -353,7 +353,7 @@ impl Env {
         })
     }
 
-    /// A copy that goes on by itself.
+    /// An independent copy.
     fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
         let core = guard(|| Ok(self.lock(py)?.clone()))?;
         let Self { id, kwargs, render_mode, wrappers, .. } = self;
@@ -361,12 +361,12 @@ impl Env {
         Ok(Self::holding(core.env, id, kwargs, render_mode, wrappers, core.is_running, core.observation))
     }
 
-    /// A copy that goes on by itself.
+    /// An independent copy.
     fn __deepcopy__(&self, py: Python<'_>, _memo: &Bound<'_, PyAny>) -> PyResult<Self> {
         self.__copy__(py)
     }
 
-    /// What it is made of, and a snapshot to go on from.
+    /// The constructor's arguments, and a snapshot to continue from.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, env) = (slf.py(), slf.get());
         let (snapshot, is_running, observation) = {
@@ -410,7 +410,7 @@ impl Env {
     }
 }
 
-/// Reads what Python wrote as JSON about an id.
+/// Reads JSON from Python about an id.
 pub(crate) fn from_json<T: DeserializeOwned>(id: &str, json: &str) -> PyResult<T> {
     serde_json::from_str(json)
         .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))

@@ -21,7 +21,7 @@ pub(crate) fn guard<T>(f: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
         .unwrap_or_else(|panic| Err(PanicError::new_err(message(&*panic).to_owned())))
 }
 
-/// What a panic was raised with.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
@@ -73,7 +73,7 @@ const TYPES: [(&[&str], &str); 3] = [
 
 /// Words of JSON, of Rust and of the operating system, in Python's.
 const WORDS: [(&str, &str); 14] = [
-    (" (null is also what becomes of a number that is NaN or infinite: give a finite one)", ""),
+    (" (NaN and infinite numbers become null: give a finite number)", ""),
     ("invalid type: null", "invalid type: None"),
     ("expected a sequence", "expected a list"),
     ("expected an array of length", "expected a list of length"),

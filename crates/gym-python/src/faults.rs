@@ -1,11 +1,11 @@
-//! An environment that panics when it is told to, for the tests of what becomes of panics.
+//! An environment that panics on request, to test the handling of panics.
 
 use gym::{
     Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, Transition,
 };
 
 gym::discrete! {
-    /// What to do.
+    /// The request.
     pub(crate) enum Action {
         /// Nothing.
         Wait,

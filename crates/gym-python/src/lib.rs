@@ -1,7 +1,7 @@
 //! `rustgym._native`: environments, vectors and the registry, as the Python part of the package sees them.
 //!
-//! Nothing here decides anything that Gymnasium decides: what a reset returns, which exceptions there are, how specs are
-//! registered is Python, in `python/rustgym`. What crosses the border are numpy arrays, numbers, and descriptions as JSON.
+//! Gymnasium's interface is written in Python, in `python/rustgym`: the results of a reset, the exceptions, the registration of
+//! specs. This crate exchanges numpy arrays, numbers, and descriptions as JSON with it.
 
 mod atari;
 mod convert;

@@ -1,4 +1,4 @@
-//! What Python shows of the MuJoCo tasks: the arrays of `mjData`, and what their model is made of.
+//! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
 
 use gym::BoxEnv;
 use gym::mujoco::tasks::{self, Simulation};
@@ -45,7 +45,7 @@ fn matrix<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<B
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// What the model is made of and how it is stepped: where it came from, the text of a built-in one, initial positions, number
+/// The parts of the model, and its stepping: its source, the text of a built-in one, initial positions, number
 /// of velocities, names of bodies, timestep. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! What Python shows of an environment beyond Gymnasium's interface: its state, and the table of its dynamics.
+//! Beyond Gymnasium's interface, in Python: an environment's state, and the table of its dynamics.
 
 use gym::toytext::tabular::Table;
 use gym::vector::VectorEnv;

@@ -1,4 +1,4 @@
-//! What there is: ids, how they are made, what they look like.
+//! The registered ids, their arguments and their metadata.
 
 use gym::registry::{EnvBuilder, all, find};
 use gym::toytext::frozen_lake;

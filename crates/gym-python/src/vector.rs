@@ -28,7 +28,7 @@ pub(crate) struct Vector {
     /// Not dropped in the child of a fork, where the threads are missing that dropping waits for.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
-    /// The space of one action, and that of all.
+    /// The space of one action, and the batched space.
     action: Space,
     actions: Space,
     origin: Origin,
@@ -62,7 +62,7 @@ impl Envs {
         match self {
             Self::Async(envs) => Ok(envs),
             Self::Here(_) => Err(Error::custom(
-                "only a vector of kind async steps some of its environments: make one for this",
+                "only a vector of kind async can step some of its environments: make one with kind=\"async\"",
             ))
             .or_raise(),
         }
@@ -72,7 +72,7 @@ impl Envs {
 impl Drop for Vector {
     fn drop(&mut self) {
         if self.origin.is_here() {
-            // SAFETY: nobody uses the field after this.
+            // SAFETY: the field is not used after this.
             unsafe { ManuallyDrop::drop(&mut self.core) };
         }
     }
@@ -105,7 +105,7 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new ones, or those of the step before last.
+    /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before last.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self { columns, spares, .. } = self;
         let old = spares.as_mut().and_then(|spares| {
@@ -329,7 +329,7 @@ impl Vector {
         Ok(description.to_string())
     }
 
-    /// Whose episode has ended in the last step.
+    /// Whether each environment's episode ended in the last step.
     fn done<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let core = self.lock(py)?;
         let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();
@@ -365,7 +365,7 @@ impl Vector {
             .or_raise()
     }
 
-    /// What it is made of, and a snapshot to go on from.
+    /// The constructor's arguments, and a snapshot to continue from.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, vector) = (slf.py(), slf.get());
         let mut core = vector.lock(py)?;

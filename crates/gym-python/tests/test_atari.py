@@ -178,7 +178,7 @@ def test_bad_input() -> None:
         rustgym.make("ALE/Pong-v5", preprocessing={"clip_reward": "x"})
     assert ale.act(ale_py.Action.NOOP) == ale.act(rustgym.envs.atari.Action.NOOP) == 0
     for action in (18, -1):
-        with pytest.raises(ValueError, match="no action"):
+        with pytest.raises(ValueError, match="not an action"):
             ale.act(action)
     with pytest.raises(gymnasium.error.Error, match="sound"):
         ale.getAudio()
@@ -189,7 +189,7 @@ def test_bad_input() -> None:
         rustgym.make("ALE/Pong-v5", rom_dir="/nowhere")
     with pytest.raises(TypeError, match="preprocessing has no 'stack'"):
         rustgym.make("ALE/Pong-v5", preprocessing={"stack": 4})
-    with pytest.raises(TypeError, match="CartPole-v1 is none"):
+    with pytest.raises(TypeError, match="CartPole-v1 is not one"):
         rustgym.make_vec("CartPole-v1", 2, preprocessing=True)
 
 

@@ -394,7 +394,7 @@ def test_what_is_no_id_or_state_is_named() -> None:
     for made in (rustgym.Env, rustgym.VectorEnv):
         with pytest.raises(TypeError, match="an id is a text .* not 3 of type int"):
             made(3)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="get_state gave, not 3"):
+    with pytest.raises(TypeError, match="returned by get_state, not 3"):
         rustgym.Env("CartPole-v1").set_state(3)  # type: ignore[arg-type]
     with pytest.raises(AttributeError, match="neither rustgym nor gymnasium has an attribute 'nothing'"):
         _ = rustgym.nothing

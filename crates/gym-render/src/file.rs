@@ -14,7 +14,7 @@ use gym_core::{Error, Result};
 /// [`commit`](Self::commit), it is removed; that of a killed program is removed by the next one that writes to the folder.
 ///
 /// A link is followed: the file that it leads to is replaced, and the link stays. A replaced file passes its permissions on.
-/// Devices, named pipes and `/dev/stdout` are no files to replace: they receive the bytes at `commit`.
+/// Devices, named pipes and `/dev/stdout` are not replaced: `commit` writes the bytes to them.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -24,12 +24,12 @@ pub struct AtomicFile {
     temporary: TempPath,
 }
 
-/// Where a complete file goes.
+/// The destination of a complete file.
 #[derive(Debug, PartialEq)]
 enum Destination {
-    /// Takes the place of what is at this path.
+    /// Replaces the file at this path.
     Replace(PathBuf),
-    /// Its bytes are written to what is at this path.
+    /// Its bytes are written to the device or pipe at this path.
     Append(PathBuf),
 }
 
@@ -83,7 +83,7 @@ impl AtomicFile {
     }
 }
 
-/// Where a file of this name goes: links are followed.
+/// The destination of a file of this name; links are followed.
 fn destination(path: &Path) -> io::Result<Destination> {
     const MAX_LINKS: usize = 40; // as Linux
     let mut path = path.to_owned();
@@ -100,7 +100,7 @@ fn destination(path: &Path) -> io::Result<Destination> {
         }
         path = folder(&path).join(target);
     }
-    Err(io::Error::other("its links lead to each other"))
+    Err(io::Error::other("its symbolic links form a loop"))
 }
 
 /// The folder of a path.
@@ -108,10 +108,10 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// How the names of temporary files end.
+/// The end of the names of temporary files.
 const SUFFIX: &str = ".gym-partial";
 
-/// A file of a name that no other has, in the folder of `path`, with the permissions of what is at `path`.
+/// A file of a name that no other has, in the folder of `path`, with the permissions of the file at `path`.
 fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
     let mut prefix = std::ffi::OsString::from(".");
@@ -164,7 +164,7 @@ fn remove_leftovers(folder: &Path) {
             && name.as_encoded_bytes().starts_with(b".")
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes())
         {
-            // writing is what locks may ask for; the lock is held until the file is removed
+            // a lock may need write access; it is held until the file is removed
             if let Ok(file) = OpenOptions::new().write(true).open(entry.path())
                 && file.try_lock().is_ok()
             {
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(names(&folder), ["a.txt"]);
     }
 
-    /// A file of a killed program is not locked, unlike that of one that runs.
+    /// The file of a killed program is not locked; the file of a running one is.
     #[cfg(unix)]
     #[test]
     fn what_a_killed_run_left_behind_is_removed_by_the_next() {
@@ -371,13 +371,13 @@ mod tests {
         }
     }
 
-    /// What is no file is written to, and stays what it is: `rename` would replace the node of a device.
+    /// A device is written to and stays a device: `rename` would replace its node.
     #[cfg(target_os = "linux")]
     #[test]
     fn devices_and_pipes_are_written_to() {
         use std::os::unix::fs::{FileTypeExt, symlink};
         let folder = TempDir::new().unwrap();
-        // where nobody is root no test can destroy the node itself
+        // without root rights no test can destroy the node itself
         assert_eq!(destination(Path::new("/dev/full")).unwrap(), Destination::Append("/dev/full".into()));
         write("/dev/null", b"gone").unwrap();
         let full = write("/dev/full", b"too much").unwrap_err();

@@ -5,7 +5,7 @@
 //!   repeat their colours, whichever takes fewer bytes. An unchanged frame prolongs the one before.
 //! - All images share one table of 255 colours, which grows as colours appear. It is at the start
 //!   of the file and written last.
-//! - An image whose new colours no longer fit has its own table. Only an image with more than 255
+//! - An image has its own colour table if its new colours do not fit in the shared one. Only an image with more than 255
 //!   colours is reduced to similar ones.
 
 use std::borrow::Cow;
@@ -64,7 +64,7 @@ impl GifWriter {
     ///
     /// # Errors
     /// `Error::Io` if writing fails, now or before; `Error::InvalidArgument` if no frame was
-    /// written; then there is no file.
+    /// written; the file is then removed.
     pub fn finish(mut self) -> Result<()> {
         self.0.finish()
     }
@@ -78,7 +78,7 @@ impl GifWriter {
 /// Writes all frames to a GIF file; see [`GifWriter`].
 ///
 /// # Errors
-/// As those of [`GifWriter`]; then there is no file.
+/// The errors of [`GifWriter`]; the file is then removed.
 pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = GifWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {
@@ -126,7 +126,7 @@ impl GifEncoder {
     }
 }
 
-/// Refuses what no GIF can show.
+/// Refuses sizes and rates that no GIF can have.
 fn check(fps: u32, first: &Frame) -> Result<()> {
     let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
     if fps == 0 || !fits(first.width()) || !fits(first.height()) {

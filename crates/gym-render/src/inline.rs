@@ -34,7 +34,7 @@ impl Inline {
     /// One frame, as PNG.
     ///
     /// # Errors
-    /// As [`write_png`](crate::write_png).
+    /// The errors of [`write_png`](crate::write_png).
     pub fn frame(frame: &Frame) -> Result<Self> {
         Ok(Self { mime: "image/png", content: STANDARD.encode(png::bytes(frame)?) })
     }
@@ -42,7 +42,7 @@ impl Inline {
     /// An animation, as GIF.
     ///
     /// # Errors
-    /// As [`write_gif`](crate::write_gif).
+    /// The errors of [`write_gif`](crate::write_gif).
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
         let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
         // inside HTML, because nbconvert shows no content of type image/gif

@@ -102,7 +102,7 @@ impl Palette {
         Some(entry)
     }
 
-    /// A palette of 255 colours near those of the pixels, and the pixels as its entries: the commonest colours
+    /// A palette of 255 colours near the pixels' colours, and the pixels as its entries: the most frequent colours
     /// unchanged, and colours near the others, where rare ones count as much as common ones.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
         let mut counts = HashMap::<Rgb, usize>::new();

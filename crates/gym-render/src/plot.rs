@@ -118,7 +118,7 @@ impl Plot {
         Self { x_label: label.into(), ..self }
     }
 
-    /// What the values are.
+    /// The meaning of the values.
     #[must_use]
     pub fn y_label(self, label: impl Into<String>) -> Self {
         Self { y_label: label.into(), ..self }
@@ -317,8 +317,8 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// The mean of the last `window` finite values up to each one; NaN if there is none.
 ///
-/// Two sums make each mean, so that a large window costs no more than a small one: of what the window covers of the block in which it
-/// ends, and of what it covers of the block before. Blocks are as long as the window.
+/// Each mean is made of two sums, so a large window costs no more than a small one: the part of the window in the block in which it
+/// ends, and the part in the block before. Blocks are as long as the window.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let add = |(sum, count): (f64, f64), &value: &f64| {
         if is_drawn(value) { (sum + value, count + 1.0) } else { (sum, count) }
@@ -579,7 +579,7 @@ pop
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
     }
 
-    /// A picture of many plots is those of each, one below the other, and takes as long as they do.
+    /// A picture of many plots shows them one below the other, and takes as long as they do.
     #[test]
     fn a_picture_of_many_plots_is_one_of_each() {
         let folder = tempfile::TempDir::new().unwrap();

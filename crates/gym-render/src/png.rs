@@ -53,7 +53,7 @@ fn refused(frame: &Frame, error: &EncodingError) -> Error {
 /// does not exist. Returns the paths.
 ///
 /// # Errors
-/// As [`write_png`]; earlier frames remain.
+/// The errors of [`write_png`]; earlier frames remain.
 pub fn write_png_sequence<'a>(
     folder: impl AsRef<Path>,
     frames: impl IntoIterator<Item = &'a Frame>,
@@ -76,7 +76,7 @@ pub fn contact_sheet(frames: &[Frame], columns: usize) -> Result<Frame> {
     tile(frames, columns, GAP)
 }
 
-/// [`contact_sheet`] with a gap of so many pixels around each frame.
+/// [`contact_sheet`] with a gap around each frame, in pixels.
 pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Result<Frame> {
     let columns = columns.clamp(1, frames.len().max(1));
     let rows = frames.len().div_ceil(columns);

@@ -56,7 +56,7 @@ impl Painter for Raster {
 /// One frame of a drawing, at its own size.
 ///
 /// # Errors
-/// [`Error::Custom`](gym_core::Error::Custom) where so many pixels do not fit in memory.
+/// [`Error::Custom`](gym_core::Error::Custom) if the pixels do not fit in memory.
 pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<Frame> {
     let mut frame = Frame::new(size.0, size.1)?;
     let mut draw = Some(draw);

@@ -74,7 +74,7 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     /// Records `envs` with all arguments at once.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn with_config(envs: V, config: Config) -> Result<Self> {
         if let Some(spec) = envs.spec() {
             check_known_mode(envs.describe(), spec.env.render_mode)?;

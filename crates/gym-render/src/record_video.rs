@@ -66,7 +66,7 @@ impl<E: Env> RecordVideo<E> {
     /// Records `env` with all arguments at once.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn with_config(env: E, config: Config) -> Result<Self> {
         check_mode(&env)?;
         let tape = Tape::new(config, env.metadata().render_fps)?;

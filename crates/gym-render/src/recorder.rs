@@ -58,7 +58,7 @@ impl Recorder {
     /// Starts a file that plays at another speed.
     ///
     /// # Errors
-    /// As [`VideoWriter::create`].
+    /// The errors of [`VideoWriter::create`].
     pub fn with_fps(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
         let video = VideoWriter::create(path, fps)?;
         Ok(Self { video, rendered: Rendered::Shown, frames: 0, max_frames: u64::MAX })
@@ -103,7 +103,7 @@ impl Recorder {
     /// Completes the file; returns its number of frames.
     ///
     /// # Errors
-    /// As [`VideoWriter::finish`].
+    /// The errors of [`VideoWriter::finish`].
     pub fn finish(self) -> Result<u64> {
         self.video.finish()?;
         Ok(self.frames)

@@ -25,7 +25,7 @@ const REACH: f32 = 32_768.0;
 pub(crate) struct Skia {
     /// The runs of shapes, by all that decides them.
     known: HashMap<Box<[u64]>, Box<[Run]>, BuildHasherDefault<WordHasher>>,
-    /// What that takes, in words of 8 bytes.
+    /// The size of that, in words of 8 bytes.
     words: usize,
     /// The shape that is being drawn.
     key: Vec<u64>,

@@ -107,7 +107,7 @@ impl<F: Format> Stream<F> {
 impl<F: Format> Drop for Stream<F> {
     fn drop(&mut self) {
         if let State::Running { .. } = self.state {
-            // There is no one to tell.
+            // The error cannot be reported anywhere.
             let _ = self.finish();
         }
     }

@@ -37,7 +37,7 @@ impl Transforms {
         self.current = transform;
     }
 
-    /// How many are pushed and not yet popped.
+    /// The number of pushes without a pop so far.
     pub(crate) fn depth(&self) -> usize {
         self.outer.len()
     }

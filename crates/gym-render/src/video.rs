@@ -17,7 +17,7 @@ use crate::stream::Stream;
 /// |---|---|
 /// | `gif` | GIF, as [`GifWriter`] writes it: loops, exact for drawings of up to 255 colours |
 /// | `png`, `apng` | animated PNG: loops, always exact, at any rate |
-/// | `mp4` | H.264 where `ffmpeg` knows it; needs that program, and is not exact |
+/// | `mp4` | H.264 if `ffmpeg` supports it; needs that program, and is not exact |
 ///
 /// Each frame is written at once. The file appears under its name when it is finished. Dropping the
 /// writer also finishes it if a frame was written, but cannot report errors.
@@ -70,7 +70,7 @@ impl VideoWriter {
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails, now or before; [`Error::InvalidArgument`] if no frame was
-    /// written; then there is no file.
+    /// written; the file is then removed.
     pub fn finish(self) -> Result<()> {
         match self.0 {
             Kind::Gif(writer) => writer.finish(),
@@ -92,7 +92,7 @@ impl VideoWriter {
 /// Writes all frames to a file; see [`VideoWriter`].
 ///
 /// # Errors
-/// As those of [`VideoWriter`]; then there is no file.
+/// The errors of [`VideoWriter`]; the file is then removed.
 pub fn write_video(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
     let mut writer = VideoWriter::create(path, fps)?;
     if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {

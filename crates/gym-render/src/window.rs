@@ -14,7 +14,7 @@ use gym_core::render::{Frame, Screen, ScreenProvider};
 use gym_core::{Error, Result};
 use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
 
-/// How often a window polls its user's input, per second.
+/// The number of times per second that a window polls its user's input.
 const UPDATES: usize = 60;
 
 inventory::submit! {
@@ -27,7 +27,7 @@ inventory::submit! {
 /// must call [`show`](Self::show) or [`update`](Self::update) often enough.
 pub struct Window {
     window: minifb::Window,
-    /// What it shows: 0x00RRGGBB.
+    /// The shown pixels: 0x00RRGGBB.
     pixels: Vec<u32>,
     size: (usize, usize),
     pressed: Pressed,

@@ -37,7 +37,7 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether a win with a natural earns 1.5. Without effect if `sab` is set.
         pub natural: bool,
-        /// Whether a natural beats all but another natural, as in Sutton and Barto's book.
+        /// Whether a natural beats every hand except another natural, as in Sutton and Barto's book.
         /// `Blackjack-v1` is registered with this set.
         pub sab: bool,
     }
@@ -46,7 +46,7 @@ gym_core::arguments! {
 const DECK: [u8; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
 
 gym_core::discrete! {
-    /// What the player does.
+    /// An action of the player.
     pub enum Action {
         /// Takes no more cards.
         Stick,

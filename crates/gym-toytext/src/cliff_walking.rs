@@ -5,13 +5,13 @@
 //! | observation | the cell, `row * 12 + column` from the top left; `Discrete(48)` |
 //! | action | [`Action`]: up, right, down, left; `Discrete(4)` |
 //! | dynamics | the border stops a move; the cliff (bottom row, columns 1 to 10) throws it back to the start |
-//! | reward | -1 per step, -100 for one over the cliff |
+//! | reward | -1 per step, -100 for a step into the cliff |
 //! | start | bottom left, cell 36 |
 //! | end | terminated at the goal, bottom right, cell 47 |
 //! | limit | none |
 //! | info | `prob`: the probability of the outcome |
 //!
-//! Versions: v1 added `is_slippery`; v0, which Gymnasium no longer has, takes no arguments.
+//! Versions: v1 added `is_slippery`; v0, which Gymnasium has removed, takes no arguments.
 //!
 //! After Example 6.6 of Sutton and Barto, *Reinforcement Learning: An Introduction* (2020). Source:
 //! Gymnasium 1.4.0, `envs/toy_text/cliffwalking.py`.
@@ -56,7 +56,7 @@ const fn is_cliff(cell: usize) -> bool {
 }
 
 gym_core::discrete! {
-    /// Which way to move.
+    /// The direction of a move.
     #[derive(Serialize, Deserialize)]
     pub enum Action {
         /// One row up.
@@ -102,7 +102,7 @@ impl CliffWalkingDynamics {
 }
 
 impl CliffWalkingDynamics {
-    /// A step; `None` from a state that there is not.
+    /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
         let Outcome { probability, next, reward, terminated } =
@@ -288,7 +288,7 @@ impl Native for CliffWalkingDynamics {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
-    /// Which action was the last is not kept.
+    /// The restored state does not know the last action.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };
@@ -303,7 +303,7 @@ impl Native for CliffWalkingDynamics {
     }
 }
 
-/// What all ids have in common.
+/// The registration that all ids share.
 const fn cliff(id: &'static str) -> Registration {
     Registration::new::<CliffWalking>(id)
         .description("Walk along a cliff without falling off.")

@@ -4,9 +4,9 @@
 //! |---|---|
 //! | observation | the cell, `row * columns + column` from the top left; `Discrete(cells)` |
 //! | action | [`Action`]: left, down, right, up; `Discrete(4)` |
-//! | dynamics | a move goes where it should with probability 1/3, to either side of that with 1/3 each; the shore stops it |
+//! | dynamics | a move goes in its direction with probability 1/3, and to either side with 1/3 each; the shore stops it |
 //! | reward | 1 for reaching the goal, else 0; see [`Config::reward_schedule`] |
-//! | start | a cell `S`, each as likely as the other |
+//! | start | a cell `S`, all with the same probability |
 //! | end | terminated at the goal `G` and in a hole `H` |
 //! | limit | 100 steps (`FrozenLake8x8-v1`: 200) |
 //! | info | `prob`: the probability of the outcome |
@@ -41,13 +41,13 @@ gym_core::arguments! {
     /// Arguments.
     pub struct Config {
         /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
-        /// `H` (hole) and `G` (goal), with at least one `S`. Goes before `map_name`.
+        /// `H` (hole) and `G` (goal), with at least one `S`. Overrides `map_name`.
         pub desc: Option<Vec<String>>,
         /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc`, each environment draws a
         /// map by [`generate_random_map`]`(8, 0.8, None)`; its snapshots then fit only itself and its
         /// clones.
         pub map_name: Option<String> = Some("4x4".to_owned()),
-        /// Whether a move can go astray.
+        /// Whether a move can slip to a side.
         pub is_slippery: bool = true,
         /// The probability that a move on slippery ice goes in its direction; both sides share the
         /// rest.
@@ -67,7 +67,7 @@ const MAPS: [(&str, &[&str]); 2] = [
 ];
 
 gym_core::discrete! {
-    /// Which way to move.
+    /// The direction of a move.
     #[derive(Serialize, Deserialize)]
     pub enum Action {
         /// One column to the left.
@@ -124,7 +124,7 @@ impl FrozenLakeDynamics {
 }
 
 impl FrozenLakeDynamics {
-    /// A step; `None` from a state that there is not.
+    /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
         let Outcome { probability, next, reward, terminated } =
@@ -462,7 +462,7 @@ impl Native for FrozenLakeDynamics {
         Cell { state: state.cell as u32, probability: state.probability }
     }
 
-    /// Which action was the last is not kept.
+    /// The restored state does not know the last action.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };
@@ -477,7 +477,7 @@ impl Native for FrozenLakeDynamics {
     }
 }
 
-/// What all ids have in common.
+/// The registration that all ids share.
 const fn lake(id: &'static str) -> Registration {
     Registration::new::<FrozenLake>(id)
         .exceptions(&[WHOLE_AT_RESET])

@@ -5,7 +5,7 @@ use gym_core::{BoxEnv, Dynamics, EnvExt, Stateful};
 
 use crate::tabular::Table;
 
-/// What the policy is.
+/// The description of the policy.
 pub(crate) const DESCRIPTION: &str = "is the best one, found by value iteration over the transition table";
 
 /// A controller that plays the best action of the environment's table.

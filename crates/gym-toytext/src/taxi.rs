@@ -2,17 +2,17 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | `((row * 5 + column) * 5 + passenger) * 4 + destination`, where stands count red 0, green 1, yellow 2, blue 3, and a passenger aboard is 4; see [`encode`]; `Discrete(500)` |
+//! | observation | `((row * 5 + column) * 5 + passenger) * 4 + destination`, where the stands are red 0, green 1, yellow 2, blue 3, and a passenger aboard is 4; see [`encode`]; `Discrete(500)` |
 //! | action | [`Action`]: south, north, east, west, pick up, drop off; `Discrete(6)` |
 //! | dynamics | walls and the border stop a move; see [`Config::is_rainy`] and [`Config::fickle_passenger`] for chance |
-//! | reward | -1 per step; 20 for a drop-off at the destination, -10 for a pick-up or drop-off where there is none to make |
+//! | reward | -1 per step; 20 for a drop-off at the destination, -10 for an illegal pick-up or drop-off |
 //! | start | any cell; the passenger waits at one stand with another as destination, all uniform |
 //! | end | terminated with the drop-off at the destination |
 //! | limit | 200 steps |
 //! | info | `prob`: the probability of the outcome; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
-//! Versions: v4 added all arguments (in 1.2, v3 had two of them, with faults); v3, which Gymnasium no
-//! longer has, is that of 0.29 and takes none.
+//! Versions: v4 added all arguments (in Gymnasium 1.2, v3 had two of them, with faults); v3, which Gymnasium
+//! has removed, behaves as in 0.29 and takes none.
 //!
 //! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.
@@ -47,10 +47,10 @@ gym_core::arguments! {
         /// Whether a passenger may change the destination once, at the first move with them aboard.
         #[versions = 4..]
         pub fickle_passenger: bool,
-        /// In rain, the probability of going straight on; left and right share the rest.
+        /// In rain, the probability of moving straight; left and right share the rest.
         #[versions = 4..]
         pub rainy_probability: f64 = 0.8,
-        /// The probability that a fickle passenger does change the destination.
+        /// The probability that a fickle passenger changes the destination.
         #[versions = 4..]
         pub fickle_probability: f64 = 0.3,
     }
@@ -67,7 +67,7 @@ const IN_TAXI: usize = 4;
 const STATES: usize = SIZE * SIZE * 5 * 4;
 
 gym_core::discrete! {
-    /// What the driver does.
+    /// An action of the driver.
     #[derive(Serialize, Deserialize)]
     pub enum Action {
         /// One row down.
@@ -166,7 +166,7 @@ impl TaxiDynamics {
 }
 
 impl TaxiDynamics {
-    /// A step; `None` from a state that there is not.
+    /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
         let Outcome { probability, next, reward, terminated } =
@@ -467,7 +467,7 @@ impl Native for TaxiDynamics {
     }
 }
 
-/// What all ids have in common.
+/// The registration that all ids share.
 const fn taxi(id: &'static str) -> Registration {
     Registration::new::<Taxi>(id)
         .description("Pick up a passenger and drop them where they want to go.")

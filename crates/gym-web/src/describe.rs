@@ -1,4 +1,4 @@
-//! What the page shows of the registry, spaces and values, as JSON.
+//! The registry, spaces and values as JSON, for the page.
 
 use gym::arguments::Argument;
 use gym::registry::EnvId;
@@ -22,7 +22,7 @@ pub(crate) fn entry(registration: &Registration) -> Json {
     })
 }
 
-/// What this very environment needs and lacks: of all ROMs there may be one of another game.
+/// The missing requirement of this environment, such as the ROM of its game.
 fn missing(registration: &Registration) -> Option<&'static str> {
     let need = registration.needs?;
     let is_there = need.is_met() && gym::make(registration.id()).is_ok();

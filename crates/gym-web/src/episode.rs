@@ -1,4 +1,4 @@
-//! What a learner tells of its training.
+//! A learner's reports of its training.
 
 use serde::Serialize;
 

@@ -8,7 +8,7 @@ use crate::episode::Episode;
 use crate::linear::{self, CrossEntropy};
 use crate::tabular::{self, Tabular};
 
-/// What is learned how, with its parameters.
+/// A method of learning, with its parameters.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "method", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Lesson {
@@ -72,7 +72,7 @@ impl Learner {
         }
     }
 
-    /// What the numbers of [`learned`](Self::learned) are.
+    /// The meaning of the numbers of [`learned`](Self::learned).
     pub(crate) fn describe(&self) -> Json {
         match self {
             Self::Tabular(learner) => {

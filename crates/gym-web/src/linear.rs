@@ -17,7 +17,7 @@ pub(crate) struct Parameters {
     elite: f64,
     /// The standard deviation of the first generation's weights.
     spread: f64,
-    /// What is added to the standard deviation of later ones, so that it does not vanish too soon.
+    /// The number added to later standard deviations, so that they do not vanish too soon.
     noise: f64,
     /// Episodes that each policy plays; its mean return counts.
     episodes: u32,
@@ -41,7 +41,7 @@ pub(crate) struct CrossEntropy {
     trial: Option<Trial>,
 }
 
-/// What the outputs of a policy mean.
+/// The meaning of a policy's outputs.
 #[derive(Debug)]
 enum Outputs {
     /// One for each action; the greatest is chosen.

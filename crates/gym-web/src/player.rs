@@ -37,7 +37,7 @@ pub(crate) struct Player {
     kwargs: Kwargs,
     seed: Option<Seed>,
     sampler: Option<Sampler<Value>>,
-    /// What the good policy acts with in this episode, once it acted.
+    /// The good policy's state in this episode, once it has acted.
     controller: Option<Controller>,
     /// The actions of the episode, and the sum of rewards after each. Those beyond `position` were taken back.
     actions: Vec<Value>,
@@ -212,7 +212,7 @@ impl Player {
         self.position.checked_sub(1).map_or(0.0, |last| self.returns[last])
     }
 
-    /// What the agent sees.
+    /// The observation.
     pub(crate) fn observation(&self) -> &Value {
         &self.observation
     }
@@ -222,7 +222,7 @@ impl Player {
         self.env.action_space().from_json(json)
     }
 
-    /// What is shown beside the picture.
+    /// The data shown beside the picture.
     pub(crate) fn state(&self) -> Json {
         let info = self.env.info_map();
         let info: serde_json::Map<_, _> =

@@ -60,7 +60,7 @@ enum Request {
     Tune { learner: u32, lesson: Lesson },
     /// Learns for that many episodes or steps, whichever comes first.
     Train { learner: u32, episodes: u32, steps: u32 },
-    /// What was learned: numbers, attached as `f64`.
+    /// The learned numbers, attached as `f64`.
     Learned { learner: u32 },
 }
 

@@ -10,7 +10,7 @@ use crate::episode::Episode;
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Parameters {
-    /// What the target of an update is.
+    /// The kind of target of an update.
     update: Update,
     /// The step size alpha: how much of a temporal-difference error one update mends.
     step_size: f64,
@@ -18,11 +18,11 @@ pub(crate) struct Parameters {
     discount: f64,
     /// The probability of a random action, epsilon, in the first episode.
     epsilon: f64,
-    /// What epsilon is multiplied by after each episode.
+    /// The factor of epsilon after each episode.
     epsilon_decay: f64,
     /// The least epsilon.
     epsilon_min: f64,
-    /// What an action is worth before it was tried.
+    /// The value of an action before it was tried.
     initial_value: f64,
 }
 
@@ -145,7 +145,7 @@ impl Tabular {
         Ok(Running { state, action: self.choose(state), episode })
     }
 
-    /// What a state is worth whose next action is known.
+    /// The value of a state whose next action is known.
     fn value(&self, state: usize, action: usize) -> f64 {
         let row = self.row(state);
         let greatest = row[best(row)];

@@ -24,7 +24,7 @@ pub struct AddRenderObservation<E = BoxEnv> {
 gym_core::arguments! {
     /// The arguments of [`AddRenderObservation`].
     pub struct Config {
-        /// Whether only the frame is observed, rather than a dict.
+        /// Whether the observation is the frame alone, instead of a dict.
         pub render_only: bool = true,
         /// The key of the frame.
         pub render_key: String = "pixels".into(),

@@ -9,7 +9,7 @@ use gym_core::{DType, Error, Result, Space, Value};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Bins {
-    /// As many for each element.
+    /// The same number for each element.
     All(u32),
     /// A number for each element, in row-major order.
     Each(Vec<u32>),
@@ -47,7 +47,7 @@ macro_rules! bins_config {
             pub struct Config {
                 /// The number of bins for each element of the bounded `Box`, at least 1.
                 pub bins: Bins,
-                /// Whether there is an integer for each element, rather than one that counts the combinations in
+                /// Whether each element has its own integer, instead of one integer for the combination, counted in
                 /// row-major order.
                 pub multidiscrete: bool = false,
             }
@@ -126,7 +126,7 @@ impl Grid {
         &self.inner
     }
 
-    /// How many numbers an element has.
+    /// The number of numbers in an element.
     pub(crate) fn len(&self) -> usize {
         self.edges.len()
     }
@@ -163,7 +163,7 @@ impl Grid {
         }
     }
 
-    /// How many bins the element `i` has.
+    /// The number of bins of element `i`.
     pub(crate) fn count(&self, i: usize) -> i64 {
         self.edges[i].len() as i64 - 1
     }

@@ -18,7 +18,7 @@ gym_core::arguments! {
 #[derive(Clone, Debug)]
 pub struct Clip {
     bounds: BoxSpace,
-    /// Of actions that come in `float64`.
+    /// The bounds for actions that come in `float64`.
     wide: [Array; 2],
 }
 

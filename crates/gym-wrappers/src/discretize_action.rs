@@ -45,7 +45,7 @@ impl ActionMap for Discretize {
 }
 
 impl<T> DiscretizeAction<T> {
-    /// The action whose bins have their middle nearest to a continuous action.
+    /// The action whose bin centres are nearest to a continuous action.
     ///
     /// # Errors
     /// [`Error::InvalidAction`] if that has another number of elements.

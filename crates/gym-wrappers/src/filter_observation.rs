@@ -123,7 +123,7 @@ impl ObservationMap for Filter {
     }
 }
 
-/// A dict of other members, with sorted keys if those of `space` are.
+/// A dict of other members. Its keys are sorted if the keys of `space` are.
 pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Result<DictSpace> {
     let is_sorted = space.spaces().is_sorted_by(|(a, _), (b, _)| a <= b);
     if is_sorted { DictSpace::new(members) } else { DictSpace::in_order(members) }

@@ -43,10 +43,10 @@ pub mod add_white_noise {
 pub mod obstruct_view {
 
     gym_core::arguments! {
-        /// How much is covered, and by what.
+        /// The covered share, and the noise.
         #[derive(Copy)]
         pub struct Config {
-            /// About which share of the pixels is covered, in `[0, 1)`.
+            /// The approximate share of pixels to cover, in `[0, 1)`.
             pub obstructed_pixels_ratio: f64,
             /// The width and height of a patch in pixels: at least 1.
             pub obstruction_width: u32,
@@ -64,15 +64,15 @@ pub mod obstruct_view {
     );
 }
 
-/// Where there is noise in a picture.
+/// A pattern of noise in pictures.
 pub trait Pattern: WrapperConfig + Copy + std::fmt::Debug + Send + 'static {
-    /// Fails for arguments that make no pattern.
+    /// An error for invalid arguments.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`].
     fn check(&self) -> Result<()>;
 
-    /// Covers parts of a picture.
+    /// Covers parts of a frame.
     fn cover(&self, rng: &mut Generator, frame: &mut Frame);
 }
 

@@ -85,7 +85,7 @@ impl<T> NormalizeObservation<T> {
         Ok(())
     }
 
-    /// Takes in the observations of the sub-environments that went on and normalizes them.
+    /// Updates the estimate with the observations of the sub-environments that were stepped or reset, and normalizes them.
     fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
         columns.prepare(&self.space, n)?;
         let Self { normalizer, seen, shown, .. } = self;

@@ -7,7 +7,7 @@ use crate::within::element;
 #[derive(Clone, Debug)]
 pub(crate) struct Ring<O> {
     items: Vec<O>,
-    /// Where the oldest is.
+    /// The index of the oldest.
     oldest: usize,
 }
 

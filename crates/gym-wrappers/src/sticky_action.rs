@@ -45,7 +45,7 @@ impl<D: Into<Duration>> From<(f64, D)> for Config {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Duration {
-    /// Always so many steps.
+    /// Always this number of steps.
     Steps(u32),
     /// The least and the most.
     Range(u32, u32),

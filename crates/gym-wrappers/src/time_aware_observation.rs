@@ -29,7 +29,7 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether the observation and the time are flattened to one row of numbers.
         pub flatten: bool = true,
-        /// Whether the time is the share of the limit that has gone by, in `[0, 1]`, instead of steps.
+        /// Whether the time is the elapsed share of the limit, in `[0, 1]`, instead of a number of steps.
         pub normalize_time: bool = false,
         /// The key of the time in dict observations.
         pub dict_time_key: String = "time".into(),

@@ -33,7 +33,7 @@ pub trait Within<Kind> {
     /// The space of each action.
     fn actions(&self) -> Space;
 
-    /// How many environments there are.
+    /// The number of environments.
     fn count(&self) -> usize;
 }
 
@@ -203,7 +203,7 @@ macro_rules! named_by {
 macro_rules! reach {
     ($name:ident<$inner:ident $(: $bound:path)? $(, $parameter:ident $(: $limit:path)?)*>) => {
         impl<$inner $(: $bound)? $(, $parameter $(: $limit)?)*> $name<$inner $(, $parameter)*> {
-            /// What is within.
+            /// The inner environment or vector.
             pub fn get_ref(&self) -> &$inner {
                 &self.inner
             }
@@ -213,7 +213,7 @@ macro_rules! reach {
                 &mut self.inner
             }
 
-            /// What is within, without the wrapper.
+            /// The inner environment or vector, without the wrapper.
             pub fn into_inner(self) -> $inner {
                 self.inner
             }

@@ -40,7 +40,7 @@ pub trait Wrap: Env + Sized {
     /// [`TimeLimit`].
     ///
     /// # Errors
-    /// As [`TimeLimit::new`].
+    /// The errors of [`TimeLimit::new`].
     fn time_limit(self, max_episode_steps: u32) -> Result<TimeLimit<Self>> {
         TimeLimit::new(self, max_episode_steps)
     }

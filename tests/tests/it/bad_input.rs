@@ -54,7 +54,7 @@ fn unknown_and_bad_arguments() {
         &["`CartPole-v1`", "unknown argument `foo`", "sutton_barto_reward"],
     );
     says(make("CartPole-v1", json!({"sutton_barto_reward": 1})), &["expected a boolean"]);
-    says(make("Acrobot-v1", json!({"g": 1})), &["unknown argument `g`", "there are"]);
+    says(make("Acrobot-v1", json!({"g": 1})), &["unknown argument `g`", "known are"]);
     says(make("CliffWalking-v0", json!({"is_slippery": true})), &["takes no arguments"]);
     says(make("Taxi-v3", json!({"is_rainy": true})), &["takes no arguments"]);
     says(make("FrozenLake-v1", json!({"map_name": "5x5"})), &["4x4", "8x8"]);

@@ -514,7 +514,7 @@ fn call_reaches_the_sub_environments() {
 #[test]
 fn make_vec_says_which_kinds_there_are() {
     let error = make_vec("CarRacing-v3", 2, VectorKind::Native).unwrap_err().to_string();
-    assert!(error.contains("sync and async"), "{error}");
+    assert!(error.contains("sync or async"), "{error}");
     let envs = builder("CartPole-v1").wrap(WrapperSpec::new("FlattenObservation")).vector(2).build().unwrap();
     assert_eq!(envs.describe(), "SyncVectorEnv(CartPole-v1, num_envs=2)");
     assert!("fast".parse::<VectorKind>().unwrap_err().to_string().contains("sync, async, native"));

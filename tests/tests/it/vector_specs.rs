@@ -279,7 +279,7 @@ fn a_number_that_cannot_be_is_refused_at_once() {
                 let error = make_vec(id, n, kind).map(drop).unwrap_err();
                 assert!(matches!(error, Error::InvalidArgument { .. }), "{id} {kind:?} {n}: {error}");
                 let text = error.to_string();
-                let says = ["at least one", "at most", "does not fit", "has none"];
+                let says = ["at least one", "at most", "does not fit", "there is none"];
                 assert!(says.iter().any(|says| text.contains(says)), "{id} {kind:?} {n}: {text}");
             }
         }

@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Plays your ROMs, and says which games come out as in ale-py 0.12.1.
+    /// Plays your ROMs, and lists the games that equal ale-py 0.12.1's.
     Check {
         /// The folder of ROMs; by default the one that environments find.
         #[arg(long, value_name = "DIR")]
@@ -36,7 +36,7 @@ pub(crate) fn atari(arguments: Arguments) -> Result<()> {
     check(&folder)
 }
 
-/// Compares every game that a folder has a file of.
+/// Compares every game whose file is in a folder.
 fn check(folder: &RomDir) -> Result<()> {
     let (there, missing): (Vec<_>, Vec<_>) = GAMES.iter().partition(|game| folder.file(game).exists());
     if there.is_empty() {
@@ -60,13 +60,13 @@ fn check(folder: &RomDir) -> Result<()> {
     Ok(())
 }
 
-/// What came of a game.
+/// The result of a game.
 #[derive(Debug, PartialEq)]
 enum Verdict {
     Equal,
     /// The runs that differ.
     Different(Vec<&'static str>),
-    /// Why it was not played.
+    /// The reason why it was not played.
     Unplayed(String),
 }
 

@@ -20,16 +20,16 @@ use crate::policy::Policy;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The environments; all of them if none is named.
+    /// The environments; by default all.
     ids: Vec<String>,
     /// Sizes of the vectors.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384])]
     num_envs: Vec<usize>,
-    /// What to measure; everything by default.
+    /// The kinds to measure; all by default.
     #[arg(long, value_enum, value_delimiter = ',')]
     kind: Vec<Kind>,
-    /// Seconds for each number: the fastest tenth of that time counts, since others use the machine
-    /// too.
+    /// Seconds for each number. The fastest tenth of that time counts, since other programs slow the
+    /// rest.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = parse_seconds)]
     seconds: f64,
     /// Also counts instructions, with `valgrind`, which takes much longer.
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     /// Writes the numbers to a file, as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Takes this many steps of one environment, kind and number, and nothing else; used for counting.
+    /// Only takes this many steps of one environment, kind and size; used to count instructions.
     #[arg(long, hide = true)]
     only_steps: Option<u64>,
 }
@@ -214,7 +214,7 @@ fn typed(_: &str) -> Result<Option<Work>> {
     Ok(None)
 }
 
-/// Actions are drawn beforehand and used again and again.
+/// Actions are drawn beforehand and reused in turn.
 const ACTIONS: usize = 1024;
 
 fn scalar<E: Env>(mut env: E) -> Result<Work> {

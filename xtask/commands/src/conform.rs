@@ -13,14 +13,14 @@ use crate::selection::Selection;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The environments; all that are linked if none is named.
+    /// The environments; by default all that are linked.
     ids: Vec<String>,
     /// `text`, `json` or `junit`.
     #[arg(long, default_value = "text")]
     format: String,
 }
 
-/// The checks replace the program's allocator, so only a build for them has them.
+/// The checks replace the program's allocator, so only a build for `conform` contains them.
 #[cfg(not(feature = "conform"))]
 pub(crate) fn conform(arguments: &Arguments, _: Selection) -> Result<()> {
     let Arguments { ids, format } = arguments;

@@ -23,10 +23,10 @@ pub(crate) struct Arguments {
     /// Episodes of each environment.
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..))]
     episodes: u64,
-    /// Where the files go.
+    /// The folder for the files.
     #[arg(long, default_value = "target/demo")]
     out: PathBuf,
-    /// Frames of each GIF at most.
+    /// The largest number of frames in a GIF.
     #[arg(long, default_value_t = 200)]
     max_frames: u64,
     /// All versions of each task instead of the newest, and those on rapier2d.
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     all: bool,
 }
 
-/// Episodes of environments without a time limit are cut off here.
+/// The largest number of steps in an episode of an environment without a time limit.
 const STEP_LIMIT: u32 = 10_000;
 
 pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
@@ -91,7 +91,7 @@ fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
     registrations.into_iter().filter(is_newest).collect()
 }
 
-/// Where the recording of an environment goes.
+/// The path of an environment's recording.
 fn gif_path(id: &str, arguments: &Arguments) -> PathBuf {
     arguments.out.join(format!("{}.gif", crate::file_stem(id)))
 }

@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     /// Arguments of the environment, as a JSON object.
     #[arg(long, value_parser = crate::parse_kwargs, default_value = "{}")]
     kwargs: Kwargs,
-    /// Ends the recording after that many frames.
+    /// Ends the recording after this number of frames.
     #[arg(long, default_value_t = 500)]
     max_frames: u64,
     /// The file, whose extension is its format: .gif, .png (animated) or .mp4 (through `ffmpeg`). By

@@ -4,7 +4,7 @@ use gym::keys::{Idle, Keys};
 use gym::{BoxEnv, Env, Error, Result, Space, registry};
 use serde_json::{Value as Json, json};
 
-/// The keys of an environment: those of its registration, else the digits, for actions that are numbers.
+/// The keys of an environment, from its registration; otherwise the digits, if actions are numbers.
 pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
     let registered = registry::find(id)?.keys;
     Ok(registered.map_or_else(|| Keys::new(digits(&env.action_space())), |keys| keys(env)))
@@ -16,7 +16,7 @@ pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
     keys.actions.push((key.to_owned(), action));
 }
 
-/// Whether every action is one of the space.
+/// Whether every action is in the space.
 pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
     if keys.actions.is_empty() {
         let reason = format!("there are no default keys for {space}: add `--key NAME=ACTION`");
@@ -44,7 +44,7 @@ pub(crate) fn action(keys: &Keys, down: &[String]) -> Option<Json> {
     Some(actions.fold(first, |sum, action| add(&sum, action).unwrap_or(sum)))
 }
 
-/// The keys and their actions, for people.
+/// The keys and their actions, to print.
 pub(crate) fn describe(keys: &Keys) -> String {
     let keys: Vec<_> = keys.actions.iter().map(|(name, action)| format!("{name} = {action}")).collect();
     keys.join(", ")

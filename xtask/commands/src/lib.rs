@@ -69,7 +69,7 @@ enum Command {
     /// Compiles a model in MJCF and prints its sizes.
     #[cfg(feature = "families")]
     Mjcf(mjcf::Arguments),
-    /// Compares your ROMs of the Atari 2600 with what ale-py was recorded to do.
+    /// Compares your ROMs of the Atari 2600 with recordings of ale-py.
     #[cfg(feature = "families")]
     Atari(atari::Arguments),
     /// Writes the pages about the environments, and checks the book.
@@ -129,7 +129,7 @@ fn command(arguments: Arguments, selection: Selection) -> Result<()> {
     }
 }
 
-/// Shows the library's warnings, such as that of an environment out of date.
+/// Shows the library's warnings, for example about an outdated environment.
 struct Stderr;
 
 impl log::Log for Stderr {
@@ -152,7 +152,7 @@ fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
-/// Fails where a file cannot be written, before there is anything to write.
+/// Fails early if a file cannot be written.
 fn check_writable(path: &Path) -> Result<()> {
     gym::rendering::file::AtomicFile::create(path).map(drop)
 }

@@ -13,15 +13,15 @@ use crate::root;
 pub(crate) struct Arguments {
     /// The name of the crate, and the namespace of its environments: lower-case letters, digits and `_`.
     name: String,
-    /// The folder to make; by default one of that name, here.
+    /// The folder to make; by default a folder of that name in the current one.
     #[arg(long, value_name = "DIR")]
     path: Option<PathBuf>,
-    /// With an environment that has a native vector: its step is one formula, for one environment and for many.
+    /// The environment has a native vector: its step is one formula, for one environment and for many.
     #[arg(long)]
     native: bool,
 }
 
-/// What is in a new crate beside its environment: the file, and its text, in which `plugin_name` stands for the name.
+/// The files of a new crate besides its environment, with their texts; `plugin_name` stands for the name.
 const FILES: [(&str, &str); 5] = [
     ("Cargo.toml", include_str!("../templates/plugin/Cargo.toml")),
     (".gitignore", include_str!("../templates/plugin/gitignore")),
@@ -65,7 +65,7 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What a package, a crate and a namespace can all be called.
+/// A name that is valid for a package, a crate and a namespace.
 fn check_name(name: &str) -> Result<()> {
     /// Reserved words, and crates that the new one depends on.
     const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \

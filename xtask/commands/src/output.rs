@@ -14,7 +14,7 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::output::write(format_args!("{}\n", format_args!($($text)*))) };
 }
 
-/// Prints a line to the standard error, as `eprintln!`. Where that cannot be written there is no one to tell.
+/// Prints a line to the standard error, as `eprintln!`. An error of writing is ignored.
 macro_rules! tell {
     ($($text:tt)*) => { $crate::output::write_error(format_args!("{}\n", format_args!($($text)*))) };
 }
@@ -31,7 +31,7 @@ pub(crate) fn write_error(text: Arguments<'_>) {
     let _ = stderr().lock().write_fmt(text);
 }
 
-/// Whether a command ended because its reader has seen enough, as `head` has.
+/// Whether a command ended because its reader, such as `head`, closed the pipe.
 pub(crate) fn reader_left(error: &Error) -> bool {
     matches!(error, Error::Io { path, source } if path == NAME && source.kind() == ErrorKind::BrokenPipe)
 }

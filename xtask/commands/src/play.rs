@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     /// The action while no key is down; `null` waits for a key.
     #[arg(long, value_parser = parse_json)]
     idle: Option<Json>,
-    /// Stops after that many episodes.
+    /// Stops after this number of episodes.
     #[arg(long)]
     episodes: Option<u64>,
     /// Records the frames to this file: .gif, .png (animated) or .mp4.
@@ -87,7 +87,7 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     session.finish(arguments)
 }
 
-/// What is being played, and what of it is recorded.
+/// The running game and its recordings.
 struct Session {
     env: BoxEnv,
     frame: Frame,
@@ -229,7 +229,7 @@ mod window {
 
     use super::*;
 
-    /// How long the end of an episode is shown.
+    /// The time for which the end of an episode is shown.
     const PAUSE: Duration = Duration::from_millis(800);
 
     /// Plays until the window is closed.

@@ -7,7 +7,7 @@ use gym::{Error, Result};
 
 use crate::policy::Episode;
 
-/// Fails where the name of a file is none of a plot, before there is anything to draw.
+/// Fails early if a file name is not that of a plot.
 pub(crate) fn check_name(path: &Path) -> Result<()> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("svg" | "png") => Ok(()),

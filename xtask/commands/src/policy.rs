@@ -41,7 +41,7 @@ impl Policy {
         registry::find(&spec.id)?.policy.map_or(Ok(None), |policy| policy.controller(env))
     }
 
-    /// What acts in an episode from `seed`.
+    /// The policy of an episode from `seed`.
     fn controller(self, env: &BoxEnv, seed: u64) -> Result<Controller> {
         match self {
             Self::Random => {

@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     /// Trace files.
     #[arg(required = true)]
     traces: Vec<PathBuf>,
-    /// Writes what the environments answer to files of the same names in this folder, instead of
+    /// Writes the environments' answers to files of the same names in this folder, instead of
     /// comparing.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -49,7 +49,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// Where the answer to each recording goes: to a file of its name in the folder.
+/// The path of the answer to each recording: a file of the same name in the folder.
 ///
 /// # Errors
 /// Two recordings of one name; a recording in the folder itself, which its answer would replace.
@@ -75,7 +75,7 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
     Ok(taken.into_iter().map(|(to, path)| (path.clone(), to)).collect())
 }
 
-/// What a trace pins down beside the observation: of CarRacing the bodies, of the MuJoCo tasks positions and velocities.
+/// The state that a trace records besides the observation: the bodies of CarRacing, positions and velocities of MuJoCo tasks.
 #[cfg(feature = "families")]
 fn state(env: &BoxEnv) -> Option<Json> {
     use gym::EnvExt;
@@ -92,7 +92,7 @@ fn state(_: &BoxEnv) -> Option<Json> {
 }
 
 fn read(path: &Path) -> Result<String> {
-    /// Larger than any recording, and small enough for every memory.
+    /// The largest size of a recording in bytes: larger than any, and small enough for every memory.
     const LIMIT: u64 = 256 << 20; // bytes
     let mut text = String::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;
@@ -110,7 +110,7 @@ fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
-/// What was compared.
+/// The compared parts.
 fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
     #[cfg(feature = "families")]
@@ -127,7 +127,7 @@ fn compare(path: &Path) -> Result<String> {
     }
 }
 
-/// Keeps what else the file says, such as its policy, and replaces the answers.
+/// Replaces the answers, and keeps the other parts of the file, such as its policy.
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));

@@ -84,7 +84,7 @@ fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode
     Ok(episodes)
 }
 
-/// How an episode ended, in words.
+/// The end of an episode, in words.
 fn ending(terminated: bool, truncated: bool) -> &'static str {
     match (terminated, truncated) {
         (true, true) => "terminated and truncated",

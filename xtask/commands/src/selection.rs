@@ -8,7 +8,7 @@ use gym::{Registration, Result, registry};
 pub(crate) enum Selection {
     /// All that are linked.
     All,
-    /// Those that a crate registers, whether it is named `my-envs` or `my_envs`, and its folder.
+    /// The environments that a crate registers, whether it is named `my-envs` or `my_envs`, and its folder.
     Crate(&'static str, &'static str),
 }
 

@@ -7,7 +7,7 @@ use crate::selection::Selection;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The environments; all that are linked if none is named.
+    /// The environments; by default all that are linked.
     ids: Vec<String>,
     /// Steps over these environments together.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
@@ -38,7 +38,7 @@ pub(crate) fn soak(arguments: &Arguments, selection: Selection) -> Result<()> {
     Ok(())
 }
 
-/// The number of episodes, and by how much the memory grew.
+/// The number of episodes, and the growth of memory in bytes.
 fn soak_one(registration: &Registration, steps: u64, seed: u64) -> Result<(u64, u64)> {
     let mut env = gym::make(registration.id())?;
     let mut actions = env.action_space().sampler(seed);

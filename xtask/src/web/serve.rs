@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::thread;
 
-/// What is served.
+/// The served files.
 #[derive(Clone, Debug)]
 pub(super) struct Site {
     /// The files of the page.
     pub(super) page: PathBuf,
     /// Other folders, by the first part of the path: `("traces", "/somewhere")`.
     pub(super) folders: Vec<(&'static str, PathBuf)>,
-    /// Takes what a browser posts.
+    /// Receives the data that a browser posts.
     pub(super) posts: Option<Sender<String>>,
 }
 
@@ -54,7 +54,7 @@ fn answer(mut stream: TcpStream, site: &Site) -> std::io::Result<()> {
         Some(posts) if line.starts_with("POST ") => {
             let mut text = vec![0; length.min(LONGEST as usize)];
             request.read_exact(&mut text)?;
-            // who waited for it may have gone
+            // the browser that waited for it may have gone
             let _ = posts.send(String::from_utf8_lossy(&text).into_owned());
             ("200 OK", "text/plain", Vec::new())
         }

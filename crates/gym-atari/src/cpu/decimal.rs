@@ -5,7 +5,7 @@
 
 use super::Cpu;
 
-/// The number that two digits stand for.
+/// The number of two digits.
 fn from_digits(byte: u8) -> i16 {
     10 * i16::from(byte >> 4) + i16::from(byte & 0x0f)
 }

@@ -3,7 +3,7 @@
 //! Documented opcodes are MOS Technology's (MCS6500 Microcomputer Family Programming Manual, 1976); the names of
 //! the others are those of the community's tables ("NMOS 6510 Unintended Opcodes").
 
-/// What an opcode does, under its mnemonic.
+/// The operation of an opcode, by its mnemonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[rustfmt::skip]
 pub(crate) enum Operation {
@@ -31,7 +31,7 @@ pub(crate) enum Operation {
     Jam,
 }
 
-/// How an opcode finds what it works on.
+/// The addressing mode of an opcode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// Nothing, or the accumulator: `ASL`.
@@ -60,7 +60,7 @@ pub(crate) enum Mode {
     Relative,
 }
 
-/// What an operation does with the memory that its mode names; this settles its cycles.
+/// An operation's access to the memory that its mode names; this decides its cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     /// One read.
@@ -72,7 +72,7 @@ pub(crate) enum Access {
 }
 
 impl Operation {
-    /// What the operation does with its operand.
+    /// The operation on its operand.
     pub(crate) const fn access(self) -> Access {
         use Operation::*;
         match self {

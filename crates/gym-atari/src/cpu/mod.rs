@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use instructions::Operation;
 
-/// What the processor is wired to. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end,
+/// The bus of the processor. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end,
 /// and `bus` the byte of the access before.
 pub trait Bus {
     /// Reads a byte.
@@ -34,21 +34,21 @@ pub trait Bus {
         None
     }
 
-    /// What a read of this address gives at `cycle`, and up to which cycle it gives that and does nothing else, if that is
+    /// The value of a read of this address at `cycle`, and the cycle up to which a read gives it without side effects, if that is
     /// known.
     fn steady(&self, _address: u16, _cycle: u64) -> Option<(u8, u64)> {
         None
     }
 }
 
-/// How the processor goes on after a write.
+/// The continuation of the processor after a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ready {
     /// At once.
     Now,
-    /// After so many cycles: the line `RDY` holds it.
+    /// After this number of cycles: the line `RDY` holds it.
     After(u32),
-    /// After so many cycles, and [`Cpu::run`] returns then.
+    /// After this number of cycles, and [`Cpu::run`] then returns.
     Return(u32),
 }
 

@@ -280,7 +280,7 @@ impl<B: Bus> Core<B> {
         let Some((value, until)) = self.bus.steady(u16::from_le_bytes([low, high]), last_read) else {
             return 0;
         };
-        // who jumped onto the branch may have found something else
+        // a jump onto the branch may have left another state
         let found = match opcode {
             0xad => a == value && result == u16::from(value), // LDA
             0xae => x == value && result == u16::from(value), // LDX

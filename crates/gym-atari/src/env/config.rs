@@ -1,4 +1,4 @@
-//! The arguments of the environments: those of ale-py's `AtariEnv`.
+//! The arguments of the environments, as in ale-py's `AtariEnv`.
 
 use std::path::PathBuf;
 
@@ -50,7 +50,7 @@ impl ArgumentType for Frameskip {
     }
 }
 
-/// What the agent observes.
+/// The kind of observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ObsType {

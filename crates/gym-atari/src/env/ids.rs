@@ -1,4 +1,4 @@
-//! The ids: for each game those of ale-py 0.12.1, and the two families that it has dropped.
+//! The ids: for each game the ids of ale-py 0.12.1, and the two families that it has dropped.
 
 /// Registers a game: `ids!("breakout", "Breakout", 4)`, with the frames of a `Deterministic` step. Games that ale-py had
 /// before version 5 of its ids have the older ones as well.

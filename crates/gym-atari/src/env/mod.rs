@@ -26,7 +26,7 @@ pub use config::{Config, Frameskip, ObsType};
 /// The frames per second that ale-py states.
 const FPS: u32 = 30;
 
-/// What it is called.
+/// The names of the environment.
 const NAME: &str = "AtariEnv";
 
 /// A game of the Atari 2600 as a task.
@@ -38,7 +38,7 @@ pub struct AtariEnv {
     episode: Option<Episode>,
 }
 
-/// What there is from the first reset on.
+/// The state that exists from the first reset on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Episode {
     rng: Generator,
@@ -89,7 +89,7 @@ impl AtariEnv {
         &self.ale
     }
 
-    /// The game, to be played past the environment, which goes on from where it then is.
+    /// The game, to play it directly; the environment continues from the game's new state.
     pub fn ale_mut(&mut self) -> &mut Ale {
         &mut self.ale
     }
@@ -108,7 +108,7 @@ impl AtariEnv {
         self.ale.game()
     }
 
-    /// What is done in the game for one of the agent's actions.
+    /// The game's action for one of the agent's actions.
     fn resolve(&self, action: &AtariAction) -> Result<Command> {
         match *action {
             AtariAction::Index(index) if !self.config.continuous => {
@@ -170,7 +170,7 @@ impl AtariEnv {
         Ok(self.outcome(reward))
     }
 
-    /// What is done in the game for the agent's action, at the start of a step that plays its frames itself.
+    /// The game's action for the agent's action, at the start of a step that plays its frames itself.
     pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Command> {
         let command = self.resolve(action)?;
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };

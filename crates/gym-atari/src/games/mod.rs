@@ -25,7 +25,7 @@ pub struct Game {
     pub scheme: Scheme,
     /// Where the picture starts, how high it is, and whether it shows the comb of `HMOVE`.
     pub display: Display,
-    /// What the player holds.
+    /// The player's controller.
     pub controller: Controller,
     /// The resistance of a paddle that is turned to the left as far as it goes, in ohms.
     pub paddle_end: u32,
@@ -39,13 +39,13 @@ pub struct Game {
     pub idle: u8,
     /// For how many frames RESET is pressed first.
     pub first_reset: u8,
-    /// The modes that there are, under ale-py's numbers, and what RAM shows in each; the first is the default.
+    /// The modes, by ale-py's numbers, and the RAM that marks each; the first is the default.
     pub modes: &'static [(u16, u8)],
     /// The byte of RAM that shows the mode, by index: SELECT is pressed until it does. `None` where SELECT is never pressed.
     pub mode_at: Option<usize>,
-    /// What RAM must show beside that, for a mode.
+    /// A further condition on RAM, for a mode.
     pub mode_also: fn(&Ram<'_>, u16) -> bool,
-    /// Bits that may be added to what RAM shows.
+    /// Bits that RAM may have in addition.
     pub mode_bits: u8,
     /// Whether SELECT is pressed at least once.
     pub press_first: bool,
@@ -61,7 +61,7 @@ pub struct Game {
     pub score: fn(&Ram<'_>) -> i32,
     /// How points become rewards.
     pub rewards: Rewards,
-    /// Whether a frame has a reward of its own, from RAM; where not, that of the frame before comes again.
+    /// Whether RAM shows a frame's own reward; otherwise the reward of the frame before is repeated.
     pub rewards_count: fn(&Ram<'_>) -> bool,
     /// The lives, from RAM.
     pub lives: fn(&Ram<'_>) -> i32,
@@ -75,7 +75,7 @@ pub struct Game {
     pub over_frames: u8,
 }
 
-/// What most games have in common.
+/// The settings of most games.
 const DEFAULT: Game = Game {
     name: "",
     title: "",
@@ -156,10 +156,10 @@ impl Rewards {
     }
 }
 
-/// What a won game counts in the score of [`Rewards::Games`]: more than twice the points of any.
+/// The points of a won game in the score of [`Rewards::Games`]: more than twice the points of any.
 pub const GAME_WON: i32 = 1024;
 
-/// What the player holds.
+/// The player's controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Controller {
@@ -249,7 +249,7 @@ fn ten(value: i32) -> i32 {
     if value == 10 { 0 } else { value }
 }
 
-/// A digit; what is above 9 shows as a blank.
+/// A digit; values above 9 are shown as blanks.
 fn digit(value: i32) -> i32 {
     if value > 9 { 0 } else { value }
 }

@@ -1,4 +1,4 @@
-//! Games whose numbers are no plain sum of digits.
+//! Games whose score is not a plain sum of digits.
 
 use super::Ram;
 
@@ -22,7 +22,7 @@ impl Ram<'_> {
         if self.at(index) == 0xc0 { 100 } else { self.bcd(index) }
     }
 
-    /// Casino: without points the game is over, but for mode 3, where it goes on until there are some.
+    /// Casino: the game is over without points, except in mode 3, where it continues until there are some.
     pub(super) fn casino_is_over(&self) -> bool {
         let (points, waits) = (self.at(0x0c) | self.at(0x15) != 0, self.at(0x53) & 0x80 != 0);
         match self.at(0x54) {
@@ -52,7 +52,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Superman: at the end what is left of 99:59.
+    /// Superman: at the end the time left of 99:59.
     pub(super) fn superman(&self) -> i32 {
         if self.superman_is_over() { 5999 - 60 * self.bcd(0x63) - self.bcd(0x62) } else { 0 }
     }
@@ -71,12 +71,12 @@ impl Ram<'_> {
         }
     }
 
-    /// Tic-Tac-Toe 3D: the return addresses on the stack are those of the end.
+    /// Tic-Tac-Toe 3D: the return addresses on the stack show the end.
     pub(super) fn tic_tac_toe_3d_is_over(&self) -> bool {
         self.at(0x7e) == 0x10 && self.at(0x7f) == 0xf3
     }
 
-    /// Video Chess: a byte shows who won, once another says that somebody has.
+    /// Video Chess: one byte shows that the game is won, another by which side.
     pub(super) fn video_chess_is_over(&self) -> bool {
         self.at(0x61) == 0x82 && self.at(0x6e) <= 1
     }

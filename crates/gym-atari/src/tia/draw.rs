@@ -1,8 +1,8 @@
 //! From registers to lines, and from lines to the picture.
 //!
-//! A line is put together object by object: a change of one gives it other pixels from there on, and the rest of the
-//! line stays what it was. So most lines are painted at once, at their end; only colours, `VBLANK` and whoever asks for
-//! collisions need what lies before them painted earlier.
+//! A line is composed object by object: a change of an object changes its pixels from there on, and the rest of the
+//! line stays. So most lines are painted at once, at their end; only colours, `VBLANK` and reads of
+//! collisions need the pixels before them painted earlier.
 //!
 //! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.
 
@@ -47,7 +47,7 @@ impl Tia {
         self.searched = false;
     }
 
-    /// Lets objects be what they are up to a pixel.
+    /// Keeps the objects unchanged up to a pixel.
     fn keep_until(&mut self, x: u8, objects: u8) {
         for object in bits(objects) {
             if self.from[object] < x {
@@ -83,7 +83,7 @@ impl Tia {
         self.paint(x, screen);
     }
 
-    /// Completes the lines before that of a clock; gives its pixel.
+    /// Completes the lines before a clock's line; returns the clock's pixel.
     #[inline]
     pub(super) fn reach(&mut self, clock: u32, screen: &mut Screen) -> usize {
         let (line, clock) = if clock < CLOCKS_PER_LINE {
@@ -122,7 +122,7 @@ impl Tia {
         self.from = [0; OBJECTS];
     }
 
-    /// Does what waits for a line to start, or for one of the picture to end.
+    /// Applies changes that wait for a line to start, or for a visible line to end.
     #[inline(never)]
     fn start_row(&mut self, screen: &mut Screen) {
         // a comb ahead of the picture waits for its first row
@@ -133,7 +133,7 @@ impl Tia {
             self.comb = false;
             self.differing.here.0[0] |= 0xff;
         }
-        // what waits for the line's end waits for the end of a line of the picture
+        // pending changes wait for the end of a visible line
         if self.row().is_some() {
             let reflected = self.ctrlpf & 0x01 != 0;
             if self.reflected != reflected {
@@ -202,7 +202,7 @@ impl Tia {
         self.objects.paint(screen.row(row), pixels, &colors);
     }
 
-    /// Places what changed, and searches a part of the line for collisions. Where nobody sees the line, only what may still
+    /// Places what changed, and searches a part of the line for collisions. If the line is not drawn, only objects that may still
     /// collide is placed.
     fn search(&mut self, from: usize, to: usize, unseen: bool) {
         let needed = if unseen { Objects::with_collisions(self.possible_collisions()) } else { u8::MAX };
@@ -227,7 +227,7 @@ impl Tia {
             self.pf != 0,
         ];
         let shown = (0..OBJECTS).fold(0, |set, object| set | u8::from(shown[object]) << object);
-        // what changed within the line still shows what it was
+        // objects changed within the line still show their old state
         let present = self.objects.present() | shown & self.stale;
         Objects::collisions_of(present) & !self.collisions
     }

@@ -1,14 +1,14 @@
 //! The Television Interface Adaptor: draws the picture, line by line, while the program runs.
 //!
-//! Registers have the names and addresses of the Stella Programmer's Guide (1979). When a write shows, and what happens to
-//! objects that are moved while they are drawn, was measured: see `NOTICE.md`.
+//! Registers have the names and addresses of the Stella Programmer's Guide (1979). The timing of writes, and the effect of
+//! moving objects while they are drawn, were measured: see `NOTICE.md`.
 //!
 //! Time is counted in the processor's cycles, of which a line has 76, or in colour clocks, three to a cycle. The first 68
 //! clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number of cycles of the line that have passed
 //! at the end of an access.
 //!
-//! Nothing is drawn until something changes: a write first paints what lies before it with what was, and a write of what
-//! is there already does nothing.
+//! Drawing is delayed until a register changes: a write first paints the pixels before it with the old values, and a write
+//! of the value already there does nothing.
 
 mod draw;
 mod objects;
@@ -29,7 +29,7 @@ const CLOCKS_PER_LINE: u32 = 228;
 /// The clocks of a line ahead of its first pixel.
 const BLANK: i32 = 68;
 
-/// What depends on the game, and not on the machine.
+/// Settings of the game, not of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Display {
     /// The line of the frame that is the first row of the picture.
@@ -45,9 +45,9 @@ pub struct Display {
 }
 
 impl Display {
-    /// What nearly all games have.
+    /// The settings of nearly all games.
     pub const NTSC: Self = Self { first_line: 34, rows: 210, comb: true, last_line: 291, pal: false };
-    /// What games for PAL sets have.
+    /// The settings of games for PAL sets.
     pub const PAL: Self = Self { rows: 250, last_line: 343, pal: true, ..Self::NTSC };
 
     /// Red, green and blue of each colour index.
@@ -103,7 +103,7 @@ pub(crate) struct Tia {
     grp: [u8; 2],
     enam: [bool; 2],
     enabl: bool,
-    /// What the vertical delay shows instead of `GRP0`, `GRP1` and `ENABL`.
+    /// The values shown by the vertical delay instead of `GRP0`, `GRP1` and `ENABL`.
     old_grp: [u8; 2],
     old_enabl: bool,
     hm: [u8; 5],
@@ -132,7 +132,7 @@ pub(crate) struct Tia {
     colorless: u8,
     /// Whether the last frame ended before its picture was complete.
     short: bool,
-    // what is on the line that is being drawn
+    // the objects on the line being drawn
     objects: Objects,
     /// The objects, by bit, that changed since they were placed, and the pixel from which on they did.
     stale: u8,
@@ -207,7 +207,7 @@ impl Tia {
         &self.display
     }
 
-    /// What is painted from now on has nothing to do with what was painted before.
+    /// Painting from now on does not depend on earlier painting.
     pub(crate) fn start_picture(&mut self) {
         self.differing = Differing::ALL;
         self.searched = false;
@@ -272,7 +272,7 @@ impl Tia {
         if pressed { 0 } else { 0x80 }
     }
 
-    /// Writes a register. What changes nothing is done here, and all else by others, so that it costs little.
+    /// Writes a register. Writes without effect are handled here, cheaply; all others in other functions.
     #[inline(always)]
     pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);

@@ -14,7 +14,7 @@ pub(super) struct Objects {
     present: u8,
 }
 
-/// What decides about colours.
+/// The state that decides colours.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Colors {
     pub(super) p0: u8,
@@ -118,7 +118,7 @@ impl Objects {
         (0..OBJECTS).fold(0, |set, object| set | u8::from(collisions & INVOLVING[object] != 0) << object)
     }
 
-    /// Those of some collisions that there are within a window.
+    /// The collisions, of the given ones, within a window.
     pub(super) fn collisions(&self, candidates: u16, window: Pixels) -> u16 {
         let (mut found, mut left) = (0, candidates);
         while left != 0 {
@@ -134,7 +134,7 @@ impl Objects {
         found
     }
 
-    /// Paints pixels of a row: background and playfield, and over them what moves.
+    /// Paints pixels of a row: background and playfield, then the moving objects over them.
     pub(super) fn paint(&self, row: &mut [u8; WIDTH], pixels: Pixels, colors: &Colors) {
         let (cells, _) = row.as_chunks_mut::<8>();
         for (word, (cells, pixels)) in cells.chunks_mut(8).zip(pixels.0).enumerate() {

@@ -176,7 +176,7 @@ fn preprocessing_is_made_from_its_spec() {
     assert!(refused(&unknown, BoxEnv::new(env(config()))).contains("grayscale_newaxis"));
     let plain = WrapperSpec::new("AtariPreprocessing");
     let between = BoxEnv::new(TimeLimit::new(env(config()), 9).unwrap());
-    assert!(refused(&plain, between).contains("TimeLimit is around the environment"));
+    assert!(refused(&plain, between).contains("wrapped in TimeLimit"));
     let skipping = BoxEnv::new(env(Config::default()));
     assert!(refused(&plain, skipping).contains("it must be 1"));
 }
@@ -227,7 +227,7 @@ fn preprocessing_goes_around_what_make_gives() {
     let made = builder("tests/Homebrew-v0").wrap(preprocessing()).build().unwrap();
     assert_eq!(made.observation_space().shape(), Some(&[84, 84][..]));
     let limited = builder("tests/Homebrew-v0").max_episode_steps(9).wrap(preprocessing()).build();
-    assert!(limited.unwrap_err().to_string().contains("TimeLimit is around the environment"));
+    assert!(limited.unwrap_err().to_string().contains("wrapped in TimeLimit"));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::{FRICTION, SCALE, TERRAIN_GRASS, TERRAIN_HEIGHT, TERRAIN_LENGTH, TERR
 use crate::common::{points, sign, vec2};
 use crate::physics::{BodyDef, FixtureDef, FixtureId, Shape, Vec2, World};
 
-/// What a stretch of the ground is.
+/// A kind of stretch of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stretch {
     Grass,

@@ -11,7 +11,7 @@ use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, Shape, Vec2, World};
 
 /// Of a particle, in m.
 pub(super) const RADIUS: f32 = (2.0 / SCALE) as f32;
-/// What each picture takes off the time to live.
+/// The decrease of the time to live with each frame.
 const FADING: f64 = 0.15;
 
 /// Adds the ground to a world.
@@ -34,7 +34,7 @@ pub(super) struct Exhaust {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Particle {
     body: BodyId,
-    /// Time to live: it goes once this is below 0 and it is the oldest.
+    /// Time to live: the particle is removed once this is below 0 and it is the oldest.
     ttl: f64,
 }
 

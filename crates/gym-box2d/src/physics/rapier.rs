@@ -1,9 +1,9 @@
-//! The second engine: rapier2d in the place of Box2D's solver.
+//! The second engine: rapier2d instead of Box2D's solver.
 //!
-//! Bodies, fixtures, joints, ray casts, begin and end of contacts, islands and sleep are kept as the exact
-//! engine keeps them. rapier finds the points of contact and solves the velocities: forces of contacts,
+//! This crate manages bodies, fixtures, joints, ray casts, begin and end of contacts, islands and sleep as its exact
+//! engine does. rapier finds the points of contact and solves the velocities: forces of contacts,
 //! joints, motors and limits. The bodies then move along these velocities by Box2D's rules. Where
-//! rapier's results would not be Box2D's, the two are brought together here:
+//! rapier's rules differ from Box2D's, this module adapts them:
 //!
 //! | Box2D | rapier2d | here |
 //! |---|---|---|
@@ -17,14 +17,14 @@
 //! | sleep by velocity, 0.5 s | by drift | Box2D's rule |
 //!
 //! From the same state a step in the air or on one foot gives Box2D's velocities to about 1e-4 m/s. In
-//! landings Box2D's own sweeps have not converged, and the order of constraints tells. So paths part within
-//! some seconds, as they do on Box2D itself if gravity is changed by a ten-thousandth. What still differs:
-//! a collision's restitution has no threshold of 1 m/s, and a step allocates, since rapier's does. Sensors
-//! are not rapier's concern: the scene alone knows them.
+//! landings Box2D's own sweeps have not converged, so the order of constraints matters. Trajectories therefore diverge
+//! within some seconds, as on Box2D itself if gravity is changed by a ten-thousandth. Two differences remain:
+//! a collision's restitution has no threshold of 1 m/s, and a step allocates, because rapier's does. The scene handles
+//! sensors; rapier does not see them.
 //!
 //! Under Gymnasium's controllers the Kolmogorov-Smirnov distances of returns and lengths are below the 95 %
 //! critical value: over 400 seeds of BipedalWalker 0.06 and 0.06 (critical 0.10), with 28 walks to the end
-//! on either engine, and likewise on hardcore ground and for LunarLander. Over 600 seeds 96 % of landings end
+//! on either engine; the result is similar on hardcore ground and for LunarLander. Over 600 seeds 96 % of landings end
 //! as they do on Box2D, with two throttles 100 %, and in wind 92 % over 800 seeds: with gravity
 //! -10.001 for -10, Box2D itself repeats 96 % and 92 % of its own.
 
@@ -456,7 +456,7 @@ mod text {
     }
 }
 
-/// Puts what belongs to a slot in its place.
+/// Puts a value into its slot.
 fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
     match list.get_mut(slot as usize) {
         Some(place) => *place = value,

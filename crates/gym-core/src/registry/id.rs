@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// An environment id in its parts.
 ///
 /// A namespace is made of letters, digits, `_`, `:` and `-`; a name may contain `.` as well. As in
-/// Gymnasium, letters are those of any script.
+/// Gymnasium, letters of any script are allowed.
 ///
 /// ```
 /// # use gym_core::registry::EnvId;
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(id("a/B.c-v01").to_string(), "a/B.c-v1");
         assert_eq!(id("-v1").name, "-v1");
         assert_eq!(id("X-vy").name, "X-vy");
-        // digits and more are no version
+        // digits followed by more characters are not a version
         assert_eq!((id("X-v1a").name.as_str(), id("X-v1a").version), ("X-v1a", None));
     }
 

@@ -105,7 +105,7 @@ pub fn find(id: &str) -> Result<Registration> {
 /// second part is a warning about the choice.
 ///
 /// # Errors
-/// As [`find`].
+/// The errors of [`find`].
 pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
     let asked: EnvId = id.parse()?;
     let newest = with_table(|table| table.keys().filter(|other| other.same_name(&asked)).max().cloned());

@@ -15,7 +15,7 @@ impl ResetOptions {
         let Some(unknown) = unknown.filter(|_| !self.0.is_empty()) else { return Ok(()) };
         let near = nearest(unknown, names()).map(|near| format!(": did you mean `{near}`?"));
         let known = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let reason = format!("unknown option `{unknown}`{} (there are {known})", near.unwrap_or_default());
+        let reason = format!("unknown option `{unknown}`{} (known are {known})", near.unwrap_or_default());
         Err(Error::argument(format!("reset options of `{id}`"), reason))
     }
 }

@@ -41,7 +41,7 @@ pub trait Configure: Env {
     /// [`Render`](crate::wrappers::Render). The default, `None`, is for environments that implement `draw`.
     ///
     /// # Errors
-    /// As [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
+    /// The errors of [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
     fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
         let _ = (config, mode);
         Ok(None)
@@ -74,7 +74,7 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
 /// Makes a native vector from its spec.
 ///
-/// It refuses what it does not support, such as a render mode or wrappers in the spec. It respects
+/// It returns an error for anything that it does not support, such as a render mode or wrappers in the spec. It respects
 /// `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
@@ -84,13 +84,13 @@ type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
 /// An external requirement of an environment, such as ROMs.
 #[derive(Clone, Copy, Debug)]
 pub struct Need {
-    /// What is required.
+    /// The requirement, in words.
     pub what: &'static str,
     is_met: fn() -> bool,
 }
 
 impl Need {
-    /// Whether it is there.
+    /// Whether the requirement is met.
     pub fn is_met(&self) -> bool {
         (self.is_met)()
     }
@@ -101,9 +101,9 @@ impl Need {
 pub struct Clip {
     /// Seeds of its episodes.
     pub seeds: Range<u64>,
-    /// Every n-th state is a frame.
+    /// Draws every n-th state.
     pub every: u32,
-    /// Frames at most.
+    /// The largest number of frames.
     pub frames: u32,
     /// Width and height in pixels.
     pub size: (u32, u32),
@@ -125,9 +125,9 @@ pub struct Registration {
     pub reset_options: &'static [(&'static str, &'static str)],
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     pub exceptions: &'static [(&'static str, &'static str)],
-    /// What it requires that no crate brings.
+    /// A requirement outside the crates, such as ROMs.
     pub needs: Option<Need>,
-    /// What makes its native vector.
+    /// The constructor of its native vector.
     pub vector_entry_point: Option<VectorEntryPoint>,
     /// The keys with which a person plays it.
     pub keys: Option<fn(&BoxEnv) -> Keys>,
@@ -137,7 +137,7 @@ pub struct Registration {
     pub light_step: bool,
     /// Names and meanings of discrete actions.
     pub actions: &'static [(&'static str, &'static str)],
-    /// What the GIF on its page shows.
+    /// The content of the GIF on its page.
     pub clip: Option<Clip>,
     version: Option<u32>,
     kwargs: &'static str,
@@ -336,7 +336,7 @@ impl Registration {
     /// its version.
     ///
     /// # Errors
-    /// As [`spec`](Self::spec).
+    /// The errors of [`spec`](Self::spec).
     pub fn arguments(&self) -> Result<Vec<Argument>> {
         let mut table = (self.table)(self.rules());
         for (name, value) in self.spec()?.kwargs {

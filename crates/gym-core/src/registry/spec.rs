@@ -1,4 +1,4 @@
-//! How an environment is made: its id, arguments and wrappers, as data.
+//! The spec of an environment as data: its id, arguments and wrappers.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -31,7 +31,7 @@ pub struct EnvSpec {
     /// Arguments of the constructor.
     #[serde(default)]
     pub kwargs: Kwargs,
-    /// How it is rendered, if at all.
+    /// The render mode, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub render_mode: Option<RenderMode>,
     /// Width and height of rendered frames, if not the environment's own.
@@ -50,7 +50,7 @@ impl EnvSpec {
     /// Makes the environment with its wrappers.
     ///
     /// # Errors
-    /// As [`make`](crate::make), and for an unknown wrapper.
+    /// The errors of [`make`](crate::make), and one for an unknown wrapper.
     pub fn make(&self) -> Result<BoxEnv> {
         EnvBuilder::from_spec(self.clone()).build()
     }

@@ -7,11 +7,11 @@ use super::options::ResetOptions;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
 use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
-/// How an environment is rendered.
+/// The rendering of an environment.
 pub(super) enum Renders {
     /// The environment.
     Itself,
-    /// The wrapper `Render`, from what the environment draws.
+    /// The wrapper `Render`, from the environment's drawings.
     Drawings,
 }
 
@@ -67,7 +67,7 @@ fn limited<E: Env>(env: E, max_episode_steps: Option<u32>) -> Result<BoxEnv> {
     })
 }
 
-/// An environment that knows how it was made.
+/// An environment with its spec.
 #[derive(Clone)]
 struct Registered<E> {
     env: E,

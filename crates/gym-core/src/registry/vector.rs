@@ -18,7 +18,7 @@ use crate::{BoxEnv, Env, Error, Result, WrapperSpec};
 /// [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit included.
 ///
 /// # Errors
-/// As [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than memory holds, or a
+/// The errors of [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than memory holds, or a
 /// kind that the id does not have.
 pub fn make_vec(
     id: &str,
@@ -32,7 +32,7 @@ pub fn make_vec(
     }
 }
 
-/// How a vector steps its sub-environments.
+/// The kinds of vector: ways to step the sub-environments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -82,12 +82,12 @@ impl FromStr for VectorKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct VectorSpec {
-    /// How each sub-environment is made.
+    /// The spec of each sub-environment.
     #[serde(flatten)]
     pub env: EnvSpec,
-    /// How many there are.
+    /// The number of sub-environments.
     pub num_envs: usize,
-    /// How they are stepped.
+    /// The kind of vector.
     pub vectorization_mode: VectorKind,
     /// When they are reset.
     #[serde(default)]
@@ -107,7 +107,7 @@ pub struct VectorSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Each {
-    /// One value for each.
+    /// A value for each environment.
     Values(Vec<Json>),
     /// A new value at each reset: uniform in `[low, high)`, drawn by the sub-environment's generator before it starts.
     Range {
@@ -205,7 +205,7 @@ impl VectorSpec {
         Ok(())
     }
 
-    /// How a sub-environment is made.
+    /// The spec of a sub-environment.
     pub(crate) fn env_at(&self, index: usize) -> EnvSpec {
         let mut env = self.env.clone();
         for (name, each) in &self.each {
@@ -216,10 +216,11 @@ impl VectorSpec {
         env
     }
 
-    /// Makes the sub-environments, for a vector of one's own.
+    /// Makes the sub-environments, for your own kind of vector.
     ///
     /// # Errors
-    /// As [`EnvSpec::make`]; [`Error::InvalidArgument`] for more than memory holds, of which the first one tells.
+    /// The errors of [`EnvSpec::make`]; [`Error::InvalidArgument`] if the environments do not fit in memory, estimated
+    /// from the first one.
     pub fn envs(&self) -> Result<Vec<BoxEnv>> {
         self.check_each()?;
         let make = |index| self.env_at(index).make();
@@ -233,7 +234,7 @@ impl VectorSpec {
     /// Makes the vector in its wrappers.
     ///
     /// # Errors
-    /// As [`make_vec`], and for an unknown wrapper.
+    /// The errors of [`make_vec`], and one for an unknown wrapper.
     pub fn make(&self) -> Result<Box<dyn VectorEnv>> {
         self.vector_wrappers.iter().try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
     }
@@ -264,7 +265,7 @@ impl VectorSpec {
                 let refuse =
                     |reason: &str| Err(Error::argument(format!("a native vector of `{}`", env.id), reason));
                 let Some(entry_point) = find(&env.id)?.vector_entry_point else {
-                    return refuse("this id has none: its kinds are sync and async");
+                    return refuse("there is none for this id: use kind sync or async");
                 };
                 match native_obstacle(&env) {
                     Some(reason) => refuse(reason),
@@ -275,7 +276,7 @@ impl VectorSpec {
     }
 }
 
-/// The least memory of an environment from `make`, beside its observations: its state, its spec, and the
+/// The smallest memory of an environment from `make`, without its observations: its state, its spec, and the
 /// boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
@@ -291,7 +292,7 @@ fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
 }
 
 impl EnvBuilder {
-    /// Goes on to a vector of `num_envs` environments, each made with these options.
+    /// Starts a vector of `num_envs` environments, each made with these options.
     ///
     /// ```no_run
     /// # fn main() -> gym_core::Result<()> {
@@ -331,7 +332,7 @@ impl VectorBuilder {
         self
     }
 
-    /// How the sub-environments are stepped. The default is native if the id has a native vector that
+    /// The kind of vector. The default is native if the id has a native vector that
     /// supports the options, else sync. Native vectors do not support wrappers of environments, a
     /// render mode, a time limit above 65534 steps, or arguments that only scalar environments have.
     #[must_use]
@@ -355,7 +356,7 @@ impl VectorBuilder {
     /// The spec with all options.
     ///
     /// # Errors
-    /// As [`EnvBuilder::spec`].
+    /// The errors of [`EnvBuilder::spec`].
     pub fn spec(self) -> Result<VectorSpec> {
         self.resolve().map(|(spec, _)| spec)
     }
@@ -363,7 +364,7 @@ impl VectorBuilder {
     /// Makes the vector.
     ///
     /// # Errors
-    /// As [`make_vec`].
+    /// The errors of [`make_vec`].
     pub fn build(self) -> Result<Box<dyn VectorEnv>> {
         match self.resolve()? {
             (_, Some(vector)) => Ok(vector),

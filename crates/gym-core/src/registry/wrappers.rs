@@ -16,7 +16,7 @@ pub type WrapVector = fn(Box<dyn VectorEnv>, &Kwargs) -> Result<Box<dyn VectorEn
 pub struct WrapperRegistration {
     /// The name in [`WrapperSpec`].
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// Its effect, in a few words.
     pub description: &'static str,
     arguments: fn() -> Vec<Argument>,
     env: Option<WrapEnv>,
@@ -60,7 +60,7 @@ impl WrapperRegistration {
     }
 }
 
-/// Every wrapper that is linked, by name; of one name, that of environments before that of vectors.
+/// All linked wrappers, by name; of two with one name, the wrapper of environments comes first.
 pub fn wrappers() -> Vec<&'static WrapperRegistration> {
     let mut wrappers: Vec<_> = inventory::iter::<WrapperRegistration>.into_iter().collect();
     wrappers.sort_by_key(|wrapper| (wrapper.name, wrapper.env.is_none()));
@@ -154,7 +154,7 @@ impl WrapperSpec {
     /// Puts the wrapper of this name around a vector.
     ///
     /// # Errors
-    /// As [`wrap`](Self::wrap).
+    /// The errors of [`wrap`](Self::wrap).
     pub fn wrap_vector(&self, envs: Box<dyn VectorEnv>) -> Result<Box<dyn VectorEnv>> {
         self.find("a vector's wrappers", |wrapper| wrapper.vector)?(envs, &self.kwargs)
     }

@@ -32,7 +32,7 @@ use crate::stored::plain;
 #[serde(try_from = "Description", into = "Description")]
 pub struct BoxSpace(Arc<Bounds>);
 
-/// The bounds, which clones of a space share: those of pictures are larger than the pictures.
+/// The bounds, shared by clones of a space, because the bounds of an image are larger than the image.
 #[derive(Debug)]
 struct Bounds {
     low: Array,
@@ -82,14 +82,14 @@ impl BoxSpace {
                 return Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })));
             }
         }
-        // converts, and finds what is wrong
+        // converts, and finds the error
         Self::from_numbers(Number::all(low.data()), Number::all(high.data()), low.shape(), dtype)
     }
 
     /// The box whose elements all have the same bounds.
     ///
     /// # Errors
-    /// As [`with_dtype`](Self::with_dtype).
+    /// The errors of [`with_dtype`](Self::with_dtype).
     pub fn uniform(low: f64, high: f64, shape: impl Into<Vec<usize>>, dtype: DType) -> Result<Self> {
         let shape = shape.into();
         let build = || {
@@ -151,12 +151,12 @@ impl BoxSpace {
         self.0.low.dtype()
     }
 
-    /// Which elements have a finite lower bound, in row-major order.
+    /// Whether each element has a finite lower bound, in row-major order.
     pub fn bounded_below(&self) -> &[bool] {
         &self.0.bounded_below
     }
 
-    /// Which elements have a finite upper bound, in row-major order.
+    /// Whether each element has a finite upper bound, in row-major order.
     pub fn bounded_above(&self) -> &[bool] {
         &self.0.bounded_above
     }
@@ -236,7 +236,7 @@ fn all_close(a: &Array, b: &Array) -> bool {
     })
 }
 
-/// As Gymnasium prints it: `Box(-1.0, 1.0, (2,), float32)`.
+/// Prints as Gymnasium does: `Box(-1.0, 1.0, (2,), float32)`.
 impl fmt::Display for BoxSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] = [&self.0.low, &self.0.high].map(numpy_fmt::bound);
@@ -289,7 +289,7 @@ impl Bound {
     }
 }
 
-/// Which low and which high bounds of one type are finite; `None` if some are no bounds.
+/// Flags of finite low and high bounds of one type; `None` if some are not valid bounds.
 fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
     let is_finite = |bound: &T| bound.to_f64().is_finite();
     let are_bounds = low
@@ -301,7 +301,7 @@ fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> 
 
 fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
     fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
-        /// Compared before the next look at whether all were between: so many at once that they fill vector registers.
+        /// The number of elements compared between two tests for a failure: enough to fill vector registers.
         const AT_ONCE: usize = 256;
         let parts = values.chunks(AT_ONCE).zip(low.chunks(AT_ONCE)).zip(high.chunks(AT_ONCE));
         parts.into_iter().all(|((values, low), high)| {

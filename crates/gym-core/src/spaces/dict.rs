@@ -80,14 +80,14 @@ impl DictSpace {
         Ok(())
     }
 
-    /// Each member space with the value under its key, if the keys are exactly those of the space.
+    /// Each member space with the value under its key, if the keys equal the space's keys.
     pub(super) fn members<'a>(
         &'a self,
         value: &'a Value,
     ) -> Result<impl Iterator<Item = (&'a Space, &'a Value)>, Fault> {
         let Value::Dict(entries) = value else { return Err(Fault::kind("a dict", value)) };
         if let Some((key, _)) = entries.iter().find(|(key, _)| self.get(key).is_none()) {
-            return Err(Fault::new(format!("the key {key:?} is not one of the space's")));
+            return Err(Fault::new(format!("the space has no key {key:?}")));
         }
         if entries.len() > self.spaces.len() {
             return Err(Fault::new("a key occurs twice"));
@@ -120,7 +120,7 @@ impl PartialEq for DictSpace {
     }
 }
 
-/// As Gymnasium prints it: `Dict('a': Discrete(2), 'b': Discrete(4))`.
+/// Prints as Gymnasium does: `Dict('a': Discrete(2), 'b': Discrete(4))`.
 impl fmt::Display for DictSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Dict(")?;
@@ -192,7 +192,7 @@ mod tests {
         let fault = |entries: &[(&str, i64)]| space().check(&value(entries)).unwrap_err().to_string();
         assert_eq!(fault(&[("a", 2), ("b", 3)]), r#"["a"]: 2 is not between 0 and 1"#);
         assert_eq!(fault(&[("a", 1)]), r#"the key "b" is missing"#);
-        assert_eq!(fault(&[("a", 1), ("c", 1)]), r#"the key "c" is not one of the space's"#);
+        assert_eq!(fault(&[("a", 1), ("c", 1)]), r#"the space has no key "c""#);
         assert_eq!(fault(&[("a", 1), ("b", 1), ("b", 1)]), "a key occurs twice");
         assert_eq!(space().check(&value(&[("b", 1), ("a", 1)])), Ok(()));
     }

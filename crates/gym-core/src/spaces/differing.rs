@@ -6,7 +6,7 @@ use super::number::{Number, can_cast, collect};
 use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, invalid};
 use crate::{Array, Result};
 
-/// The inner spaces of those of this kind.
+/// The inner spaces of the spaces of this kind.
 macro_rules! of_kind {
     ($spaces:expr, $kind:ident) => {
         $spaces.iter().filter_map(|space| match space {
@@ -129,7 +129,7 @@ mod tests {
     use crate::DType;
     use crate::spaces::{MultiBinary, SequenceSpace, TextSpace};
 
-    /// What Gymnasium 1.4.0 answers.
+    /// The results of Gymnasium 1.4.0.
     #[test]
     fn spaces_with_other_bounds_batch() {
         let narrow = |n: i64| Discrete::new(n).unwrap().with_dtype(DType::I32).unwrap().into();

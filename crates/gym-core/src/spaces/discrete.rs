@@ -42,7 +42,7 @@ impl Discrete {
         Self { n, start: 0, dtype: DType::I64 }.checked()
     }
 
-    /// As many integers from `start` on.
+    /// The same number of integers, beginning at `start`.
     ///
     /// # Errors
     /// [`Error::InvalidSpace`] if the largest integer does not fit the type.
@@ -75,7 +75,7 @@ impl Discrete {
         }
     }
 
-    /// How many elements there are.
+    /// The number of elements.
     pub fn n(&self) -> i64 {
         self.n
     }
@@ -150,7 +150,7 @@ fn integer_u16(rng: &mut Generator, last: u16) -> u16 {
     }
 }
 
-/// As Gymnasium prints it: `Discrete(3)`, `Discrete(3, start=1)`.
+/// Prints as Gymnasium does: `Discrete(3)`, `Discrete(3, start=1)`.
 impl fmt::Display for Discrete {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Discrete({}", self.n)?;

@@ -94,7 +94,7 @@ impl Space {
         }
         let dtypes = self.members().into_iter().map(Self::flat_dtype).collect::<Result<Vec<_>>>()?;
         let Some(dtype) = result_type(dtypes) else {
-            return invalid(format!("{self} has no members and so no numbers to flatten to"));
+            return invalid(format!("{self} has no members, so it cannot be flattened"));
         };
         let Self::OneOf(space) = self else { return Ok(dtype) };
         // The index must fit as well.

@@ -42,7 +42,7 @@ impl Space {
     /// [`flatten`](Self::flatten) into an array of that type and length.
     ///
     /// # Errors
-    /// As [`flatten`](Self::flatten).
+    /// The errors of [`flatten`](Self::flatten).
     pub fn flatten_into(&self, value: &Value, out: &mut Array) -> Result<()> {
         let written = with_type!(out.dtype(), T => {
             self.write_flat(value, out.as_mut_slice::<T>().unwrap_or_default())
@@ -50,7 +50,7 @@ impl Space {
         written.map_err(|fault| self.refuse(value, &fault))
     }
 
-    /// The element that [`flatten`](Self::flatten) made a row of, with its types restored.
+    /// Converts a row from [`flatten`](Self::flatten) back to the element, with its types.
     ///
     /// Integers beyond 2^53 that were flattened together with real numbers are rounded.
     ///
@@ -148,7 +148,7 @@ impl Space {
             Self::MultiBinary(space) => array(space.shape(), MultiBinary::DTYPE),
             Self::Discrete(space) => match flat.iter().position(is_set) {
                 Some(index) => Ok(Value::Int(space.start() + index as i64)),
-                None => Err(Fault::new("none of its numbers is 1")),
+                None => Err(Fault::new("exactly one of its numbers must be 1, but none is")),
             },
             Self::MultiDiscrete(space) => {
                 let mut numbers = Vec::new();
@@ -159,7 +159,7 @@ impl Space {
                             numbers.push(start + index as i64);
                         }
                         _ => {
-                            let reason = "not exactly one of its numbers is 1";
+                            let reason = "exactly one of its numbers must be 1, and the others 0";
                             return Err(Fault::new(reason).at_element(i, space.shape()));
                         }
                     }
@@ -205,14 +205,14 @@ impl Space {
         }
     }
 
-    /// The element of the first numbers of a row, which are taken off.
+    /// Removes the first numbers of a row, and returns their element.
     fn read_next<T: Numeric>(&self, flat: &mut &[T]) -> Result<Value, Fault> {
         let len = self.flat_len().unwrap_or_default();
         self.read_flat(flat.split_off(..len).unwrap_or_default())
     }
 
     /// Makes an element of `to` from one of `from` by flattening or unflattening (`map`) each member
-    /// with its space here, where the whole is no array.
+    /// with its space here, if the whole is not an array.
     fn convert(
         &self,
         value: &Value,

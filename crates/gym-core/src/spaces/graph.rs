@@ -148,7 +148,7 @@ fn check_links(links: &Array, num_edges: usize, num_nodes: usize) -> Result<(), 
     }
 }
 
-/// As Gymnasium prints it: `Graph(Discrete(2), None)`.
+/// Prints as Gymnasium does: `Graph(Discrete(2), None)`.
 impl fmt::Display for GraphSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.edge_space() {

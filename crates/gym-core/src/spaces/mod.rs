@@ -1,4 +1,4 @@
-//! Spaces: which observations and actions an environment has, and random elements of them.
+//! Spaces: the sets of observations and actions of an environment, and random elements of them.
 //!
 //! A [`Space`] is an immutable description. A [`Sampler`] has the generators that Gymnasium keeps
 //! in the space. Names, samples, printed form and rules of membership equal those of Gymnasium
@@ -210,7 +210,7 @@ impl Space {
     /// Random elements, with a seed from the operating system.
     ///
     /// # Errors
-    /// As [`Seed::from_os`].
+    /// The errors of [`Seed::from_os`].
     pub fn sampler_from_os(&self) -> Result<Sampler> {
         Ok(self.sampler(Seed::from_os()?))
     }
@@ -296,11 +296,11 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
     }
 }
 
-/// The most numbers that an element may have: some gigabytes. A larger description is refused
-/// before memory runs out.
+/// The largest number of numbers in an element: some gigabytes. A larger space is refused, before
+/// memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
-/// How many elements a shape has.
+/// The number of elements of a shape.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {
     let count = shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
     count.filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {

@@ -51,7 +51,7 @@ impl MultiBinary {
         &self.shape
     }
 
-    /// As Gymnasium: numbers of any type will do.
+    /// Accepts numbers of any type, as Gymnasium does.
     pub(super) fn contains(&self, value: &Value) -> bool {
         let Value::Array(array) = value else { return false };
         array.shape() == self.shape
@@ -83,7 +83,7 @@ impl MultiBinary {
     }
 }
 
-/// As Gymnasium prints it: `MultiBinary(3)`, `MultiBinary((2, 3))`.
+/// Prints as Gymnasium does: `MultiBinary(3)`, `MultiBinary((2, 3))`.
 impl fmt::Display for MultiBinary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.shape[..] {

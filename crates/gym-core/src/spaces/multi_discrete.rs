@@ -150,7 +150,7 @@ impl MultiDiscrete {
         });
     }
 
-    /// As an array of the space's type.
+    /// Converts to an array of the space's type.
     pub(super) fn array(&self, numbers: &[i64]) -> Array {
         let data = Data::from_i64(self.dtype, numbers.iter().copied());
         Array::new(self.shape.clone(), data).unwrap_or_default()
@@ -164,7 +164,7 @@ fn integers(name: &str, array: &Array) -> Result<Vec<i64>> {
     ints.map_or_else(|| invalid(format!("{name} is {array}: give whole numbers that fit int64")), Ok)
 }
 
-/// As Gymnasium prints it: `MultiDiscrete([3 4])`.
+/// Prints as Gymnasium does: `MultiDiscrete([3 4])`.
 impl fmt::Display for MultiDiscrete {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "MultiDiscrete({}", numpy_fmt::array(&self.array(&self.nvec)))?;

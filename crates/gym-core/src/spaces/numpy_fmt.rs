@@ -118,7 +118,7 @@ fn is_left_out(i: usize, n: usize) -> bool {
     n > 2 * EDGE_ITEMS && (EDGE_ITEMS..n - EDGE_ITEMS).contains(&i)
 }
 
-/// How the numbers of one array are written, so that they align.
+/// The format of the numbers of one array, which aligns them.
 enum Style {
     Integer {
         width: usize,
@@ -260,7 +260,7 @@ fn shortest(data: &Data, index: usize) -> String {
     }
 }
 
-/// How many digits there are between the point and the exponent.
+/// The number of digits between the point and the exponent.
 fn fraction_len(text: &str) -> usize {
     split_exponent(text).0.split_once('.').map_or(0, |(_, fraction)| fraction.len())
 }
@@ -275,7 +275,7 @@ fn pad_exponent(exponent: &str, digits: usize) -> String {
     format!("e{sign}{power:0>digits$}")
 }
 
-/// Where the numbers go.
+/// The destination of the numbers.
 struct Layout<'a> {
     shape: &'a [usize],
     summarise: bool,

@@ -81,7 +81,7 @@ impl OneOfSpace {
     }
 }
 
-/// As Gymnasium prints it: `OneOf(Discrete(3), Discrete(2))`.
+/// Prints as Gymnasium does: `OneOf(Discrete(3), Discrete(2))`.
 impl fmt::Display for OneOfSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_list(f, "OneOf", &self.spaces)

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::weight::Weight;
 use super::{Discrete, GraphSpace, MultiDiscrete, Space, TextSpace};
 
-/// How to sample a space other than uniformly, in the structure of the space; a [`Mask`] or
+/// A description of sampling other than uniform, in the structure of the space; a [`Mask`] or
 /// [`Probabilities`].
 ///
 /// | space | selection |
@@ -30,7 +30,7 @@ use super::{Discrete, GraphSpace, MultiDiscrete, Space, TextSpace};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Selection<T> {
-    /// No preference.
+    /// The ordinary sample.
     #[default]
     Any,
     /// An entry per element of a `Discrete`, or per number of a `MultiBinary`.

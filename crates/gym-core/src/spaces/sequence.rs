@@ -109,7 +109,7 @@ impl SequenceSpace {
     }
 }
 
-/// As Gymnasium prints it: `Sequence(Discrete(26), stack=False)`.
+/// Prints as Gymnasium does: `Sequence(Discrete(26), stack=False)`.
 impl fmt::Display for SequenceSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let stack = if self.stack { "True" } else { "False" };

@@ -148,10 +148,12 @@ fn bad_flat_values_are_refused() {
     let refused =
         |space: &Space, flat: Vec<f64>| space.unflatten(&Value::Array(flat.into())).unwrap_err().to_string();
     let three = Space::discrete(3);
-    assert!(refused(&three, vec![0.0; 3]).starts_with("none of its numbers is 1"));
+    assert!(refused(&three, vec![0.0; 3]).starts_with("exactly one of its numbers must be 1, but none is"));
     assert!(refused(&three, vec![0.0; 4]).starts_with("the shape is (4,) and should be (3,)"));
     let grid = MultiDiscrete::new([2, 2]).unwrap().into();
-    assert!(refused(&grid, vec![1.0, 0.0, 1.0, 1.0]).starts_with("[1]: not exactly one of its numbers is 1"));
+    assert!(
+        refused(&grid, vec![1.0, 0.0, 1.0, 1.0]).starts_with("[1]: exactly one of its numbers must be 1")
+    );
     assert!(refused(&text(2, "ab"), vec![0.0, 3.0]).starts_with("a number is not between 0 and 2"));
     assert!(refused(&one_of([three.clone()]), vec![1.0, 0.0, 0.0, 1.0]).contains("not the index of a space"));
     assert!(refused(&one_of([three]), vec![f64::NAN, 0.0, 0.0, 1.0]).contains("not the index of a space"));
@@ -160,7 +162,7 @@ fn bad_flat_values_are_refused() {
     assert!(error.to_string().starts_with("[0]: 3 is not between 0 and 2"));
 }
 
-/// Compares samples with those of Gymnasium, of the same seed.
+/// Compares samples with Gymnasium's for the same seed.
 fn assert_samples(space: &Space, mut sample: impl FnMut(&mut Sampler) -> Value, expected: &Json) {
     let mut sampler = space.sampler(7);
     for expected in expected.as_array().unwrap() {

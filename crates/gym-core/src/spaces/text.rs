@@ -146,7 +146,7 @@ impl PartialEq for TextSpace {
 
 impl Eq for TextSpace {}
 
-/// As Gymnasium prints it, with the characters sorted: `Text(1, 8, charset=abc)`.
+/// Prints as Gymnasium does, with the characters sorted: `Text(1, 8, charset=abc)`.
 impl fmt::Display for TextSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let charset: String = self.sorted().into_iter().collect();

@@ -75,7 +75,7 @@ impl TupleSpace {
     }
 }
 
-/// As Gymnasium prints it: `Tuple(Discrete(3), Discrete(2))`.
+/// Prints as Gymnasium does: `Tuple(Discrete(3), Discrete(2))`.
 impl fmt::Display for TupleSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_list(f, "Tuple", &self.spaces)

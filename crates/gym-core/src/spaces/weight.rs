@@ -43,7 +43,7 @@ pub(super) fn toss(rng: &mut Generator, values: &mut [i8]) {
     }
 }
 
-/// Of a [`Mask`](super::Mask).
+/// The weights of a [`Mask`](super::Mask).
 impl Weight for i8 {
     fn check_choice(weights: &[Self], _: f64) -> Result<(), Fault> {
         check_each(weights, |&entry| entry == 0 || entry == 1, "neither 0 nor 1")
@@ -74,7 +74,7 @@ impl Weight for i8 {
     }
 }
 
-/// Of [`Probabilities`](super::Probabilities).
+/// The weights of [`Probabilities`](super::Probabilities).
 impl Weight for f64 {
     fn check_choice(weights: &[Self], tolerance: f64) -> Result<(), Fault> {
         Self::check_tosses(weights)?;

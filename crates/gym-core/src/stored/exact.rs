@@ -149,7 +149,7 @@ hand_on_items! {
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,
-    /// JSON within JSON, in which nothing stands for a float.
+    /// JSON within JSON, without replacements for floats.
     as_it_is: bool,
 }
 
@@ -319,7 +319,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
 struct Entries<'de> {
     map: Stored<'de>,
     rest: serde_json::map::Iter<'de>,
-    /// Of the key that was read last.
+    /// The value of the key that was read last.
     value: Option<&'de Json>,
 }
 

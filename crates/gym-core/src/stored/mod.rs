@@ -31,10 +31,10 @@ const READABLE: usize = 32;
 #[serde(rename = "$json")]
 struct AsItIs(Json);
 
-/// The name that [`exact`] knows such JSON by.
+/// The name by which [`exact`] recognises such JSON.
 const AS_IT_IS: &str = "$json";
 
-/// The numbers of an array of so many.
+/// The numbers of an array of a given length.
 pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> crate::Result<Vec<T>> {
     let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
     let expected = || Error::Snapshot(format!("expected {len} numbers of type {}", T::DTYPE));
@@ -48,7 +48,7 @@ pub mod row {
     /// Stores a row.
     ///
     /// # Errors
-    /// Those of the serializer.
+    /// The serializer's errors.
     pub fn serialize<T: Scalar, S: Serializer>(row: &[T], serializer: S) -> Result<S::Ok, S::Error> {
         Array::from(row.to_vec()).serialize(serializer)
     }
@@ -56,7 +56,7 @@ pub mod row {
     /// Reads a row.
     ///
     /// # Errors
-    /// Those of the deserializer; an array of another type of numbers.
+    /// The deserializer's errors, and one for an array of another type.
     pub fn deserialize<'de, T: Scalar, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
         let array = Array::deserialize(deserializer)?;
         numbers(&array, array.len()).map_err(D::Error::custom)
@@ -70,7 +70,7 @@ pub mod words {
     /// Stores streams.
     ///
     /// # Errors
-    /// Those of the serializer.
+    /// The serializer's errors.
     pub fn serialize<T: Stream, S: Serializer>(streams: &[T], serializer: S) -> Result<S::Ok, S::Error> {
         let words: Vec<u64> = streams.iter().flat_map(Stream::words).collect();
         row::serialize(&words, serializer)
@@ -79,7 +79,7 @@ pub mod words {
     /// Reads streams.
     ///
     /// # Errors
-    /// Those of the deserializer; numbers that are no streams of this type.
+    /// The deserializer's errors, and one for numbers that are not streams of this type.
     pub fn deserialize<'de, T: Stream, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
         let words: Vec<u64> = row::deserialize(deserializer)?;
         let (streams, rest) = words.as_chunks();
@@ -116,7 +116,7 @@ impl Serialize for Array {
 
 /// The stored form: JSON that keeps every bit.
 ///
-/// | what | how it is stored |
+/// | value | stored form |
 /// |---|---|
 /// | a number | a number |
 /// | a float that JSON lacks | `{"$float": "inf"}`, `"-inf"` or `"NaN"`; the text alone in an array, and wherever a space says that it is a number |

@@ -6,7 +6,7 @@ use crate::{Array, Continuous, Data, Element, Error, Result, Space, Value};
 
 /// A type of action that can be read from a batch. [`discrete!`](crate::discrete) implements it.
 pub trait ActionColumn: Element + Copy {
-    /// What an action is in a batch.
+    /// The form of an action in a batch.
     type Item: Copy + Default + fmt::Debug + Send + Sync + 'static;
 
     /// The actions of a batch.
@@ -15,7 +15,7 @@ pub trait ActionColumn: Element + Copy {
     /// The actions of a batch of `n`, or `None` where it has another form.
     fn items(batch: &Value, n: usize) -> Option<Self::Items<'_>>;
 
-    /// One of them.
+    /// A single action.
     fn item(items: Self::Items<'_>, index: usize) -> Self::Item;
 
     /// `len` of them from `first` on, where they are or copied to `room`.

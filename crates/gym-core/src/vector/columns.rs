@@ -6,7 +6,7 @@ use crate::{Result, Space, Value};
 /// The effect of a call of `reset_into` or `step_into` on a sub-environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Progress {
-    /// None: a mask left it out, or its reset or step failed. Its row has a reward of 0, no flag set,
+    /// No reset and no step: a mask left it out, or its call failed. Its row has a reward of 0, no flag set,
     /// and its last observation.
     #[default]
     Unchanged,
@@ -40,7 +40,7 @@ pub struct Columns {
     /// ([`Autoreset::SameStep`](super::Autoreset::SameStep)), in the form of `observations`. The other
     /// rows are meaningless.
     pub final_observations: Value,
-    /// Which rows of `final_observations` count.
+    /// Whether each row of `final_observations` is set.
     pub has_final: Vec<bool>,
     /// The effect of the last call on each sub-environment. After [`begin`](Self::begin) and an `Err`
     /// it shows which have stepped nevertheless.
@@ -70,7 +70,7 @@ impl Columns {
     /// more.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn prepare(&mut self, single_observation_space: &Space, n: usize) -> Result<()> {
         for column in [&mut self.observations, &mut self.final_observations] {
             if !single_observation_space.is_batch(column, n) {
@@ -91,12 +91,12 @@ impl Columns {
         self.progress.iter().any(|progress| *progress != Progress::Unchanged)
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub fn len(&self) -> usize {
         self.rewards.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.rewards.is_empty()
     }

@@ -1,4 +1,4 @@
-//! What callers do with a vector.
+//! Methods for callers of vectors.
 
 use std::any::Any;
 
@@ -16,7 +16,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// that ended.
     ///
     /// Made of [`info`](crate::vector::VectorEnv::info), [`final_info`](crate::vector::VectorEnv::final_info) and
-    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which is what a vector or a wrapper implements: so the order
+    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which a vector or a wrapper implements: so the order
     /// of wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)
@@ -52,7 +52,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// `reset(())` continues their generators.
     ///
     /// # Errors
-    /// As [`reset_into`](crate::vector::VectorEnv::reset_into).
+    /// The errors of [`reset_into`](crate::vector::VectorEnv::reset_into).
     fn reset(&mut self, reset: impl Into<VectorReset>) -> Result<Columns> {
         let mut columns = self.columns()?;
         self.reset_into(&reset.into(), &mut columns)?;
@@ -62,7 +62,7 @@ pub trait VectorEnvExt: VectorEnv {
     /// Takes a step, with new columns.
     ///
     /// # Errors
-    /// As [`step_into`](crate::vector::VectorEnv::step_into).
+    /// The errors of [`step_into`](crate::vector::VectorEnv::step_into).
     fn step(&mut self, actions: &Value) -> Result<Columns> {
         let mut columns = self.columns()?;
         self.step_into(actions, &mut columns)?;
@@ -87,7 +87,7 @@ impl dyn VectorEnv {
     /// ```
     ///
     /// # Errors
-    /// As [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
+    /// The errors of [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
     /// type `E`; those of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
     pub fn call<E: Env, R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
         let mut results = Vec::with_capacity(self.num_envs());

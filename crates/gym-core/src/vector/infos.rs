@@ -62,7 +62,7 @@ impl Group {
         Self { n, columns: BTreeMap::new() }
     }
 
-    /// Adds a value to a column whose type the first value decides.
+    /// Adds a value to a column; the first value decides the column's type.
     fn add(&mut self, key: &str, index: usize, value: Value) {
         self.add_to(key, index, value, Values::for_value);
     }
@@ -104,7 +104,7 @@ impl Values {
         }
     }
 
-    /// A column of zeros; of objects where so many numbers do not fit in memory.
+    /// A column of zeros; of objects if the numbers do not fit in memory.
     fn numbers(n: usize, dtype: DType, shape: &[usize]) -> Self {
         let column = Array::zeros(dtype, [&[n], shape].concat());
         column.map_or_else(|_| Self::Objects(vec![Value::Null; n]), Self::Numbers)

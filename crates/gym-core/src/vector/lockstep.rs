@@ -1,10 +1,10 @@
-//! Environments whose steps share their hardest part.
+//! Environments that compute the most expensive part of a step together.
 //!
 //! A step of such an environment has three parts, and the middle one can be computed for many environments in SIMD
 //! lanes. A vector lets a group of sub-environments [begin](Lockstep::begin_step) their next call,
 //! [solves](Together::solve) the middle part for all of them, and then resets or steps each as a sync vector does:
 //! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
-//! those of a sync vector.
+//! equal to a sync vector's.
 
 use std::hint::black_box;
 use std::marker::PhantomData;
@@ -17,7 +17,7 @@ use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arg
 
 /// Working memory for a group of environments, and the shared part of their steps.
 pub trait Together: Default + Send + 'static {
-    /// How many environments a group can have.
+    /// The largest number of environments in a group.
     const LEN: usize;
 
     /// Computes the shared part for all environments that have begun.
@@ -27,17 +27,17 @@ pub trait Together: Default + Send + 'static {
     fn clear(&mut self);
 }
 
-/// An environment whose steps can be taken side by side with others of its kind.
+/// An environment that can be stepped together with others of its kind.
 ///
-/// The results must equal those of ordinary steps, bit for bit.
+/// The results must equal the results of ordinary steps, bit for bit.
 pub trait Lockstep: Env {
-    /// What a group of them shares.
+    /// The state that a group shares.
     type Group: Together;
 
-    /// Reads a little of everything that a step needs, and returns something made of it. The CPU then fetches the memory
-    /// of several environments at once; their steps would wait for it piece by piece. A vector calls it where it has
-    /// more environments than fit the cache. It must not panic, not even where a step has left the environment
-    /// half done by a panic.
+    /// Reads some bytes of all memory that a step needs, and returns a value computed from them. The CPU then fetches the
+    /// memory of several environments at once; their steps would wait for each piece in turn. A vector calls it if it has
+    /// more environments than fit the cache. It must not panic, even if a step panicked and left the environment half
+    /// updated.
     fn touch(&self) -> u32 {
         0
     }
@@ -50,20 +50,20 @@ pub trait Lockstep: Env {
     /// does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and gives back what it holds of the group. The last begin came since the
+    /// Takes the result of [`Together::solve`], and releases its place in the group. The last begin came since the
     /// group was cleared; it may have had nothing to begin.
     fn collect(&mut self, group: &mut Self::Group);
 }
 
 /// Begins the next calls of a group of sub-environments.
 pub(crate) trait Ahead<E>: Send {
-    /// How many can go together.
+    /// The number of environments that can step together.
     fn group_len(&self) -> usize;
 
     /// Another one of its kind, for another thread.
     fn another(&self) -> Box<dyn Ahead<E>>;
 
-    /// Forgets those of the group before.
+    /// Clears the results of the previous group.
     fn clear(&mut self);
 
     /// Has the memory of a slot's environment fetched.
@@ -75,7 +75,7 @@ pub(crate) trait Ahead<E>: Send {
     /// Computes the shared part for all that have begun.
     fn solve(&mut self);
 
-    /// Gives a slot its result, before what it was asked for. If that panics, its call returns the error.
+    /// Gives a slot its result, before its request. If that panics, its call returns the error.
     fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
 }
 
@@ -172,7 +172,7 @@ fn lockstep<E: Lockstep, W: Env>(
     Ok(Box::new(vector.with_ahead(Box::new(Within::<E, W>::default()))))
 }
 
-/// What lets environments made by id go ahead together.
+/// Lets environments made by id step together.
 pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
 }

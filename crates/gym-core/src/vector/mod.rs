@@ -58,7 +58,7 @@ pub enum ObservationMode {
     Different,
 }
 
-/// A vector of any kind: what [`make_vec`](crate::make_vec) returns.
+/// A vector of any kind, as [`make_vec`](crate::make_vec) returns it.
 pub type BoxVector = Box<dyn VectorEnv>;
 
 /// `n` environments of one kind, stepped together: Gymnasium's `VectorEnv`.
@@ -104,8 +104,8 @@ pub trait VectorEnv: Any + Send {
     /// A sub-environment that a mask leaves out is unchanged; its row holds its last observation.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if the number of seeds or mask entries is not that of the
-    /// sub-environments, or the mask selects none: then nothing was reset.
+    /// [`Error::InvalidArgument`] if the number of seeds or mask entries differs from the number of
+    /// sub-environments, or the mask selects none; no sub-environment is then reset.
     /// [`Error::SubEnvironment`] if one cannot be reset; the others are reset.
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()>;
 

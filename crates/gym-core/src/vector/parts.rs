@@ -1,4 +1,4 @@
-//! Parts for vectors of other kinds than those of this crate.
+//! Parts for implementing other kinds of vectors.
 
 pub use super::size::check as check_size;
 pub use super::slot::{describe, episode_over};

@@ -21,7 +21,7 @@ use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value}
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
 ///
-/// The results are those of [`SyncVectorEnv`](super::SyncVectorEnv) for any number of threads. It pays
+/// The results equal [`SyncVectorEnv`](super::SyncVectorEnv)'s for any number of threads. It pays
 /// if steps take microseconds, as with physics and images.
 ///
 /// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and receive the
@@ -70,7 +70,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), if they differ by more than `mode` allows.
+    /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
@@ -221,7 +221,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     fn group_len(&self) -> usize {
         let (n, threads) = (self.home.len(), self.pool.workers.len());
         match self.pool.group_len {
-            // as many as can go together, and as much for each thread
+            // groups as large as allowed, and equal work for each thread
             Some(most) => group_len(n.div_ceil(threads), most),
             None => n.div_ceil(threads * GROUPS_PER_THREAD),
         }
@@ -395,7 +395,7 @@ struct Pool<E> {
     results: Receiver<Group<E>>,
     stop: Arc<AtomicBool>,
     workers: Vec<JoinHandle<()>>,
-    /// Empty groups whose storage is used again.
+    /// Empty groups, kept to reuse their storage.
     spare: Vec<Group<E>>,
     /// The number of sub-environments that can step together, if they can.
     group_len: Option<usize>,

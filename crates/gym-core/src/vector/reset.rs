@@ -2,7 +2,7 @@ use serde_json::Value as Json;
 
 use crate::{Error, Kwargs, Reset, Result, Seed};
 
-/// How to start the episodes of a vector. `VectorReset::default()` continues all generators.
+/// Options for the start of a vector's episodes. `VectorReset::default()` continues all generators.
 ///
 /// ```
 /// use gym_core::vector::VectorReset;
@@ -16,7 +16,7 @@ pub struct VectorReset {
     pub seeds: Seeds,
     /// Options for every sub-environment.
     pub options: Kwargs,
-    /// Which sub-environments are reset, if not all of them: Gymnasium's option `reset_mask`.
+    /// The sub-environments to reset, if not all: Gymnasium's option `reset_mask`.
     pub mask: Option<Vec<bool>>,
 }
 

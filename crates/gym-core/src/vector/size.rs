@@ -1,4 +1,4 @@
-//! How many sub-environments there can be.
+//! The largest number of sub-environments.
 
 use std::hint::black_box;
 
@@ -12,7 +12,7 @@ pub(super) const MAX_THREADS: usize = 1024;
 /// hold, or more than fit in memory at `bytes` each beside their rows of the columns.
 pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
-        return Err(Error::argument("a vector", "there are no sub-environments: at least one is needed"));
+        return Err(Error::argument("a vector", "it needs at least one sub-environment"));
     }
     check_len(n, action.len_of_row())?;
     check_bytes(n, observation, bytes.saturating_add(8 * action.len_of_row()))
@@ -65,7 +65,7 @@ mod tests {
         let refusal = |n, bytes| check(n, &observation, &action, bytes).map_err(|error| error.to_string());
         assert_eq!(refusal(1, 0), Ok(()));
         assert_eq!(refusal(1000, 1000), Ok(()));
-        assert!(refusal(0, 0).unwrap_err().contains("no sub-environments"));
+        assert!(refusal(0, 0).unwrap_err().contains("at least one sub-environment"));
         // four numbers of an observation, or one of an action of this many
         let most = MAX_ELEMENTS / 4;
         let reason = format!("num_envs is {}: at most {most} are possible", most + 1);
@@ -73,7 +73,7 @@ mod tests {
         let swapped = check(most + 1, &action, &observation, 0).unwrap_err().to_string();
         assert!(swapped.contains(&reason), "{swapped}");
         assert!(check_rows(most + 1, &observation).unwrap_err().to_string().contains(&reason));
-        // what each takes beside its row
+        // the size of each besides its row
         for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
             assert!(
                 refusal(16, bytes).unwrap_err().contains("num_envs = 16 does not fit in memory"),

@@ -18,7 +18,7 @@ pub(crate) struct Slot<E> {
     /// `has_final`.
     spare: Value,
     outcome: Outcome,
-    /// What it was last asked for, if it answered.
+    /// The last request, if it succeeded.
     progress: Progress,
     has_final: bool,
     final_info: Vec<(String, Value)>,
@@ -38,7 +38,7 @@ enum Stage {
     Closed,
 }
 
-/// What is asked of a [`Slot`].
+/// A request to a [`Slot`].
 pub(crate) enum Ask {
     Reset(Reset),
     Step,
@@ -95,7 +95,7 @@ impl<E: Env> Slot<E> {
         }
     }
 
-    /// Lends the environment to a caller, who may step it.
+    /// Lends the environment to a caller, which may step it.
     pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
         let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
         let before = moves(&self.env);
@@ -296,7 +296,7 @@ impl<E: Env> Slot<E> {
     }
 }
 
-/// What a panic was raised with.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
@@ -305,7 +305,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 /// The spaces of the sub-environments.
 #[derive(Clone, Debug)]
 pub(super) struct Spaces {
-    /// The first one's; those of the others have its form.
+    /// The first environment's space; the others have the same form.
     pub(super) observation: Space,
     /// All observations together, where they differ.
     differing: Option<Space>,
@@ -378,7 +378,7 @@ pub(super) fn slots<E: Env>(
     let refuse = |reason: String| Err(Error::argument("a vector", reason));
     let envs: Vec<E> = envs.into_iter().collect();
     let Some(first) = envs.first() else {
-        return refuse("there are no sub-environments: at least one is needed".into());
+        return refuse("it needs at least one sub-environment".into());
     };
     let (observation, action) = (first.observation_space(), first.action_space());
     size::check(envs.len(), &observation, &action, slot_bytes::<E>(&observation))?;

@@ -9,7 +9,7 @@ use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///
-/// The results are those of stepping each by hand. It is the fastest kind for environments whose steps
+/// The results equal those of stepping each environment by itself. It is the fastest kind for environments whose steps
 /// take well under a microsecond and have no native vector.
 ///
 /// ```no_run
@@ -31,7 +31,7 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
-    /// What they do together, of a native vector.
+    /// The joint step of a native vector.
     ahead: Option<Box<dyn Ahead<E>>>,
 }
 
@@ -47,7 +47,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// A vector of environments whose observation spaces may differ.
     ///
     /// # Errors
-    /// As [`new`](Self::new), if they differ by more than `mode` allows.
+    /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None, ahead: None })

@@ -1,4 +1,4 @@
-//! What every wrapper of vectors is made with.
+//! The trait of wrappers of vectors.
 
 use std::any::Any;
 
@@ -46,7 +46,7 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 /// ```
 ///
 /// A wrapper with state of its own overrides [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
-/// One that adds entries to the infos overrides [`info`](Self::info), from which
+/// A wrapper that adds entries to the infos overrides [`info`](Self::info), from which
 /// [`infos`](crate::VectorEnvExt::infos) makes the columns.
 pub trait VectorWrapper: Any + Send {
     /// The inner vector.
@@ -135,7 +135,7 @@ macro_rules! all_methods {
     };
 }
 
-/// A wrapper is a vector: each method is that of the wrapper.
+/// A wrapper is a vector: each method calls the wrapper's.
 impl<W: VectorWrapper> VectorEnv for W {
     fn within(&self) -> Option<&dyn VectorEnv> {
         Some(self.inner())

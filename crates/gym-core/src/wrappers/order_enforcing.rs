@@ -15,7 +15,7 @@ pub struct OrderEnforcing<E = BoxEnv> {
 enum Stage {
     Made,
     Reset,
-    /// Not in snapshots, so that none can close an environment.
+    /// Whether it is closed. Not in snapshots, so restoring one cannot close an environment.
     #[serde(skip)]
     Closed,
 }

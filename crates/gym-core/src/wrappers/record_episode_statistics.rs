@@ -69,7 +69,7 @@ impl EpisodeStatistics {
     }
 }
 
-/// What a snapshot holds.
+/// The content of a snapshot.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Record {
     /// The episode of each environment, from the first reset on.
@@ -81,7 +81,7 @@ struct Record {
 /// The episode of one environment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Running {
-    /// Wall-clock time is no part of a snapshot: see `without_time`.
+    /// Snapshots do not contain wall-clock time: see `without_time`.
     #[serde(skip, default = "Instant::now")]
     started: Instant,
     episode_return: f64,
@@ -148,7 +148,7 @@ impl Record {
         }
     }
 
-    /// What a snapshot holds: equal episodes give equal bytes, however long they took.
+    /// The content of a snapshot. Equal episodes give equal bytes, whatever their duration.
     fn without_time(&self) -> Self {
         let mut record = self.clone();
         let ended = record.running.iter_mut().filter_map(|running| running.ended.as_mut());
@@ -156,7 +156,7 @@ impl Record {
         record
     }
 
-    /// A record of `n` environments from a snapshot, and the snapshot of what is within.
+    /// A record of `n` environments from a snapshot, and the inner snapshot.
     fn read(snapshot: &Snapshot, n: usize, buffer_length: usize) -> Result<(Snapshot, Self)> {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();

@@ -20,7 +20,7 @@ pub struct Render<E = BoxEnv> {
 
 /// The window of the mode `human`.
 enum Window {
-    /// None is wanted, or it was closed.
+    /// No window is wanted, or it was closed.
     None,
     /// It opens with the first picture.
     Wanted,

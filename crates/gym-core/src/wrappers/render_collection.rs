@@ -25,7 +25,7 @@ crate::register_wrapper!(
 super::reach!(RenderCollection<E>);
 
 impl<E: Env> RenderCollection<E> {
-    /// Gathers what `env` renders.
+    /// Collects the frames or texts of `env`.
     pub fn new(env: E) -> Self {
         Self { inner: env, items: Vec::new() }
     }

@@ -272,8 +272,9 @@ fn inertia_of(body: &Body, degree: bool, from_geoms: Option<bool>, parts: &[Iner
         return Err(place.error(format!("the moments of inertia {a}, {b}, {c} must not be negative")));
     }
     if a + b < c || a + c < b || b + c < a {
-        return Err(place
-            .error(format!("no body has the moments of inertia {a}, {b}, {c}: two must exceed the third")));
+        return Err(place.error(format!(
+            "the moments of inertia {a}, {b}, {c} are impossible: two must sum to at least the third"
+        )));
     }
     Ok(inertia)
 }

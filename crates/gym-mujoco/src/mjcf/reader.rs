@@ -57,7 +57,7 @@ pub(super) fn read(text: &str) -> Result<Spec> {
     Ok(spec)
 }
 
-/// Refuses what the parser would take long to read, with the line.
+/// Refuses texts that the parser would read slowly; the error names the line.
 fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
     let mut rest = text;
     let mut namespaces = 0;
@@ -270,7 +270,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Reads what a body has beside other bodies.
+    /// Reads an element of a body that is not a body.
     fn read_part(&mut self, mut child: Element<'_, '_>, body: &OpenBody<'_, '_>) -> Result<()> {
         const IN_BODIES: [&str; 8] =
             ["body", "geom", "joint", "freejoint", "inertial", "site", "camera", "light"];

@@ -1,4 +1,4 @@
-//! What the elements of a model say, before anything is computed from it.
+//! The elements of a model as written, before anything is computed from them.
 //!
 //! Each kind of element is a struct whose `Default` has MuJoCo's defaults; `read` replaces what an element gives. An
 //! element of a class starts from a clone of the class's struct, so that defaults need no code of their own.

@@ -1,7 +1,7 @@
 //! The constant part of a simulation: bodies, joints, geoms and everything that follows from them.
 //!
 //! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form has these names too, so
-//! that figures of the two can be compared directly. [`Model`] is one that was checked: the engine takes no other.
+//! that figures of the two can be compared directly. [`Model`] is a checked one; the engine accepts only this.
 
 mod check;
 mod plan;
@@ -15,7 +15,7 @@ use crate::{Error, Result};
 pub(crate) use plan::{Bounds, Pair, Placed, Plan, Reach, Softness};
 pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
 
-/// A checked [`CompiledModel`], and what the engine precomputes from it.
+/// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
 /// It dereferences to the figures. They cannot be changed in place, because the engine relies on them: take them with
 /// [`into_compiled`](Self::into_compiled), change them, and make a new model.
@@ -30,15 +30,15 @@ impl Model {
     /// Checks the figures and prepares the engine for them.
     ///
     /// # Errors
-    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not finite, or something is
-    /// outside of what the engine supports; the text names the array and the element.
+    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not finite, or the model
+    /// needs an unsupported feature; the message names the array and the element.
     pub fn new(compiled: CompiledModel) -> Result<Self> {
         check::check(&compiled)?;
         let plan = Plan::new(&compiled)?;
         Ok(Self { compiled, plan })
     }
 
-    /// The figures, to be changed and made a model again.
+    /// The figures. Change them, and make a model of them again.
     #[must_use]
     pub fn into_compiled(self) -> CompiledModel {
         self.compiled
@@ -81,7 +81,7 @@ impl From<Model> for CompiledModel {
 pub struct CompiledModel {
     /// The model's name; empty if it has none.
     pub model: String,
-    /// How the model is simulated.
+    /// The options of the simulation.
     pub opt: Options,
     /// Statistics of the model, which scale tolerances and pictures.
     pub stat: Statistics,
@@ -114,7 +114,7 @@ pub struct CompiledModel {
     pub body_geomnum: Vec<usize>,
     /// First geom; -1 if there is none.
     pub body_geomadr: Vec<i32>,
-    /// 1: the body's inertia matrix is diagonal; 2: moreover it only slides; 0: neither.
+    /// 1: the body's inertia matrix is diagonal; 2: it is diagonal, and the body only slides; 0: neither.
     pub body_simple: Vec<u8>,
     /// Position in the parent's frame.
     pub body_pos: Vec<[f64; 3]>,
@@ -133,7 +133,7 @@ pub struct CompiledModel {
     /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of rotation.
     pub body_invweight0: Vec<[f64; 2]>,
 
-    /// What the joint permits.
+    /// The joint's degrees of freedom.
     pub jnt_type: Vec<JointType>,
     /// First number of the joint in `qpos`.
     pub jnt_qposadr: Vec<usize>,
@@ -141,7 +141,7 @@ pub struct CompiledModel {
     pub jnt_dofadr: Vec<usize>,
     /// The joint's body.
     pub jnt_bodyid: Vec<usize>,
-    /// Whether `jnt_range` holds.
+    /// Whether `jnt_range` applies.
     pub jnt_limited: Vec<bool>,
     /// Anchor in the body's frame.
     pub jnt_pos: Vec<[f64; 3]>,

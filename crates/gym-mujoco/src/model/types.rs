@@ -121,7 +121,7 @@ macro_rules! numbered {
 }
 
 numbered! {
-    /// What a joint permits: MuJoCo's `mjtJoint`.
+    /// The kinds of joint: MuJoCo's `mjtJoint`.
     JointType, "joint type" {
         /// Any motion: 7 positions (position, quaternion), 6 velocities (linear in the world's frame, angular in the body's).
         Free = 0,

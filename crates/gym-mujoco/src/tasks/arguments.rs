@@ -1,11 +1,11 @@
-//! Arguments that every task has.
+//! The arguments that all tasks share.
 
 use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
 use crate::view::CameraConfig;
 
-/// More timesteps in one step would seem to hang.
+/// The largest frame skip: a step with more timesteps would seem to hang.
 const LONGEST_SKIP: usize = 1000;
 
 /// The arguments of a task.
@@ -16,12 +16,12 @@ pub trait TaskArguments: Arguments + Clone + PartialEq + std::fmt::Debug + Send 
         Self::default()
     }
 
-    /// Those that every task has.
+    /// The arguments that all tasks share.
     fn common(&self) -> &Common;
 }
 
 gym_core::arguments! {
-    /// Arguments that every task has. `xml_file`, `frame_skip` and `default_camera_config` have other values in each task.
+    /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config` have other values in each task.
     pub struct Common {
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with `.`, `/` or `~`.
         #[versions = 5..]
@@ -40,16 +40,16 @@ gym_core::arguments! {
         #[unit = "px"]
         #[versions = 4..]
         pub height: u32 = 480,
-        /// The model's camera that is looked through; -1 is the free one.
+        /// The model's camera to use, by number; -1 is the free camera.
         #[versions = 4..]
         pub camera_id: Option<i32>,
-        /// The same by name.
+        /// The model's camera to use, by name.
         #[versions = 4..]
         pub camera_name: Option<String>,
-        /// The most geoms that are drawn.
+        /// The largest number of geoms that are drawn.
         #[versions = 4..]
         pub max_geom: usize = 1000,
-        /// Flags of MuJoCo's viewer by number. They are accepted, and change nothing.
+        /// Flags of MuJoCo's viewer, by number. They have no effect.
         #[versions = 4..]
         pub visual_options: Option<Map<String, Json>>,
     }
@@ -78,7 +78,7 @@ impl Common {
         {
             return Err(Error::argument(
                 "visual_options",
-                format!("{flag}: {value} is not a number and true or false"),
+                format!("{flag}: {value} is not a flag's number with true or false"),
             ));
         }
         Ok(())

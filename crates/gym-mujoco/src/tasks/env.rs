@@ -1,4 +1,4 @@
-//! What makes an environment of a task.
+//! Makes an environment of a task.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Takes a step by an action of any precision, and returns the measurements, the reward, and whether the episode ends.
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Self::Step, f64, bool);
 
-    /// What is seen, number by number.
+    /// The numbers of the observation.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
 
     /// Shows the entries of `info`, after a step or, without one, after a reset.
@@ -56,7 +56,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
 /// The environment of a task, in one of its versions.
 #[derive(Clone, Debug)]
 pub struct MujocoEnv<T: Task> {
-    /// The version and the arguments, which say what snapshots fit.
+    /// The version and the arguments; snapshots must have the same.
     arguments: (u32, T::Config),
     task: T,
     simulation: Simulation,
@@ -89,7 +89,7 @@ impl<T: Task> MujocoEnv<T> {
     /// As [`new`](Self::new), by the rules of version 2, 3, 4 or 5.
     ///
     /// # Errors
-    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
         if version < 2 {
             let reason =

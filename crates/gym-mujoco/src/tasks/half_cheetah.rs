@@ -9,11 +9,11 @@
 //! | end | never |
 //! | limit | 1000 steps of 0.05 s |
 //!
-//! Versions: 4 has neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//! Versions: 4 lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no arguments.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
+//! follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/half_cheetah_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -32,7 +32,7 @@ use crate::view::CameraConfig;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten(xml_file = 3 | 5..)]
         pub common: Common = Common::new("half_cheetah.xml", 5, CameraConfig::following(1, 3.2, 90.0, -12.0, 0.5)),
         /// Reward for a velocity of 1 m/s.
@@ -64,7 +64,7 @@ pub struct Task {
     version: u32,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     x_velocity: f64,
@@ -114,7 +114,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn half_cheetah(id: &'static str) -> Registration {
     Registration::new::<HalfCheetah>(id)
         .description("Run on two legs, in a plane, as fast as possible.")

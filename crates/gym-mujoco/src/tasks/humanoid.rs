@@ -9,11 +9,11 @@
 //! | end | terminated when the height of the torso leaves 1 to 2 m |
 //! | limit | 1000 steps of 0.015 s |
 //!
-//! Versions: 4 has no cost of contacts, and neither `xml_file` nor `frame_skip`; 3 has no camera's arguments; 2 has none at all.
+//! Versions: 4 has no cost of contacts, and lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no arguments.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
+//! follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -33,7 +33,7 @@ use crate::view::CameraConfig;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten(xml_file = 3 | 5..)]
         pub common: Common = Common::new("humanoid.xml", 5, CameraConfig::following(1, 3.6, 120.0, -14.0, 0.9)),
         /// Reward for a velocity of 1 m/s.
@@ -45,7 +45,7 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 3 | 5..]
         pub contact_cost_weight: f64 = 5e-7,
-        /// Where that cost is clipped to.
+        /// The range to which that cost is clipped.
         #[versions = 3 | 5..]
         pub contact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
         /// Reward for a step after which it stands.
@@ -61,14 +61,14 @@ gym_core::arguments! {
         /// Size of the disturbance at the start.
         #[versions = 3..]
         pub reset_noise_scale: f64 = 1e-2,
-        /// What is observed.
+        /// The parts of the observation.
         #[flatten(exclude_current_positions_from_observation = 3..)]
         pub observed: Observed,
     }
 }
 
 gym_core::arguments! {
-    /// What is observed of a humanoid.
+    /// The parts of a humanoid's observation.
     #[derive(Copy, Eq)]
     pub struct Observed {
         /// Whether the observation leaves out the positions along x and y.
@@ -126,7 +126,7 @@ pub struct Task {
     total_mass: f64,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     position: [f64; 2],
@@ -237,7 +237,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn humanoid(id: &'static str) -> Registration {
     Registration::new::<Humanoid>(id).description("Walk along x, upright.").max_episode_steps(1000)
 }

@@ -9,11 +9,11 @@
 //! | end | never |
 //! | limit | 1000 steps of 0.015 s |
 //!
-//! Versions: 2 and 4 have no arguments but the camera's (4).
+//! Versions: 4 takes only the camera's arguments; 2 takes none.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
+//! follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -34,10 +34,10 @@ use crate::view::CameraConfig;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten]
         pub common: Common = Common::new("humanoidstandup.xml", 5, CameraConfig::following(1, 3.6, 120.0, -20.0, 0.5)),
-        /// Without effect, as in Gymnasium.
+        /// Has no effect, as in Gymnasium.
         #[versions = 5..]
         pub uph_cost_weight: f64 = 1.0,
         /// Cost of the squared actions.
@@ -46,13 +46,13 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 5..]
         pub impact_cost_weight: f64 = 5e-7,
-        /// Where that cost is clipped to.
+        /// The range to which that cost is clipped.
         #[versions = 5..]
         pub impact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
         /// Size of the disturbance at the start.
         #[versions = 5..]
         pub reset_noise_scale: f64 = 1e-2,
-        /// What is observed.
+        /// The parts of the observation.
         #[flatten]
         pub observed: Observed,
     }
@@ -71,7 +71,7 @@ pub struct Task {
     version: u32,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     up: f64,
@@ -132,7 +132,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn humanoid_standup(id: &'static str) -> Registration {
     Registration::new::<HumanoidStandup>(id)
         .description("Stand up, from lying on the back.")

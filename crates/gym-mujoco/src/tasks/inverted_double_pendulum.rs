@@ -4,16 +4,15 @@
 //! |---|---|
 //! | observation | position of the cart, sines and cosines of the two angles, three velocities and the force of the rail's end on the cart, these clipped to 10; `Box(9, float64)` (versions 2 and 4: three such forces, 11 numbers) |
 //! | action | force on the cart, as a share of 500 N; `Box(-1, 1, (1,), float32)` |
-//! | reward | 10, less for a tip away from its highest place and for fast joints (version 5: the 10 only before the end of the task) |
+//! | reward | 10, minus penalties for a tip away from its highest position and for fast joints (version 5: the 10 only while the poles stand) |
 //! | start | upright, positions disturbed uniformly by up to 0.1, velocities normally with deviation 0.1 |
 //! | end | terminated when the tip is at 1 m or below; the poles reach 1.2 m |
 //! | limit | 1000 steps of 0.05 s |
 //!
-//! Versions: 2 and 4 have no arguments but the camera's (4), and no entries in `info`.
+//! Versions: 4 takes only the camera's arguments, 2 takes none; neither has entries in `info`.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -33,7 +32,7 @@ const LIMIT: f64 = 10.0; // of observed velocities and forces
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten]
         pub common: Common = Common::new("inverted_double_pendulum.xml", 5, CameraConfig::at([0.0, 0.0, 0.45], 2.9, 90.0, -8.0)),
         /// Reward for a step that does not end the task.
@@ -58,7 +57,7 @@ pub struct Task {
     version: u32,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     survive: f64,
@@ -118,7 +117,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn inverted_double_pendulum(id: &'static str) -> Registration {
     Registration::new::<InvertedDoublePendulum>(id)
         .description("Keep two poles, one on the other, upright on a cart.")

@@ -9,11 +9,10 @@
 //! | end | terminated when the pole leans by more than 0.2 rad |
 //! | limit | 1000 steps of 0.04 s |
 //!
-//! Versions: 2 and 4 have no arguments but the camera's (4), and no entries in `info`.
+//! Versions: 4 takes only the camera's arguments, 2 takes none; neither has entries in `info`.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -33,7 +32,7 @@ const MAX_ANGLE: f64 = 0.2; // rad
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten]
         pub common: Common = Common::new("inverted_pendulum.xml", 2, CameraConfig::at([0.0, 0.0, 0.15], 2.0, 90.0, -12.0)),
         /// Size of the disturbance at the start.
@@ -55,7 +54,7 @@ pub struct Task {
     version: u32,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     survive: f64,
@@ -97,7 +96,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn inverted_pendulum(id: &'static str) -> Registration {
     Registration::new::<InvertedPendulum>(id)
         .description("Keep a pole upright on a cart.")

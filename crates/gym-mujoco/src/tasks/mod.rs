@@ -43,7 +43,7 @@ pub trait Simulated {
     /// The state of the model, once there was a reset.
     fn data(&self) -> Option<&Data>;
 
-    /// Goes on from other positions and velocities (nq and nv numbers), in the same episode: Gymnasium's
+    /// Continues the episode from other positions and velocities (nq and nv numbers): Gymnasium's
     /// `MujocoEnv.set_state`.
     ///
     /// # Errors

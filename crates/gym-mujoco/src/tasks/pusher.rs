@@ -4,16 +4,15 @@
 //! |---|---|
 //! | observation | angles and velocities of the seven joints, positions of fork, object and goal; `Box(23, float64)` |
 //! | action | torques of the seven joints in N m; `Box(-2, 2, (7,), float32)` |
-//! | reward | less the distance from object to goal in m, less 0.5 times that from object to fork, less 0.1 times the sum of the squared actions (versions 2 and 4: distances before the step) |
+//! | reward | minus the distance from object to goal in m, minus 0.5 times the distance from object to fork in m, minus 0.1 times the sum of the squared actions (versions 2 and 4: distances before the step) |
 //! | start | the object at a random place at least 0.17 m from the goal; velocities of the arm disturbed by up to 0.005 |
 //! | end | never |
 //! | limit | 100 steps of 0.05 s |
 //!
-//! Versions: 2 and 4 have no arguments but the camera's (4), a lighter object with a ball inside, and in `info` the cost of actions without its weight.
+//! Versions: 4 takes only the camera's arguments, 2 takes none; both have a lighter object with a ball inside, and `info` has the cost of actions without its weight.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -37,7 +36,7 @@ const VELOCITY_NOISE: f64 = 0.005;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten]
         pub common: Common = Common::new("pusher_v5.xml", 5, CameraConfig::at([0.4, -0.32, -0.15], 1.95, -112.0, -40.0)),
         /// Cost of a distance of 1 m between fork and object.
@@ -77,7 +76,7 @@ pub struct Task {
     goal: usize,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     near: f64,
@@ -151,7 +150,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn pusher(id: &'static str) -> Registration {
     Registration::new::<Pusher>(id)
         .description("Push an object to a goal with an arm.")

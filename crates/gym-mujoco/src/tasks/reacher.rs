@@ -2,18 +2,17 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | cosines and sines of the two angles, position of the target, velocities of the two joints, and from the target to the fingertip in x and y; `Box(10, float64)` (versions 2 and 4: and z, 11 numbers) |
+//! | observation | cosines and sines of the two angles, position of the target, velocities of the two joints, and the vector from the target to the fingertip in x and y; `Box(10, float64)` (versions 2 and 4: in x, y and z, 11 numbers) |
 //! | action | torques of the two joints, as a share of 200 N m; `Box(-1, 1, (2,), float32)` |
-//! | reward | less the distance to the target in m, less the sum of the squared actions (versions 2 and 4: with the distance before the step) |
+//! | reward | minus the distance to the target in m, minus the sum of the squared actions (versions 2 and 4: with the distance before the step) |
 //! | start | the target uniformly in a circle of radius 0.2 m; angles disturbed by up to 0.1, velocities by up to 0.005 |
 //! | end | never |
 //! | limit | 50 steps of 0.02 s |
 //!
-//! Versions: 2 and 4 have no arguments but the camera's (4).
+//! Versions: 4 takes only the camera's arguments; 2 takes none.
 //!
-//! Differences from Gymnasium: none in the numbers, compared with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium refuses to make today, run on the same engine. The camera follows the
-//! runners.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
+//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
@@ -37,7 +36,7 @@ const VELOCITY_NOISE: f64 = 0.005;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// Arguments that every task has.
+        /// The arguments that all tasks share.
         #[flatten]
         pub common: Common = Common::new("reacher.xml", 2, CameraConfig::at([0.0, 0.0, 0.0], 0.92, 90.0, -90.0)),
         /// Cost of a distance of 1 m.
@@ -65,7 +64,7 @@ pub struct Task {
     target: usize,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     distance: f64,
@@ -134,7 +133,7 @@ impl env::Task for Task {
     }
 }
 
-/// What all versions have in common.
+/// The registration that all versions share.
 const fn reacher(id: &'static str) -> Registration {
     Registration::new::<Reacher>(id)
         .description("Bring the tip of an arm to a target.")

@@ -1,4 +1,4 @@
-//! The common parts of Hopper and Walker2d, which run in a plane without falling.
+//! The common parts of Hopper and Walker2d, which move in a vertical plane.
 
 use std::marker::PhantomData;
 
@@ -16,7 +16,7 @@ const VELOCITY_LIMIT: f64 = 10.0; // of observed velocities
 
 /// Arguments of a task of this kind.
 pub trait RunnerArguments: TaskArguments {
-    /// What they mean.
+    /// The rewards and conditions that these arguments give.
     fn settings(&self) -> Settings;
 }
 
@@ -27,7 +27,7 @@ pub struct Settings {
     pub(super) ctrl_cost_weight: f64,
     pub(super) healthy_reward: f64,
     pub(super) terminate_when_unhealthy: bool,
-    /// Of everything but x and height.
+    /// The range of every position except x and height, and of every velocity.
     pub(super) healthy_state_range: Range,
     pub(super) healthy_z_range: Range,
     pub(super) healthy_angle_range: Range,
@@ -44,7 +44,7 @@ pub struct Runner<C> {
     arguments: PhantomData<C>,
 }
 
-/// What was measured in a step.
+/// Quantities measured in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     x_velocity: f64,

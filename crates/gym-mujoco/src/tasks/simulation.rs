@@ -20,7 +20,7 @@ pub struct Simulation {
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
-    /// From where it is seen.
+    /// The viewpoint of its pictures.
     pub(super) view: View,
     /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did not do.
     contact_forces: bool,
@@ -145,7 +145,7 @@ pub fn load(xml_file: &str) -> Result<Arc<Model>> {
     let Some(built_in) = MODELS.iter().find(|built_in| built_in.name == xml_file) else {
         let names: Vec<&str> = MODELS.iter().map(|built_in| built_in.name).collect();
         let reason = format!(
-            "there is no built-in model {xml_file:?}: there are {}; a file's path begins with `.`, `/` or `~`",
+            "there is no built-in model {xml_file:?}: the models are {}; a file's path begins with `.`, `/` or `~`",
             names.join(", ")
         );
         return Err(Error::argument("xml_file", reason));

@@ -31,7 +31,7 @@ pub struct CameraConfig {
     /// Direction against the horizontal plane, in degrees; negative from above.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation: Option<f64>,
-    /// The point that it looks at; of a body that it follows only the height counts.
+    /// The point that it looks at. If it follows a body, only the height is used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lookat: Option<[f64; 3]>,
     /// The body that it follows; 0 or -1 for none.
@@ -69,14 +69,14 @@ impl CameraConfig {
     }
 }
 
-/// From where a model is seen.
+/// The viewpoint of a model's pictures.
 #[derive(Clone, Debug)]
 pub(crate) struct View {
     mount: Mount,
     max_geom: usize,
 }
 
-/// What carries the camera.
+/// The object that the camera is attached to.
 #[derive(Clone, Debug)]
 enum Mount {
     Free {
@@ -124,7 +124,7 @@ impl View {
                 let names: Vec<&str> = model.names.camera.iter().flatten().map(|name| &**name).collect();
                 Error::argument(
                     "camera_name",
-                    format!("there is no camera {name:?}: there are {}", names.join(", ")),
+                    format!("there is no camera {name:?}: the cameras are {}", names.join(", ")),
                 )
             })?),
             (None, None | Some(-1)) => None,
@@ -221,7 +221,7 @@ fn rgba([r, g, b, a]: [f64; 4]) -> Color {
     Color { r: byte(r), g: byte(g), b: byte(b), a: byte(a) }
 }
 
-/// The free camera, where MuJoCo's viewer puts it unless it is told.
+/// The free camera, by default where MuJoCo's viewer puts it.
 fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     let wrong = |reason: &str| Error::argument("default_camera_config", reason);
     let follows = match config.trackbodyid {

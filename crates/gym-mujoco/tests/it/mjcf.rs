@@ -257,7 +257,7 @@ fn moments_of_inertia_are_those_of_a_body() {
     };
     for moments in ["3 1 1", "1 3 1", "1 1 3"] {
         let error = model(moments).unwrap_err().to_string();
-        assert!(error.contains("two must exceed the third"), "{moments}: {error}");
+        assert!(error.contains("two must sum to at least the third"), "{moments}: {error}");
     }
     for moments in ["2 1 1", "1 2 1", "1 1 2"] {
         model(moments).unwrap();

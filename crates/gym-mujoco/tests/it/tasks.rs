@@ -149,7 +149,7 @@ fn a_snapshot_holds_states_alone() {
     }
 }
 
-/// How many numbers there are.
+/// The number of numbers.
 fn numbers(json: &Json) -> usize {
     match json {
         Json::Number(_) => 1,

@@ -5,18 +5,18 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use super::Fma;
 use super::tables::SIN_COS;
 
-/// What the constants of π leave.
+/// The remainders of the constants of π.
 const PI_REST: f64 = 1.224_646_799_147_353_2e-16;
 const HALF_PI_REST: f64 = PI_REST / 2.0;
 
-/// A product and what its rounding leaves.
+/// A product and its rounding error.
 #[inline(always)]
 fn product<F: Fma>(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, F::fma(a, b, -product))
 }
 
-/// A sum and what its rounding leaves, for a first number that is not smaller.
+/// A sum and its rounding error, for a first number that is not smaller.
 #[inline(always)]
 fn sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -61,7 +61,7 @@ fn slope<F: Fma>(low: f64, high: f64) -> (f64, f64) {
     let near = q * (FRAC_PI_4 + 0.273 * (1.0 - q));
     let k = (near * 128.0) as usize & 127;
     let [sin, sin_rest, cos, cos_rest] = SIN_COS[k];
-    // across / along is the tangent of what is left of the angle
+    // across / along is the tangent of the rest of the angle
     let ((a, a_low), (b, b_low)) = (product::<F>(low, cos), product::<F>(high, sin));
     let across = a - b;
     let across_low = (a - across - b) + (a_low - b_low) + (low * cos_rest - high * sin_rest);

@@ -35,7 +35,7 @@ pub(super) fn exp<F: Fma>(x: f64) -> f64 {
     if k < 0 { small(scale, fraction) } else { large::<F>(scale, fraction) }
 }
 
-/// From 1024 on, and what is not a number.
+/// Arguments from 1024 on, and NaN.
 #[cold]
 fn beyond(x: f64) -> f64 {
     if x < 0.0 { 0.0 } else { x + f64::INFINITY }

@@ -37,12 +37,12 @@ impl Fma for Emulated {
         let (middle, lowest) = exact_sum(c, low);
         let (sum, rest) = exact_sum(high, middle);
         let result = sum + sum_to_odd(lowest, rest);
-        // where a part overflows or is no number the parts say nothing, and a sum of 0 is exact as it is
+        // if a part overflows or is NaN the parts are meaningless, and a sum of 0 is already exact
         if result.is_finite() && result != 0.0 { result } else { a * b + c }
     }
 }
 
-/// A product and what its rounding leaves. Source: Dekker (1971).
+/// A product and its rounding error. Source: Dekker (1971).
 #[inline(always)]
 pub(super) fn exact_product(a: f64, b: f64) -> (f64, f64) {
     let ((a1, a2), (b1, b2)) = (split(a), split(b));
@@ -59,7 +59,7 @@ fn split(x: f64) -> (f64, f64) {
     (high, x - high)
 }
 
-/// A sum and what its rounding leaves. Source: Knuth, "The art of computer programming", volume 2,
+/// A sum and its rounding error. Source: Knuth, "The art of computer programming", volume 2,
 /// 4.2.2.
 #[inline(always)]
 fn exact_sum(a: f64, b: f64) -> (f64, f64) {

@@ -31,7 +31,7 @@ pub(super) fn exp_m1<F: Fma>(x: f64) -> f64 {
     if high_word < 0x3c90_0000 {
         return x; // below 2^-54
     }
-    // x = k ln 2 + r, and c is what rounding leaves of r
+    // x = k ln 2 + r, and c is the rounding error of r
     let (k, r, c) = if high_word > 0x3fd6_2e42 {
         let (high, low, k) = if high_word < 0x3ff0_a2b2 {
             let sign = 1f64.copysign(x);

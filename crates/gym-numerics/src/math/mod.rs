@@ -35,9 +35,9 @@ pub use numpy::sin_cos as numpy_sin_cos_f32;
 pub use real::{One, Real};
 pub use trig_f32::sin_cos as sin_cos_f32;
 
-/// What is done with numbers of any kind.
+/// A computation with numbers of any kind.
 pub trait Kernel {
-    /// What comes of it.
+    /// The result.
     type Output;
 
     /// Does it. Mark it `#[inline(always)]`, with all that it calls.

@@ -84,7 +84,7 @@ fn positive<F: Fma>(bits: u64, y: f64, negative: bool) -> f64 {
     exp::<F>(product, rest, negative)
 }
 
-/// What is not two normal numbers, the first of them positive.
+/// Arguments other than two normal numbers of which the first is positive.
 #[cold]
 #[inline(never)]
 fn special<F: Fma>(x: f64, y: f64) -> f64 {

@@ -126,7 +126,7 @@ impl Generator {
         if p >= 1.0 / 3.0 {
             self.geometric_search(p)
         } else if p > 0.0 {
-            // The cast keeps what is too large at `i64::MAX`, as numpy does.
+            // The cast limits larger numbers to `i64::MAX`, as numpy does.
             (-self.standard_exponential() / ln_1p(-p)).ceil() as i64
         } else {
             i64::MAX
@@ -273,7 +273,7 @@ mod tests {
         {
             assert_eq!(bytes(&mut Generator::from(seed), 0, 1), bits);
         }
-        // What is left of the four bytes at the end of a call is dropped, but not the half word.
+        // Unused bytes of the four at the end of a call are dropped, but not the half word.
         let mut rng = Generator::from(42);
         assert_eq!(bytes(&mut rng, 3, 7), [5, 3, 7, 3, 7, 7, 3]);
         assert_eq!(bytes(&mut rng, 0, 255), [193, 255, 145, 167, 97]);

@@ -56,7 +56,7 @@ impl Generator {
     /// A generator seeded by the operating system. To know the seed, use [`Seed::from_os`].
     ///
     /// # Errors
-    /// As [`Seed::from_os`].
+    /// The errors of [`Seed::from_os`].
     pub fn from_os() -> Result<Self, SeedError> {
         Ok(Self::new(&Seed::from_os()?))
     }

@@ -24,7 +24,7 @@ pub struct Seed {
 /// More decimal digits are refused: the time to read them grows with their square.
 const MAX_DIGITS: usize = 4300;
 
-/// The reason why there is no seed.
+/// An error of making a seed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SeedError {

@@ -29,17 +29,21 @@ impl Generator {
     /// The generator of such [`words`](Self::words).
     ///
     /// # Errors
-    /// What is wrong with them: an increment must be odd, and the last word below 2^33.
+    /// An error text if the increment is even, or the last word is not 0 and not between 2^32 and 2^33.
     pub fn from_words(
         [state_high, state, increment_high, increment, half]: [u64; 5],
     ) -> Result<Self, String> {
         if increment % 2 == 0 {
-            return Err(format!("{increment} ends no increment of a generator: it must be odd"));
+            return Err(format!("the generator's increment ends in {increment}: it must be odd"));
         }
         let half = match half {
             0 => None,
             HAS_HALF..0x2_0000_0000 => Some(half as u32),
-            _ => return Err(format!("{half} is no half of a word: it must be 0, or between 2^32 and 2^33")),
+            _ => {
+                return Err(format!(
+                    "the kept half of a word is {half}: it must be 0, or between 2^32 and 2^33"
+                ));
+            }
         };
         let join = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
         let fields = [join(state_high, state), join(increment_high, increment)];

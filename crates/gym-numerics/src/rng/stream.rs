@@ -22,7 +22,7 @@ pub trait Stream: Clone + fmt::Debug + Send + 'static {
     /// The stream of a [`Generator::from_words`].
     ///
     /// # Errors
-    /// As there.
+    /// The errors of there.
     fn from_words(words: [u64; 5]) -> Result<Self, String> {
         Generator::from_words(words).map(Self::new)
     }

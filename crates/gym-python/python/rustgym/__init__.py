@@ -81,17 +81,17 @@ __all__ = [
     "wrappers",
 ]
 
-# a child process has no threads but the one that forked: what needs others says so instead of waiting for them
+# a forked child has only the forking thread: functions that need others raise an error instead of waiting for them
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_native.after_fork_in_child)
 
 register()
 
-# `from rustgym.wrappers import ...`: the modules of Gymnasium that we have nothing in the place of
+# `from rustgym.wrappers import ...`: Gymnasium's modules that we do not replace
 for _name in ("error", "logger", "spaces", "utils", "vector", "wrappers"):
     sys.modules[f"rustgym.{_name}"] = getattr(gymnasium, _name)
 
-#: What stands in for the classes and functions that programs import from ``gymnasium.envs``.
+#: Replacements for the classes and functions that programs import from ``gymnasium.envs``.
 CLASSES: dict[str, Any] = envs.stand_ins()
 
 

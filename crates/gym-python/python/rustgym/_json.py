@@ -25,7 +25,7 @@ def _plain(value: Any) -> Any:
     try:
         return list(value)
     except TypeError:
-        # an environment that knows the name says what it wants instead; others ignore it
+        # an environment that has this option reports the error; others ignore it
         return repr(value)
 
 

@@ -17,10 +17,10 @@ def preprocessed(
     """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
 
     Raises:
-        TypeError: for an environment that is no game of Atari, and for a setting that there is not.
+        TypeError: for an environment that is not an Atari game, and for an unknown setting.
     """
     if spec_of(env_id)["crate"] != "gym-atari":
-        raise TypeError(f"preprocessing is for the games of Atari, and {env_id} is none")
+        raise TypeError(f"preprocessing needs an Atari game, and {env_id} is not one")
     if not isinstance(preprocessing, bool | Mapping):
         raise TypeError(f"preprocessing must be True or a dict of settings, not {preprocessing!r}")
     settings: dict[str, Any] = {"noop_max": 30, "frame_skip": 4, "screen_size": 84, "terminal_on_life_loss": False}

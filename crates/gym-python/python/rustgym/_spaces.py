@@ -19,7 +19,7 @@ def _bound(bound: Any, shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
 
 
 def space_from(description: dict[str, Any] | None) -> spaces.Space[Any]:
-    """The space that a description such as ``{"type": "Discrete", "n": 3, ...}`` stands for."""
+    """The space of a description such as ``{"type": "Discrete", "n": 3, ...}``."""
     assert description is not None
     d = description
     match d["type"]:

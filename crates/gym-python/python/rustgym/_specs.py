@@ -1,4 +1,4 @@
-"""What the registry of the Rust side says about each id, and how it takes arguments and options."""
+"""The Rust registry's data about each id, and the conversion of arguments and options."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(nati
 
 
 def spec_of(env_id: str) -> dict[str, Any]:
-    """What the registry of the Rust side says about an id."""
+    """The Rust registry's data about an id."""
     if not isinstance(env_id, str):
         raise TypeError(f"an id is a text such as \"CartPole-v1\", not {env_id!r} of type {type(env_id).__name__}")
     try:
@@ -29,7 +29,7 @@ def spec_of(env_id: str) -> dict[str, Any]:
 
 
 def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
-    """Arguments in the form of the Rust side, with what depends on this Python: where its games are."""
+    """Arguments in the form of the Rust side, with the folder of this Python's ROMs added."""
     defaults = spec_of(env_id)["defaults"]
     if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
         package = find_spec("ale_py")
@@ -63,7 +63,7 @@ def entry_point(env_id: str) -> str:
 
 
 def class_of(env_id: str) -> Any:
-    """The class that stands for an id, found as Gymnasium's registry finds it."""
+    """The class of an id, found as Gymnasium's registry finds it."""
     return load_env_creator(entry_point(env_id))
 
 

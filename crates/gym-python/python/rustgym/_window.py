@@ -23,7 +23,7 @@ class Window:
             import pygame
         except ImportError as error:
             raise gymnasium.error.DependencyNotInstalled(
-                f"{reason}; pygame, which could open one too, is not installed: `pip install pygame`, "
+                f"{reason}, and pygame is not installed: run `pip install pygame`, "
                 'or use render_mode="rgb_array", which needs no window'
             ) from error
         self._pygame = pygame

@@ -21,7 +21,7 @@ __all__ = ["Env"]
 
 
 class _Kind(type):
-    """Makes of ``Env("CartPole-v1")`` an instance of the class that stands for the id."""
+    """Makes ``Env("CartPole-v1")`` an instance of the id's class."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         if cls is not Env or not (args or "env_id" in kwargs):
@@ -67,7 +67,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     metadata: dict[str, Any] = {"render_modes": []}
 
-    #: What an instance was made with, defaults included.
+    #: The arguments of an instance, defaults included.
     arguments: dict[str, Any]
 
     #: The id of the Rust registry.
@@ -76,10 +76,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # wrappers of the Rust side, as JSON
     _wrappers = "[]"
 
-    # names whose values are what the dynamics were made with: setting them changes nothing
+    # arguments fixed when the dynamics were made: setting them changes nothing
     _constants: frozenset[str] = frozenset()
 
-    # whether a step has more to do than the native one: follow the generator that somebody holds, or show a picture
+    # whether a step does more than the native one: it follows a generator held outside, or shows a picture
     _is_watched = True
     _generator: np.random.Generator | None = None
     _window: Window | None = None
@@ -145,9 +145,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             The first observation, an element of ``observation_space``, and the info.
 
         Raises:
-            gymnasium.error.Error: for a seed that is negative or no whole number.
-            TypeError: for options that are no dict.
-            ValueError: for an option with a bad value; those that the environment does not have are ignored, as in Gymnasium.
+            gymnasium.error.Error: for a seed that is negative or not a whole number.
+            TypeError: for options that are not a dict.
+            ValueError: for an option with a bad value. Options that the environment does not have are ignored, as in Gymnasium.
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)
@@ -206,7 +206,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _follow(self) -> None:
-        """Brings what is seen from outside to where the environment is."""
+        """Updates the objects seen from outside to the environment's state."""
         self._pull_generator()
         if self._window is not None:
             self._window.show(self._native.render())
@@ -251,13 +251,13 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
-        """Goes on from what ``get_state`` gave, of this environment or another with the same arguments.
+        """Continues from a text that ``get_state`` returned, of this environment or another with the same arguments.
 
         Raises:
             ValueError: for the state of something else; the environment is then as it was.
         """
         if not isinstance(state, str):
-            raise TypeError(f"a state is the text that get_state gave, not {state!r} of type {type(state).__name__}")
+            raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
         self._follow()
 
@@ -325,7 +325,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     def __copy__(self) -> Env:
         if self._native is None:
-            raise TypeError(f"{type(self).__name__} has no state of ours to copy: use copy.deepcopy")
+            raise TypeError(f"{type(self).__name__} cannot be copied by copy.copy: use copy.deepcopy")
         twin = object.__new__(type(self))
         self._push_generator()
         apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}
@@ -345,7 +345,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
 
 class ClassEnv(Env):
-    """The base of the classes that stand for one id each."""
+    """The base of the classes of single ids."""
 
     _id: ClassVar[str]
 
@@ -356,14 +356,14 @@ class ClassEnv(Env):
 class TunableEnv(ClassEnv):
     """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
 
-    #: What decides spaces, and stays.
+    #: Arguments that decide the spaces, and cannot be set.
     _fixed: ClassVar[frozenset[str]] = frozenset()
-    #: What a name stands for, where Gymnasium takes any but one for the other choice.
+    #: Functions from an argument's value to one of two names, where Gymnasium takes any other text as the second.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         defaults = spec_of(self._id)["defaults"]
-        # arguments that a class of somebody's own sets
+        # arguments that a user's subclass sets
         own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
         changed = {name: value for name, value in own.items() if value != defaults[name]}
         super().__init__(render_mode, **{**changed, **kwargs})

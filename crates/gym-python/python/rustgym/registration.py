@@ -1,4 +1,4 @@
-"""The ids: under ``rustgym/`` in Gymnasium's registry, and under Gymnasium's own names for those who ask."""
+"""The ids: under ``rustgym/`` in Gymnasium's registry, and on request under Gymnasium's own names."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NOT_OURS = ("GymV21Environment", "GymV26Environment")
 
 
 def ids() -> list[str]:
-    """The ids of the Rust registry, in order: those that ``rustgym.make`` knows."""
+    """The ids of the Rust registry, sorted: the ids that ``rustgym.make`` accepts."""
     return [env_id for env_id in SPECS if not env_id.startswith(_NOT_OURS)]
 
 
@@ -79,7 +79,7 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
 
 
 def _ours(env_id: Any) -> Any:
-    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; else what was given."""
+    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; otherwise the given text."""
     if not isinstance(env_id, str) or env_id.startswith(NAMESPACE):
         return env_id
     known = any(env_id in (key, key.rpartition("-v")[0]) for key in ids())

@@ -1,4 +1,4 @@
-"""Vectors of ours for Stable-Baselines3, whose vectors have an interface of their own.
+"""Our vectors with the interface of Stable-Baselines3's vectors.
 
     import rustgym.sb3
     from stable_baselines3 import PPO

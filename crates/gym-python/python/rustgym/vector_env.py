@@ -114,7 +114,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise TypeError(f"arg_each must be a dict of arguments, not {arg_each!r}")
         for name, values in (arg_each or {}).items():
             if name not in defaults:
-                raise TypeError(f"arg_each names {name!r}, which {env_id} does not have")
+                raise TypeError(f"arg_each has the key {name!r}, which is not an argument of {env_id}")
             if isinstance(values, str) or not isinstance(values, Iterable):
                 raise TypeError(
                     f"arg_each has {values!r} for {name}: it takes a list with a value for each environment, or a pair (low, high)"
@@ -258,7 +258,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """The attribute ``name`` of each environment, or what it returns where it is a method."""
+        """The attribute ``name`` of each environment, or the result of the method of that name."""
 
         def ask(_: int, env: Env) -> Any:
             value = getattr(env, name)
@@ -271,7 +271,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to those of a list."""
+        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to the values of a list."""
         if not isinstance(values, list | tuple):
             values = [values] * self.num_envs
         if len(values) != self.num_envs:
@@ -290,11 +290,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         names: tuple[str, ...] = getattr(class_of(self.env_id), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
-            raise AttributeError(f"{self.env_id} has no state of a few numbers, or was not reset yet")
+            raise AttributeError(f"the state of {self.env_id} is not an array of numbers, or the vector was not reset yet")
         rows = json.loads(states)
         return np.array([[state[name] for state in rows] for name in names])
 
     @property
     def prev_done(self) -> npt.NDArray[np.bool_]:
-        """Whose episode has ended in the last step."""
+        """Whether each environment's episode ended in the last step."""
         return self._native.done()

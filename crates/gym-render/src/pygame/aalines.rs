@@ -35,7 +35,7 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
     }
 }
 
-/// How a line meets the lines before and after it.
+/// The joints of a line with the lines before and after it.
 #[derive(Clone, Copy, Default)]
 struct Join {
     /// Whether its end lies between pixels: its ends are then left to its neighbours.

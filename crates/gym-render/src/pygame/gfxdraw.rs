@@ -77,7 +77,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     // pygame's error term in 32 bits; at 45 degrees it runs over to 0, and moves at every step
     let step = u64::from(((minor << 16) / major) << 16);
     let step = if step == 0 { 1 << 32 } else { step };
-    // the first k at which the line has come so many pixels along the minor axis
+    // the first k at which the line has moved this number of pixels along the minor axis
     let first_at = |minor: i32| u64::try_from(minor).map_or(0, |minor| (minor << 32).div_ceil(step));
     let rows = pixels.rows();
     let (from, to) = (rows.start - ty, rows.end - ty);
@@ -148,7 +148,7 @@ fn scan<const MOST: usize>(rows: Range<i32>, points: &[Point], mut draw: impl Fn
 /// Rows that [`polygon`] takes at once.
 pub(crate) const MOST_ROWS: usize = 64;
 
-/// [`aapolygon`] and then [`filled_polygon`], of the same points. What of the outline the inside would cover is
+/// [`aapolygon`] and then [`filled_polygon`], of the same points. The part of the outline under the inside is
 /// not drawn.
 pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     let rows = pixels.rows();

@@ -3,7 +3,7 @@
 //! Written from a description of pygame-ce 2.5.8's output and tested against recordings of it
 //! (`tests/pygame`). One file per module of pygame: [`gfxdraw`], [`draw`], [`aalines`].
 //!
-//! All draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the edges of the
+//! All functions draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the edges of the
 //! *surface*, and rows that are not stored are skipped, so one surface can be drawn in bands (see
 //! [`sheet`](crate::sheet)).
 

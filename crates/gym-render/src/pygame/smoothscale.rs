@@ -42,7 +42,7 @@ impl Phase {
     }
 }
 
-/// How `from` samples become `to` fewer ones.
+/// The reduction of `from` samples to `to`, which are fewer.
 pub(crate) fn phases(from: usize, to: usize) -> Vec<Phase> {
     let space = (ONE as usize * from / to.max(1)) as u32;
     let reciprocal = (0x4000_0000 / space.max(1)) as u16;

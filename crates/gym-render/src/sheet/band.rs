@@ -11,7 +11,7 @@ use crate::pygame::Pixels;
 /// Room for the pixels of any window, in whole vector registers.
 pub(super) const MOST: usize = MOST_SHRUNK + 16;
 
-/// The pixels of a window that is written out: all reds, all greens and all blues. What lies beyond the end of the
+/// The pixels of a window that is written out: all reds, all greens and all blues. Pixels beyond the end of the
 /// window means nothing.
 pub(super) type Written<const N: usize> = [[u8; N]; 3];
 
@@ -59,7 +59,7 @@ pub(super) struct Band<'a, const N: usize> {
 }
 
 impl<const N: usize> Band<'_, N> {
-    /// Which row of the band it is.
+    /// The place of row `y` in the band.
     fn place(&self, y: i32) -> usize {
         (self.origin + self.step * y as isize) as usize
     }
@@ -70,7 +70,7 @@ impl<const N: usize> Band<'_, N> {
         [x, x + 1].map(|x| usize::from(self.layout.border[x as usize]))
     }
 
-    /// The number of a window among those of all rows.
+    /// The number of a window, counted over all rows.
     #[inline]
     fn index(&self, row: usize, window: usize) -> usize {
         row * self.layout.windows.len() + window
@@ -100,7 +100,7 @@ impl<const N: usize> Band<'_, N> {
         pixels
     }
 
-    /// Colours those of the pixels `x1..x2` that lie in a window.
+    /// Colours the pixels `x1..x2` that lie in a window.
     #[inline]
     fn fill_part(&mut self, row: usize, window: usize, x1: usize, x2: usize) {
         let (index, color) = (self.index(row, window), self.color);

@@ -20,7 +20,7 @@ use crate::pygame;
 use band::Band;
 use shrink::Shrink;
 
-/// Rows of a band: few enough to stay in the cache, enough for what each call costs in each band.
+/// Rows of a band: few enough to stay in the cache, and enough to outweigh the cost of each call in each band.
 const BAND: usize = pygame::MOST_ROWS;
 
 /// A surface is shrunk to no less than a part of that many, as sums of more pixels would not fit.
@@ -261,7 +261,7 @@ impl Sheet {
 }
 
 /// Where the band ends that begins at a row, and the number of calls up to the last one that covers it
-/// all: what came before is out of sight.
+/// all: earlier calls are covered.
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);
     let mut first = 0;

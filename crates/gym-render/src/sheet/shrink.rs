@@ -16,7 +16,7 @@ pub(super) struct Window {
     pub(super) last: u16,
 }
 
-/// How the pixels of a row lie in windows.
+/// The windows of the pixels of a row.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
     /// The size of the surface, and of the frame.
@@ -35,7 +35,7 @@ type Sum = [u16; 4];
 
 /// Shrinks rows, and sums them up.
 ///
-/// Most windows have the colour that they had in the row above, and most pixels of the frame that of the
+/// Most windows have the same colour as in the row above, and most pixels of the frame the colour of the
 /// pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long as it has one colour
 /// and had no other for the row of the frame above: it has no sum, and its pixel is that above.
 #[derive(Debug, Default)]
@@ -54,7 +54,7 @@ pub(super) struct Shrink {
     since: Vec<u16>,
     /// A narrow row.
     narrow: Vec<Sum>,
-    /// What the rows so far add up to.
+    /// The sums of the rows so far.
     sums: Vec<Sum>,
     /// A bit for each window that is not loose.
     tight: Vec<u64>,
@@ -154,7 +154,7 @@ impl Shrink {
         }
     }
 
-    /// Takes over what has changed since the row above, and adds to the sums the colours that go.
+    /// Takes the changes since the row above, and adds the replaced colours to the sums.
     fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
         const MANY: usize = 32;
         for (flat, start) in flat.chunks(MANY).zip((0..).step_by(MANY)) {

@@ -50,7 +50,7 @@ impl<T, M: ActionMap> MapAction<T, M> {
     /// Maps the actions for `inner`.
     ///
     /// # Errors
-    /// As [`ActionMap::new`].
+    /// The errors of [`ActionMap::new`].
     pub fn new<Kind>(inner: T, config: impl Into<M::Config>) -> Result<Self>
     where
         T: Within<Kind>,

@@ -50,7 +50,7 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
     /// Maps the observations of `inner`.
     ///
     /// # Errors
-    /// As [`ObservationMap::new`].
+    /// The errors of [`ObservationMap::new`].
     pub fn new<Kind>(inner: T, config: impl Into<M::Config>) -> Result<Self>
     where
         T: Within<Kind>,

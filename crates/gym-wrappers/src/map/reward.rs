@@ -12,7 +12,7 @@ pub trait RewardMap: Clone + fmt::Debug + Send + 'static {
     /// The map with some arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for arguments that make no map.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for invalid arguments.
     fn new(config: &Self::Config) -> Result<Self>;
 
     /// Another reward for a reward.
@@ -33,7 +33,7 @@ impl<T, M: RewardMap> MapReward<T, M> {
     /// Maps the rewards of `inner`.
     ///
     /// # Errors
-    /// As [`RewardMap::new`].
+    /// The errors of [`RewardMap::new`].
     pub fn new(inner: T, config: impl Into<M::Config>) -> Result<Self> {
         let config = config.into();
         Ok(Self { inner, map: M::new(&config)?, config })

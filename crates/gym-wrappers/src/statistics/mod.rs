@@ -141,7 +141,7 @@ impl RunningMeanStd {
         self.count
     }
 
-    /// How many numbers a row has.
+    /// The number of numbers in a row.
     pub fn len(&self) -> usize {
         each!(&self.moments, of => of.mean.len())
     }
@@ -178,7 +178,7 @@ impl RunningMeanStd {
         }
     }
 
-    /// Takes in one observation whose numbers were of type `dtype`.
+    /// Updates the estimate with one observation of type `dtype`.
     pub(crate) fn update_row(&mut self, dtype: DType, values: impl Iterator<Item = f64>) {
         match dtype {
             DType::F32 => self.update_f32(values.map(|x| Batch::of_one(x as f32)), 1),
@@ -186,7 +186,7 @@ impl RunningMeanStd {
         }
     }
 
-    /// Takes in some observations at once, one per row, whose numbers were of type `dtype`.
+    /// Updates the estimate with several observations of type `dtype`, one per row.
     pub(crate) fn update_rows(&mut self, dtype: DType, rows: &mut Rows) {
         match dtype {
             DType::F32 => {

@@ -15,7 +15,7 @@ pub(crate) struct Batch<T> {
 }
 
 impl<T: Real> Batch<T> {
-    /// A single sample: variance 0, or NaN if the sample is not finite.
+    /// The moments of a single sample: variance 0, or NaN if the sample is not finite.
     pub(crate) fn of_one(x: T) -> Self {
         let mean = x;
         Self { mean, m2: (x - mean) * (x - mean), n: 1 }
@@ -47,7 +47,7 @@ impl Real for f64 {
     }
 }
 
-/// Rows of numbers whose moments are wanted, as `float32` or as `float64`, and room to work.
+/// Rows of numbers, `float32` or `float64`, for computing moments, with scratch space.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) f32s: Samples<f32>,

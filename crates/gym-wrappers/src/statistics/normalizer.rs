@@ -25,7 +25,7 @@ impl Normalizer {
         }
     }
 
-    /// Goes on from other statistics of as many numbers.
+    /// Continues from other statistics of the same number of numbers.
     pub(crate) fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
         statistics.expect_len(self.statistics.len())?;
         self.statistics = statistics;
@@ -97,11 +97,11 @@ macro_rules! normalizes {
                 &self.normalizer.statistics
             }
 
-            /// Replaces the statistics, for instance by those of a training.
+            /// Replaces the statistics, for example with statistics from training.
             ///
             /// # Errors
-            /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if they are of another number of
-            /// numbers.
+            /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if their number of
+            /// elements differs.
             pub fn set_statistics(&mut self, statistics: crate::RunningMeanStd) -> gym_core::Result<()> {
                 self.normalizer.set_statistics(statistics)
             }

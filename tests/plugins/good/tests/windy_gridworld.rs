@@ -46,7 +46,7 @@ fn it_is_found_by_id_with_arguments() -> Result<()> {
     assert!(
         error
             .to_string()
-            .contains("unknown argument `kings`: did you mean `king`? (there are `king`, `stochastic`)"),
+            .contains("unknown argument `kings`: did you mean `king`? (known are `king`, `stochastic`)"),
         "{error}"
     );
     Ok(())

@@ -73,7 +73,7 @@ const NO_DIFFERENCE: &str = "None known: the same seed gives the same episode, t
 /// The documentation of an environment's module, in its parts.
 struct Docs {
     title: String,
-    /// What the task is, in a sentence.
+    /// The task, in a sentence.
     summary: String,
     /// The lines of the table.
     table: Vec<String>,

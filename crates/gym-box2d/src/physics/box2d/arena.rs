@@ -26,7 +26,7 @@ impl<T> Arena<T> {
         slot
     }
 
-    /// Lets so many more values come and go without allocating.
+    /// Reserves space for this number of further values.
     pub(crate) fn reserve(&mut self, more: usize) {
         self.slots.reserve_exact(more);
         self.free.reserve_exact(more);
@@ -52,7 +52,7 @@ impl<T> Arena<T> {
         size_of::<Option<T>>() * self.slots.capacity() + size_of::<u32>() * self.free.capacity()
     }
 
-    /// Whether what was read from outside is consistent: exactly the empty slots are free.
+    /// Whether data read from outside is consistent: exactly the empty slots are free.
     pub(crate) fn is_valid(&self) -> bool {
         let mut empty: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
         self.free.iter().all(|slot| empty.get_mut(*slot as usize).is_some_and(std::mem::take))

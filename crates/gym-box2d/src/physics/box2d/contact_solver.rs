@@ -216,7 +216,7 @@ impl Constraint {
         [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse]
     }
 
-    /// Sets what [`impulses`](Self::impulses) gave.
+    /// Sets the impulses that [`impulses`](Self::impulses) returned.
     pub(crate) fn set_impulses(&mut self, impulses: &[f32; 4]) {
         let [p1, p2] = &mut self.points;
         [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse] = *impulses;

@@ -1,4 +1,4 @@
-//! Bodies that touch or are joined, directly or through others: what has to be solved together.
+//! Bodies that touch or are joined, directly or through others, and must be solved together.
 
 use super::contact_solver::Constraint as ContactConstraint;
 use super::joint::Constraint as JointConstraint;
@@ -36,7 +36,7 @@ pub(crate) struct Island {
     pub(crate) pairs: Vec<(u32, u32)>,
     /// The step that has begun.
     pub(super) begun: Option<Begun>,
-    /// Makes every sweep in full: what the shortcut is tested against.
+    /// Makes every sweep in full, to test the shortcut.
     pub(crate) plain: bool,
 }
 

@@ -56,7 +56,7 @@ impl Joint {
     }
 }
 
-/// What a sweep added to a joint's impulses.
+/// The additions of a sweep to a joint's impulses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Increment {
     /// Of the motor, before and after it was clamped.

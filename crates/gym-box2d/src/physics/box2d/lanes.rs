@@ -218,7 +218,7 @@ impl Lanes {
         self.islands[place.island] = island;
     }
 
-    /// Gives an island back what the sweeps have made of it.
+    /// Writes the results of the sweeps back to an island.
     fn collect(&self, lane: usize, island: &mut Island) {
         self.bodies.collect(lane, &mut island.velocities);
         for (joint, rows) in island.joint_constraints.iter_mut().zip(&self.hinges) {

@@ -2,7 +2,7 @@
 //!
 //! The algorithms are Erin Catto's (sequential impulses with warm starting, islands, continuous
 //! collision), written anew; see the notices. Everything iterates in Box2D's order, newest first,
-//! because the order decides bits. What Gymnasium's environments do not need is left out: kinematic
+//! because the order decides bits. Features that Gymnasium's environments do not need are left out: kinematic
 //! bodies and bullets, damping, chains, other joints, filter groups.
 //!
 //! | file | idea | Box2D |
@@ -12,7 +12,7 @@
 //! | `broad_phase`, `terrain` | pairs of boxes | `b2BroadPhase`, `b2DynamicTree` |
 //! | `manifold`, `collide*` | points of contact | `b2Collision`, `b2Collide*` |
 //! | `distance`, `time_of_impact`, `apart` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
-//! | `body`, `contact`, `joint` | what the world consists of | `Dynamics` |
+//! | `body`, `contact`, `joint` | the parts of the world | `Dynamics` |
 //! | `motion`, `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
 //! | `lanes`, `lane_bodies`, `wide` | the velocities of many worlds at once | |
 //! | `step`, `continuous` | a step of the world | `b2World` |

@@ -16,7 +16,7 @@ pub(crate) struct Velocity {
     pub(crate) w: f32,
 }
 
-/// What the solvers need of one of two bodies.
+/// The solvers' data about one of two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Side {
     /// Place in the island.

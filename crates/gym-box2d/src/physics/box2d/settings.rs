@@ -3,7 +3,7 @@
 
 use std::f32::consts::PI;
 
-/// Tolerance of lengths, below what can be seen.
+/// Tolerance of lengths, too small to see.
 pub(crate) const LINEAR_SLOP: f32 = 0.005;
 /// Tolerance of angles.
 pub(crate) const ANGULAR_SLOP: f32 = 2.0 / 180.0 * PI;

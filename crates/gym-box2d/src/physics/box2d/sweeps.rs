@@ -1,17 +1,17 @@
 //! Velocity sweeps, and skipping those that repeat.
 //!
-//! What a sweep does follows from the velocities and the contacts' impulses that it starts from, and
-//! from the joints' impulses only where these meet a bound. After some sweeps velocities and contact
+//! The result of a sweep depends on the velocities and contact impulses at its start, and on the joints'
+//! impulses only where these meet a bound. After some sweeps velocities and contact
 //! impulses stop changing, or alternate between two states in their last bits. From then on each
-//! sweep adds to the joints' impulses what the one two before has added, and only these additions are
-//! made, as long as the bounds act alike. The bits are those of all sweeps.
+//! sweep adds to the joints' impulses the same amounts as the sweep two before it. Only these additions are
+//! made, as long as the same bounds are met. The bits equal those of all sweeps.
 
 use super::contact_solver::Constraint as Contact;
 use super::joint::{Constraint as Joint, Increment};
 use super::motion::Velocity;
 use super::{BODIES, CONTACTS, JOINTS};
 
-/// What a sweep starts from.
+/// The start of a sweep.
 #[derive(Clone, Debug, Default)]
 struct Start {
     velocities: Vec<Velocity>,
@@ -23,7 +23,7 @@ struct Start {
 pub(crate) struct Sweeps {
     /// Where the last sweep and the one before started.
     starts: [Start; 2],
-    /// What they added to the joints' impulses.
+    /// Their additions to the joints' impulses.
     increments: [Vec<Increment>; 2],
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: 
 }
 
 impl Sweeps {
-    /// Does what so many sweeps do.
+    /// Has the effect of this number of sweeps.
     pub(crate) fn run(
         &mut self,
         sweeps: u32,

@@ -25,7 +25,7 @@ pub(crate) struct Terrain {
     blocks: Vec<Aabb>,
 }
 
-/// The stored form, without what follows from the points.
+/// The stored form, without the data computed from the points.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     points: Vec<Vec2>,

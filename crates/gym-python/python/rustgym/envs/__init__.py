@@ -84,7 +84,7 @@ _BASES: dict[str, type[Env]] = {
     ),
 }
 
-# modes that Gymnasium has beside those of the Rust side
+# Gymnasium's modes that the Rust side does not have
 _MORE_MODES = {"CarRacing": ["state_pixels"]}
 
 
@@ -105,7 +105,7 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     base = AtariEnv if spec["crate"] == "gym-atari" else _BASES.get(_task(env_id), ClassEnv)
-    # a game cannot be made, and so be described, without its ROM
+    # without its ROM a game cannot be made, and so not described
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
@@ -144,7 +144,7 @@ def __dir__() -> list[str]:
 
 
 def stand_ins() -> dict[str, Any]:
-    """What stands in for the classes and functions that programs import from ``gymnasium.envs``."""
+    """Replacements for the classes and functions that programs import from ``gymnasium.envs``."""
     modules = {
         "classic_control.acrobot": AcrobotEnv,
         "classic_control.cartpole": CartPoleEnv,

@@ -1,4 +1,4 @@
-"""The games of Atari: what ale-py's users read of an environment, and the usual preprocessing in Rust."""
+"""The games of Atari: ale-py's attributes and methods, and the usual preprocessing in Rust."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
 
 
 class Ale:
-    """The game of an environment, to be played and looked at past it, with the methods of ale-py's ``ALEInterface``.
+    """The game of an environment, for direct access, with the methods of ale-py's ``ALEInterface``.
 
     Unlike ale-py's it plays the ROM of its environment and no other, and has no sound. The arguments of ``make`` settle what
     the getters of settings tell. Pictures and RAM come as new arrays or are written to a ``uint8`` buffer of their shape.
@@ -67,8 +67,8 @@ class Ale:
     # -- playing
 
     def act(self, action: SupportsIndex | Action, paddle_strength: float = 1.0) -> int:
-        """Plays a frame, in which the action before may stick, and gives the reward; ``ValueError`` for no ``Action``."""
-        # (ale-py's own `Action` is no number)
+        """Plays a frame, in which the previous action may stick, and returns the reward; ``ValueError`` for no ``Action``."""
+        # (ale-py's own `Action` is not a number)
         return self._native.act(action if isinstance(action, int) else operator.index(getattr(action, "value", action)), paddle_strength)
 
     def reset_game(self) -> None:
@@ -79,7 +79,7 @@ class Ale:
         return self._native.progress()[0]
 
     def game_over(self, with_truncation: bool = True) -> bool:
-        """Whether the episode has ended: with the game, or by as many frames as it may have."""
+        """Whether the episode has ended: the game is over, or the limit of frames is reached."""
         _, is_over, is_truncated, _, _ = self._native.progress()
         return is_over or (with_truncation and is_truncated)
 
@@ -118,14 +118,14 @@ class Ale:
         return 128
 
     def setRAM(self, index: int, value: int) -> None:
-        """Changes a byte of the RAM; ``RuntimeError`` for one that there is not, or for what is no byte."""
+        """Changes a byte of the RAM; ``RuntimeError`` for an index or a value out of range."""
         if index not in range(128) or value not in range(256):
-            raise RuntimeError(f"the RAM has the bytes 0 to 127, of 0 to 255: byte {index!r} cannot be {value!r}")
+            raise RuntimeError(f"RAM byte {index!r} cannot be set to {value!r}: indices are 0 to 127, values 0 to 255")
         self._native.set_ram(index, value)
 
     def getAudio(self, buffer: Buffer | None = None) -> Any:
-        """Raises ``gymnasium.error.Error``: there is no sound."""
-        raise gymnasium.error.Error("sound is not emulated, so there is none to return")
+        """Raises ``gymnasium.error.Error``: sound is not emulated."""
+        raise gymnasium.error.Error("sound is not emulated")
 
     # -- the game and its settings
 
@@ -144,14 +144,14 @@ class Ale:
         return self._native.facts()[5]
 
     def setMode(self, mode: int) -> None:
-        """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` for one that the game does not have."""
+        """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` if the game does not have it."""
         if mode not in self.getAvailableModes():
             raise RuntimeError(f"the game has no mode {mode!r}: its modes are {self.getAvailableModes()}")
         _, difficulty, max_frames = self._native.settings()
         self._native.configure(mode, difficulty, max_frames)
 
     def setDifficulty(self, difficulty: int) -> None:
-        """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` for one that there is not."""
+        """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` if the game does not have it."""
         if difficulty not in self.getAvailableDifficulties():
             there_are = self.getAvailableDifficulties()
             raise RuntimeError(f"the game has no difficulty {difficulty!r}: its difficulties are {there_are}")
@@ -159,7 +159,7 @@ class Ale:
         self._native.configure(mode, difficulty, max_frames)
 
     def _setting(self, name: str) -> str | None:
-        """A setting as ale-py writes it; ``None`` for what is none."""
+        """A setting as ale-py writes it; ``None`` for an unknown name."""
         if name == "random_seed":
             return str(int(self._env._seeds()[1].astype(np.int32)))
         if name == "max_num_frames_per_episode":
@@ -169,7 +169,7 @@ class Ale:
         return _SETTINGS.get(name)
 
     def getInt(self, name: str) -> int:
-        """A setting as a whole number, such as ``random_seed``; -1 for what is none."""
+        """A setting as a whole number, such as ``random_seed``; -1 for an unknown name."""
         setting = self._setting(name)
         try:
             return -1 if setting is None else int(setting)
@@ -177,7 +177,7 @@ class Ale:
             return int(self.getFloat(name))
 
     def getFloat(self, name: str) -> float:
-        """A setting as a number, such as ``repeat_action_probability``; -1 for what is none."""
+        """A setting as a number, such as ``repeat_action_probability``; -1 for an unknown name."""
         if name == "repeat_action_probability":
             return float(self._env.arguments[name])
         setting = self._setting(name)
@@ -187,11 +187,11 @@ class Ale:
             return 0.0
 
     def getBool(self, name: str) -> bool:
-        """A setting as a flag; ``False`` for what is none."""
+        """A setting as a flag; ``False`` for an unknown name."""
         return self._setting(name) in ("1", "true")
 
     def getString(self, name: str) -> str:
-        """A setting as text; empty for what is none."""
+        """A setting as text; empty for an unknown name."""
         return self._setting(name) or ""
 
     def setInt(self, name: str, value: Any) -> None:
@@ -204,12 +204,12 @@ class Ale:
     setFloat = setBool = setString = setInt
 
     def setLoggerMode(self, mode: Any) -> None:
-        """Does nothing: there are no messages to choose from."""
+        """Does nothing: this emulator writes no messages."""
 
     def loadROM(self, path: Any = None) -> None:
-        """Raises ``gymnasium.error.Error``: the game is that of the id."""
+        """Raises ``gymnasium.error.Error``: the id decides the game."""
         raise gymnasium.error.Error(
-            f"{path} cannot be loaded here: rustgym.make makes another game by its id, and takes the folder of ROMs as rom_dir"
+            f"{path} cannot be loaded here: make another game by its id with rustgym.make, and give the folder of ROMs as rom_dir"
         )
 
     def getAudioSize(self) -> int:
@@ -233,11 +233,11 @@ class Ale:
     # -- states
 
     def cloneState(self, include_rng: bool = False) -> AleState:
-        """Where the game stands: to be compared, pickled and restored, in a game of the same ROM."""
+        """The state of the game. It can be compared, pickled, and restored in a game of the same ROM."""
         return self._native.state(include_rng)
 
     def restoreState(self, state: AleState) -> None:
-        """Goes on from a state. The action that may stick is the last that was done, as in ale-py.
+        """Continues from a state. The action that may stick is the last action taken, as in ale-py.
 
         Without ``include_rng`` in ``cloneState`` the random numbers go on as well, instead of back to those of the state.
         """
@@ -251,7 +251,7 @@ class Ale:
 
 
 class AtariEnv(ClassEnv):
-    """A game of the Atari 2600, with what ale-py's ``AtariEnv`` tells of it.
+    """A game of the Atari 2600, with the attributes of ale-py's ``AtariEnv``.
 
     Unlike ale-py's it needs a ``reset`` before the first ``step``.
 
@@ -318,7 +318,7 @@ class AtariEnv(ClassEnv):
         return observation, info
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
-        """Seeds ``np_random``, and from the next ``load_game`` on the game: gives the seeds of both."""
+        """Seeds ``np_random``, and the game from the next ``load_game`` on; returns both seeds."""
         if seed is None:
             seed = entropy()
         if not self._native.is_running():

@@ -1,4 +1,4 @@
-"""LunarLander, BipedalWalker and CarRacing: the classes that Gymnasium's users know, with what can be read of them."""
+"""LunarLander, BipedalWalker and CarRacing: Gymnasium's classes, with their attributes."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ class LunarLander(Box2DEnv):
 
     @property
     def wind_idx(self) -> int:
-        """Where in the pattern of gusts the wind is."""
+        """The position of the wind in the pattern of gusts."""
         return int(self._episode()["wind_idx"])
 
     @property
     def torque_idx(self) -> int:
-        """Where in the pattern of gusts the turbulence is."""
+        """The position of the turbulence in the pattern of gusts."""
         return int(self._episode()["torque_idx"])
 
     @property

@@ -1,4 +1,4 @@
-"""CartPole, MountainCar, Pendulum and Acrobot: the classes that Gymnasium's users know, with their ``state``."""
+"""CartPole, MountainCar, Pendulum and Acrobot: Gymnasium's classes, with their ``state``."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class ClassicControlEnv(TunableEnv):
 
     #: The names of the numbers, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
-    #: What else belongs to a state that was set.
+    #: Further fields of a state that was set.
     _when_set: ClassVar[dict[str, Any]] = {}
     @property
     def state(self) -> npt.NDArray[np.float64] | None:
-        """The state as ``float64``, by ``state_names``; ``None`` before the first reset. Setting it goes on from there."""
+        """The state as ``float64``, by ``state_names``; ``None`` before the first reset. Setting it continues from there."""
         state = self._native.state()
         if state is None:
             return None

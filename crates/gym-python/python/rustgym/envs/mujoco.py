@@ -1,4 +1,4 @@
-"""The MuJoCo tasks, with what Gymnasium's users read of them: ``data``, ``model``, ``set_state``, ``dt``.
+"""The MuJoCo tasks, with Gymnasium's attributes: ``data``, ``model``, ``set_state``, ``dt``.
 
 Nothing here needs MuJoCo. Where its Python package is installed, ``data`` and ``model`` are MuJoCo's own objects, for its
 functions and viewers; they follow the environment, never the other way.
@@ -21,14 +21,14 @@ from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
 
-# how many positions the tasks can leave out of an observation
+# the number of positions that the tasks can leave out of an observation
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 
 class MujocoEnv(ClassEnv):
     """A robot that moves by MuJoCo's equations."""
 
-    # MuJoCo's own model and data, once somebody asked for them, and whether the data is that of the last step
+    # MuJoCo's own model and data, made on first use, and whether the data is from the last step
     _library: tuple[Any, Any] | None = None
     _is_current = False
 
@@ -38,7 +38,7 @@ class MujocoEnv(ClassEnv):
         return super().reset(seed=seed, options=options)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """As ``Env.step``; for an action of another shape ``ValueError``, as Gymnasium's tasks raise it."""
+        """As ``Env.step``; raises ``ValueError`` for an action of another shape, as Gymnasium's tasks do."""
         self._is_current = False
         try:
             return super().step(action)
@@ -49,7 +49,7 @@ class MujocoEnv(ClassEnv):
             raise ValueError(f"Action dimension mismatch. Expected {expected}, found {found}") from None
 
     def set_state(self, state: Any, qvel: npt.ArrayLike | None = None) -> None:
-        """Goes on from other positions and velocities, or from what ``get_state`` gave.
+        """Continues from other positions and velocities, or from a text that ``get_state`` returned.
 
         Args:
             state: The positions (``nq`` numbers), or without ``qvel`` a whole state.
@@ -69,7 +69,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def data(self) -> Any:
-        """The state and what follows from it, under the names of ``mjData``: ``qpos``, ``qvel``, ``xpos``, ``cfrc_ext``, ...
+        """The state and the arrays computed from it, under the names of ``mjData``: ``qpos``, ``qvel``, ``xpos``, ``cfrc_ext``, ...
 
         MuJoCo's own object where its package is installed, else a namespace of arrays. To change the state, call
         ``set_state``: what is written here is overwritten after the next step.
@@ -85,7 +85,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def model(self) -> Any:
-        """MuJoCo's own object for the model, to be read: the environment does not see what is changed in it.
+        """MuJoCo's own object for the model, read-only: changes do not affect the environment.
 
         Raises:
             gymnasium.error.DependencyNotInstalled: without MuJoCo's Python package, which nothing else here needs.
@@ -97,7 +97,7 @@ class MujocoEnv(ClassEnv):
             mujoco: Any = import_module("mujoco")
         except ImportError as error:
             raise gymnasium.error.DependencyNotInstalled(
-                "`model` is an object of MuJoCo's: run `pip install mujoco`; `data`, `dt`, `init_qpos`, `state_vector()` and "
+                "`model` needs the package mujoco: run `pip install mujoco`; `data`, `dt`, `init_qpos`, `state_vector()` and "
                 "`get_body_com()` work without it"
             ) from error
         if self._library is None:
@@ -119,7 +119,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def frame_skip(self) -> int:
-        """How many timesteps of the model a step takes."""
+        """The number of the model's timesteps per step."""
         return int(self._made_of["frame_skip"])
 
     @property
@@ -140,7 +140,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def observation_structure(self) -> dict[str, int]:
-        """How many numbers of which array an observation has, in this order, and how many positions it leaves out.
+        """The number of elements of each array in an observation, in this order, and the number of positions left out.
 
         Raises:
             AttributeError: for versions before 5 and tasks whose observation is made in another way, as in Gymnasium.
@@ -169,7 +169,7 @@ class MujocoEnv(ClassEnv):
         return np.concatenate([arrays["qpos"], arrays["qvel"]])
 
     def get_body_com(self, body_name: str) -> npt.NDArray[np.float64]:
-        """Where a body's frame is, in metres; after a step as of the last time that the engine looked, as in MuJoCo.
+        """The position of a body's frame, in metres; after a step as of the engine's last forward call, as in MuJoCo.
 
         Raises:
             KeyError: for a name that no body of the model has.
@@ -177,7 +177,7 @@ class MujocoEnv(ClassEnv):
         bodies = self._made_of["bodies"]
         if body_name not in bodies:
             names = ", ".join(repr(name) for name in bodies)
-            raise KeyError(f"the model has no body {body_name!r}: there are {names}")
+            raise KeyError(f"the model has no body {body_name!r}: its bodies are {names}")
         position: npt.NDArray[np.float64] = self._arrays()["xpos"][bodies.index(body_name)]
         return position
 

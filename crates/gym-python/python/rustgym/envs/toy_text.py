@@ -1,4 +1,4 @@
-"""Blackjack, FrozenLake, CliffWalking and Taxi: the classes that Gymnasium's users know, with their tables."""
+"""Blackjack, FrozenLake, CliffWalking and Taxi: Gymnasium's classes, with their tables."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class ToyTextEnv(ClassEnv):
 class TabularEnv(ToyTextEnv):
     """An environment whose dynamics are a table."""
 
-    # under which name the state's number is stored
+    # the name under which the state's number is stored
     _cell: ClassVar[str] = "cell"
     _actions: ClassVar[tuple[str, ...]]
 
@@ -55,17 +55,17 @@ class TabularEnv(ToyTextEnv):
 
     @property
     def P(self) -> dict[int, dict[int, Outcomes]]:  # noqa: N802 - Gymnasium's name
-        """``P[state][action]``: what can come of an action, as ``(probability, next state, reward, terminated)``."""
+        """``P[state][action]``: the possible outcomes of an action, as ``(probability, next state, reward, terminated)``."""
         return self._table[0]
 
     @property
     def initial_state_distrib(self) -> npt.NDArray[np.float64]:
-        """How likely each state is at the start."""
+        """The probability of each state at the start."""
         return np.array(self._table[1])
 
     @property
     def s(self) -> int:
-        """The state's number. Setting it goes on from there."""
+        """The state's number. Setting it continues from there."""
         return int(self._state()[self._cell])
 
     @s.setter

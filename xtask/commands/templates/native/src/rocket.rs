@@ -29,7 +29,7 @@ gym_core::arguments! {
         /// Acceleration by the engine.
         #[unit = "m/s²"]
         pub thrust: f64 = 15.0,
-        /// Time from one state to the next.
+        /// The duration of a step.
         #[unit = "s"]
         pub dt: f64 = 0.05,
     }

@@ -19,7 +19,7 @@ rows! {
 }
 
 rows! {
-    /// What the points have in common.
+    /// The data that the points share.
     struct ContactRows {
         count, // of points; 0 where a world has no such contact
         friction, normal_x, normal_y,

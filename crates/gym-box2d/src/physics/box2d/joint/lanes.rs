@@ -24,7 +24,7 @@ rows! {
 /// The same for the lanes of a strip.
 struct Limit<S: Simd, const R: usize> {
     held: Mask<S, R>,
-    /// What hinge and limit add to the impulses.
+    /// The additions of hinge and limit to the impulses.
     p: Pair<S, R>,
     z: Wide<S, R>,
 }

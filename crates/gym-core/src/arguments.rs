@@ -388,7 +388,7 @@ mod tests {
         assert_eq!(row(0), json!(["gravity", "number", "m/s²", "Gravity.", "", -9.8]));
         assert_eq!(row(1), json!(["desc", "list of strings or null", "", "The map.", "", null]));
         assert_eq!(row(2), json!(["width", "integer", "px", "Width of the picture.", "4..", 64]));
-        assert_eq!(row(3), json!(["camera", "integer or null", "", "Which camera.", "2..", null]));
+        assert_eq!(row(3), json!(["camera", "integer or null", "", "The camera.", "2..", null]));
         assert_eq!(row(4)[1], json!("list of 3 numbers"));
         assert_eq!(table.len(), 5);
     }

@@ -33,7 +33,7 @@ gym_core::arguments! {
         pub normalize_time: bool = false,
         /// The key of the time in dict observations.
         pub dict_time_key: String = "time".into(),
-        /// The time limit, above 0; the default is that of the environment's [`spec`](Env::spec).
+        /// The time limit, above 0; the default is the limit in the environment's spec.
         pub max_timesteps: Option<u32> = None,
     }
 }

@@ -64,7 +64,7 @@ gym_core::arguments! {
         pub domain_randomize: bool,
         /// Steering, gas and brake by degrees instead of five actions.
         pub continuous: bool = true,
-        /// Which engine moves the car: `box2d` or `rapier`.
+        /// The physics engine: `box2d` or `rapier`.
         pub physics: Physics,
     }
 }

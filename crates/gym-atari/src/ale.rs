@@ -147,15 +147,22 @@ impl Ale {
         ale
     }
 
-    /// Starts the first episode after loading the ROM, with the generator of sticky actions reseeded.
-    pub fn reload(&mut self, seed: u32) {
-        self.load(seed);
-        self.reset();
+    /// Loads the ROM again, with the generator of sticky actions reseeded: an episode of the default mode and difficulty stands at
+    /// its start. The settings count from the next [`reset`](Self::reset) on.
+    pub fn load(&mut self, seed: u32) {
+        let settings = self.settings;
+        *self = self.fresh(seed);
+        self.settings = settings;
     }
 
-    /// Loads the ROM again, with the generator of sticky actions reseeded, for the episode that [`reset`](Self::reset) starts.
-    /// Until then the picture and the lives are those of before.
-    pub fn load(&mut self, seed: u32) {
+    fn fresh(&self, seed: u32) -> Self {
+        let cartridge = self.console.cartridge().clone();
+        Self::with_cartridge(self.game, cartridge, seed, self.settings.repeat_action_probability)
+    }
+
+    /// As [`load`](Self::load) and [`reset`](Self::reset): starts the first episode after loading the ROM. It does not play the
+    /// frames of loading again where they are the same for every seed.
+    pub fn reload(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
         for _ in 0..self.game.idle {
@@ -163,14 +170,13 @@ impl Ale {
         }
         if self.game.menu.is_some() {
             // sticky actions in the menu, and their traces in RAM, depend on the seed
-            let Settings { repeat_action_probability, .. } = self.settings;
-            let cartridge = self.console.cartridge().clone();
-            let fresh = Self::with_cartridge(self.game, cartridge, seed, repeat_action_probability);
+            let fresh = self.fresh(seed);
             self.loaded = fresh.loaded;
             self.progress.generator = fresh.progress.generator;
         }
         self.progress.frame_number = self.loaded.frame_number;
         *self.console.ram_mut() = self.loaded.ram;
+        self.reset();
     }
 
     /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
@@ -286,18 +292,21 @@ impl Ale {
     }
 
     /// Plays a frame and returns its reward. With probability [`Settings::repeat_action_probability`] it repeats the last
-    /// command instead. Does nothing once the game is over.
+    /// command instead. Actions that are not [legal](Game::legal) in the game are played as [`Action::Noop`]. Does nothing once
+    /// the game is over.
     pub fn act(&mut self, command: impl Into<Command>) -> i32 {
         let command = self.stick(command.into());
         self.play(command, true)
     }
 
-    /// The executed command: this one, or with a probability the one before.
+    /// The executed command: this one if its action is legal, or with a probability the one before.
     pub(crate) fn stick(&mut self, command: Command) -> Command {
         if self.progress.generator.random() < self.settings.repeat_action_probability {
             self.progress.previous
-        } else {
+        } else if self.game.legal.contains(&command.action) {
             command
+        } else {
+            Command { action: Action::Noop, ..command }
         }
     }
 
@@ -491,13 +500,15 @@ impl Ale {
     }
 
     /// As [`set_state`](Self::set_state), in the way of ale-py's `restoreState`: the action that may stick is the last that was
-    /// done, and the numbers that decide it go on, unless they are to be those of the state.
+    /// done, the numbers that decide it go on, unless they are to be those of the state, and an unfinished frame goes on.
     pub fn set_state_like_ale(&mut self, state: &State, include_rng: bool) -> bool {
-        let Progress { previous, generator, .. } = self.progress.clone();
-        let fits = self.set_state(state);
-        self.progress.previous = previous;
-        if !(fits && include_rng) {
-            self.progress.generator = generator;
+        let fits = self.console.set_state_within_frame(&state.console);
+        if fits {
+            let Progress { previous, generator, .. } = self.progress.clone();
+            self.progress = Progress { previous, ..state.progress.clone() };
+            if !include_rng {
+                self.progress.generator = generator;
+            }
         }
         fits
     }

@@ -88,8 +88,8 @@ impl Run {
         let mut run = Self { ale: Ale::new(rom.game(), rom.bytes(), seed), sum: Hasher::new(), random: seed };
         run.ale.configure(settings);
         // with these settings
-        run.ale.load(seed);
-        run.reset();
+        run.ale.reload(seed);
+        run.add(0);
         run
     }
 

@@ -179,6 +179,22 @@ impl Console {
         true
     }
 
+    /// As [`set_state`](Self::set_state), but the next call starts a frame, or continues one, as it would have without it.
+    pub(crate) fn set_state_within_frame(&mut self, state: &State) -> bool {
+        let starts = self.chips.frame_ended;
+        let fits = self.set_state(state);
+        let Chips { tia, frame_ended, .. } = &mut self.chips;
+        if fits && *frame_ended != starts {
+            if starts {
+                tia.start_frame(self.cpu.cycle);
+            } else {
+                tia.continue_frame();
+            }
+            *frame_ended = starts;
+        }
+        fits
+    }
+
     /// The pictures, to be stored.
     pub fn pictures(&self) -> Pictures {
         Pictures::of(&self.chips.screen)

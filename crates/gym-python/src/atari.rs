@@ -1,8 +1,10 @@
 //! The game within an Atari environment, for Python's `ale` objects.
 
+use std::path::PathBuf;
+
 use gym::Error;
 use gym::atari::ale::{Settings, State};
-use gym::atari::{Action, Ale as Game};
+use gym::atari::{Action, Ale as Game, Rom, RomDir};
 use numpy::{IxDyn, PyArray, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -70,6 +72,20 @@ impl Ale {
         Self(env)
     }
 
+    /// The name of the game whose ROM this is.
+    #[staticmethod]
+    fn supported(rom: &[u8]) -> Option<&'static str> {
+        Rom::from_bytes(rom).ok().map(|rom| rom.game().name)
+    }
+
+    /// The file of the ROM; a lone name if there is none, because the ROM was given from memory.
+    fn rom_file(&self, py: Python<'_>) -> PyResult<PathBuf> {
+        self.0.get().with_atari(py, |env| {
+            let folder = env.config().rom_dir.clone().map(RomDir::new).or_else(RomDir::find);
+            Ok(folder.unwrap_or_else(|| RomDir::new("")).file(env.ale().game()))
+        })
+    }
+
     /// Plays a frame: its reward.
     fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
         let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
@@ -90,7 +106,7 @@ impl Ale {
         })
     }
 
-    /// Loads the ROM again, for the episode that `reset` starts.
+    /// Loads the ROM again.
     fn load(&self, py: Python<'_>, seed: u32) -> PyResult<()> {
         self.with(py, |game| {
             game.load(seed);

@@ -49,14 +49,18 @@ def test_what_is_known_of_a_game(game: str) -> None:
         assert names(getattr(a.ale, ask)()) == names(getattr(b.ale, ask)()), ask
 
 
-def test_answers_to_random_calls(game: str) -> None:
-    """1,000 calls at random of steps, frames, looks at the game, states and their return."""
-    ours, theirs = both(game)
+@pytest.mark.parametrize("env_id", [env_id for env_id in rustgym.ids() if env_id.startswith("ALE/")])
+def test_answers_to_random_calls(env_id: str) -> None:
+    """Calls at random of steps, frames, looks at the game, states and their return."""
+    # (after a reset a frame of Qbert and Tetris is unfinished; Skiing takes no action with FIRE)
+    calls = 1000 if env_id[4:-3] in [*GAMES, "Qbert", "Skiing", "Tetris"] else 150
+    ours, theirs = both(env_id)
     a, b = ours.unwrapped, theirs.unwrapped
     rng = np.random.default_rng(5)
     assert_same(ours.reset(seed=5), theirs.reset(seed=5))
+    rows = a.ale.getScreenDims()[0]
     states: list[tuple[Any, Any]] = []
-    for call in range(1000):
+    for call in range(calls):
         what = rng.choice(["step", "act", "look", "buffer", "clone", "restore", "reset"], p=[0.3, 0.3, 0.2, 0.1, 0.05, 0.04, 0.01])
         where = f"{what}, call {call}"
         if what == "step":
@@ -71,7 +75,7 @@ def test_answers_to_random_calls(game: str) -> None:
             for ask in ("getRAM", "getScreen", "getScreenRGB", "getScreenGrayscale"):
                 assert_same(getattr(a.ale, ask)(), getattr(b.ale, ask)(), f"{ask}, call {call}")
         elif what == "buffer":
-            for ask, shape in (("getRAM", (128,)), ("getScreenRGB", (210, 160, 3)), ("getScreenGrayscale", (210, 160))):
+            for ask, shape in (("getRAM", (128,)), ("getScreenRGB", (rows, 160, 3)), ("getScreenGrayscale", (rows, 160))):
                 buffers = np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
                 assert getattr(a.ale, ask)(buffers[0]) is None and getattr(b.ale, ask)(buffers[1]) is None
                 assert_same(*buffers, f"{ask}, call {call}")
@@ -113,7 +117,10 @@ def test_seeding_loading_and_settings(game: str) -> None:
     for env in (ours, theirs):
         env.reset(seed=1)
         env.ale.setMode(mode)
-        answer = [env.reset(), env.reset(seed=2), env.seed_game(3), env.load_game(), env.reset(), env.np_random.integers(1000)]
+        answer = [env.reset(), env.reset(seed=2), env.seed_game(3), env.load_game()]
+        # an episode of the default mode has started
+        answer += [[env.ale.act(action % 18) for action in range(50)], env.ale.getRAM(), env.ale.getScreen(), env.ale.lives()]
+        answer += [env.reset(), env.np_random.integers(1000)]
         env.ale.reset_game()
         rewards = [env.ale.act(action % 18) for action in range(320)]
         answer += [rewards, env.ale.getRAM(), env.ale.game_over(), env.ale.game_over(False), env.ale.getEpisodeFrameNumber()]
@@ -135,13 +142,21 @@ def test_all_that_is_public_is_there(tmp_path: Path) -> None:
         env.reset(seed=1)
         env.ale.setMode(3)
     assert public(theirs) - public(ours) == set()
-    assert public(theirs.ale) - public(ours.ale) == {"isSupportedROM"}
+    assert public(theirs.ale) - public(ours.ale) == set()
     assert public(theirs.clone_state()) - public(ours.clone_state()) == set()
     for sides in itertools.product((-1, 0, 1), (-1, 0, 1), (False, True)):
         assert ours.map_action_idx(*sides).name == theirs.map_action_idx(*sides).name
-    settings = "random_seed max_num_frames_per_episode repeat_action_probability frame_skip reward_max sound record_screen_dir none"
+    settings = """random_seed max_num_frames_per_episode repeat_action_probability frame_skip reward_max sound record_screen_dir
+        rom_file system_random_seed cpu none"""
     for ask, name in itertools.product(("getInt", "getFloat", "getBool", "getString"), settings.split()):
         assert_same(getattr(ours.ale, ask)(name), getattr(theirs.ale, ask)(name), f"{ask}({name!r})")
+    rom = ours.ale.getString("rom_file")
+    for path, result in ((rom, "space_invaders"), (Path(rom), "space_invaders"), (__file__, None)):
+        assert ours.ale.isSupportedROM(path) == theirs.ale.isSupportedROM(path) == result
+    for path in ("/nowhere", "/"):
+        for env in (ours, theirs):
+            with pytest.raises(RuntimeError):
+                env.ale.isSupportedROM(path)
     states = [env.clone_state() for env in (ours, theirs)]
     assert pickle.loads(pickle.dumps(states[0])).getCurrentMode() == 3
     answers = []

@@ -120,6 +120,8 @@ pub(crate) struct Tia {
     // the beam
     line: u32,
     line_start: u64,
+    /// The number of lines of the last frame that ended.
+    frame_lines: u32,
     vsync_since: u64,
     /// The cycle of the last `HMOVE`.
     moved: u64,
@@ -183,6 +185,7 @@ impl Tia {
             without_main: [false; 2],
             line: 0,
             line_start: 0,
+            frame_lines: 0,
             vsync_since: 0,
             moved: 0,
             drawn_line: 0,
@@ -227,6 +230,7 @@ impl Tia {
             && self.vsync_since <= cycle
             && self.released <= 3 * cycle
             && self.line < 1 << 30
+            && self.frame_lines < 1 << 30
             && self.drawn_line <= self.line + 1
             && self.line - self.drawn_line.min(self.line) < 1 << 16
             && usize::from(self.painted) <= WIDTH
@@ -697,13 +701,28 @@ impl Tia {
     fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
         self.paint_to(self.clock(cycle), screen);
+        self.start_frame(cycle);
+    }
+
+    /// As `end_frame`, but what is not painted of the frame stays unpainted.
+    pub(crate) fn start_frame(&mut self, cycle: u64) {
+        self.beam(cycle);
         self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
         self.drawn_line = self.drawn_line.saturating_sub(self.line);
         self.start_picture();
         // a clear of VSYNC in the last line ends the frame a second time
-        if self.display.pal && self.line > 0 {
-            self.colorless = (self.line & 1) as u8;
+        if self.line > 0 {
+            self.frame_lines = self.line;
+            if self.display.pal {
+                self.colorless = (self.line & 1) as u8;
+            }
         }
         self.line = 0;
+    }
+
+    /// The last frame has not ended: the beam's line is one of it.
+    pub(crate) fn continue_frame(&mut self) {
+        self.line += self.frame_lines;
+        self.drawn_line += self.frame_lines;
     }
 }

@@ -128,8 +128,7 @@ fn a_menu_is_gone_through_as_by_ale_py() {
     ] {
         let mut ale = Ale::new(games::by_name("double_dunk").unwrap(), &rom(&code), 0);
         ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
-        ale.load(seed);
-        ale.reset();
+        ale.reload(seed);
         let written = ale.ram().0[0x31..0x70].iter().take_while(|&&seen| seen != 0);
         let seen = written.map(|seen| match *seen {
             0xf3 => '.',
@@ -162,9 +161,28 @@ fn select_is_held_at_random_as_by_ale_py() {
     {
         let mut ale = Ale::new(games::by_name("adventure").unwrap(), &program, 0);
         ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
-        ale.load(seed);
-        ale.reset();
+        ale.reload(seed);
         assert_eq!((ale.frame_number(), ale.ram().0[0x7f]), (frame_number, frames), "seed {seed}");
+    }
+}
+
+/// Skiing knows no button: an action with FIRE does nothing, not even what its direction does. The program stores the stick in
+/// `$90` and the button in `$91`.
+#[test]
+fn illegal_actions_do_nothing() {
+    let program = rom(&[
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xad, 0x80, 0x02, 0x85, 0x90, 0xa5, 0x0c, 0x85, 0x91, 0x4c, 0x00, 0xf0,
+    ]);
+    let mut ale = Ale::new(games::by_name("skiing").unwrap(), &program, 0);
+    for (action, seen) in [
+        (Action::Noop, [0xff, 0x8c]),
+        (Action::Up, [0xef, 0x8c]),
+        (Action::UpFire, [0xff, 0x8c]),
+        (Action::Fire, [0xff, 0x8c]),
+    ] {
+        ale.act(action);
+        assert_eq!(ale.ram().0[0x10..0x12], seen, "{action:?}");
     }
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 import struct
 import zlib
 from collections.abc import Mapping
@@ -47,7 +48,12 @@ _SETTINGS = {
     "color_averaging": "0",
     "send_rgb": "0",
     "restricted_action_set": "0",
+    "cpu": "low",
+    "system_random_seed": "4753849",
 }
+
+# in bytes, twice the longest cartridge
+_LONGEST_ROM = 1 << 20
 
 # the keys of `gymnasium.utils.play`, in the order in which ale-py lists those of an action
 _KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
@@ -166,6 +172,8 @@ class Ale:
             return str(self._native.settings()[2] or 0)
         if name == "repeat_action_probability":
             return f"{self._env.arguments[name]:g}"
+        if name == "rom_file":
+            return os.fspath(self._native.rom_file())
         return _SETTINGS.get(name)
 
     def getInt(self, name: str) -> int:
@@ -211,6 +219,15 @@ class Ale:
         raise gymnasium.error.Error(
             f"{path} cannot be loaded here: make another game by its id with rustgym.make, and give the folder of ROMs as rom_dir"
         )
+
+    @staticmethod
+    def isSupportedROM(path: str | bytes | os.PathLike[str]) -> str | None:
+        """The name of the game that a file is the ROM of, ``None`` for no game; ``RuntimeError`` if it cannot be read."""
+        try:
+            with open(path, "rb") as file:
+                return _native.Ale.supported(file.read(_LONGEST_ROM + 1))
+        except OSError as error:
+            raise RuntimeError(f"the ROM {os.fsdecode(path)} cannot be read: {error.strerror}") from error
 
     def getAudioSize(self) -> int:
         """The samples of a frame in ale-py."""
@@ -329,7 +346,7 @@ class AtariEnv(ClassEnv):
         return first, second
 
     def load_game(self) -> None:
-        """Loads the ROM again, for an episode with mode and difficulty of ``make``, which the next reset starts."""
+        """Loads the ROM again: an episode of the default mode and difficulty starts; those of ``make`` count from the next reset on."""
         if self._np_random_seed in (None, -1):
             self.seed_game()
         self._configure()

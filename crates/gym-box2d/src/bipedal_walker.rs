@@ -456,7 +456,7 @@ impl Env for BipedalWalker {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if !begun {
             if !action.is_finite() {
-                return Err(Error::action(action, &self.action_space()));
+                return Err(self.action_space().refuse_action(action));
             }
             episode.begin(action, None);
         }

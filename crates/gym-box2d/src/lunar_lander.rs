@@ -542,7 +542,7 @@ impl Env for LunarLander {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if !begun {
             if !self.config.takes(action) {
-                return Err(Error::action(action, &self.action_space()));
+                return Err(self.action_space().refuse_action(action));
             }
             episode.begin(&self.config, action, None);
         }

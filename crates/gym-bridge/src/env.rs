@@ -131,7 +131,7 @@ impl PythonEnv {
             }
             (space, action) => space.contains(action),
         };
-        if fits { Ok(()) } else { Err(Error::action(action, space)) }
+        if fits { Ok(()) } else { Err(space.refuse_action(action)) }
     }
 }
 

@@ -5,6 +5,7 @@ use std::io::{self, BufRead};
 
 pub use crate::data::{DType, Data, Scalar};
 use crate::spaces::number::{Number, Numeric, with_type};
+use crate::spaces::numpy_fmt;
 use crate::{Error, Result};
 
 /// Numbers of one type in a row-major shape. The shape `[]` holds a single number.
@@ -280,7 +281,7 @@ impl fmt::Display for Array {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fn rows(array: &Array, axis: usize, start: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             let Some((&n, inner)) = array.shape[axis..].split_first() else {
-                return array.data.write_item(start, f);
+                return f.write_str(&numpy_fmt::scalar(&array.data, start));
             };
             let stride: usize = inner.iter().product();
             f.write_str("[")?;

@@ -105,10 +105,6 @@ macro_rules! dtypes {
                 })* }
             }
 
-            pub(crate) fn write_item(&self, index: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                match self { $(Self::$variant(values) => dtypes!(@write $kind, f, values[index])),* }
-            }
-
             /// The bytes of the numbers, little-endian.
             pub(crate) fn to_bytes(&self) -> Vec<u8> {
                 match self { $(Self::$variant(values) => {
@@ -179,8 +175,6 @@ macro_rules! dtypes {
             }
         })*
     };
-    (@write float, $f:ident, $x:expr) => { write!($f, "{:?}", $x) };
-    (@write integer, $f:ident, $x:expr) => { write!($f, "{}", $x) };
 }
 
 dtypes! {

@@ -8,8 +8,6 @@ use std::sync::Arc;
 use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
 
-use crate::Space;
-
 /// A `Result` whose error is [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -183,11 +181,6 @@ impl Error {
         Self::InvalidArgument { target: target.into(), reason: reason.into() }
     }
 
-    /// [`Error::InvalidAction`] of an action that does not lie in the space, or is not finite.
-    pub fn action(action: &impl fmt::Debug, space: &Space) -> Self {
-        Self::InvalidAction { action: format!("{action:?}"), space: space.to_string(), hint: String::new() }
-    }
-
     /// [`Error::SubEnvironment`] of an environment's own error.
     pub fn at_env(self, index: usize) -> Self {
         Self::SubEnvironment { index, source: Box::new(self) }
@@ -213,12 +206,11 @@ fn version_not_found(name: &str, version: Option<u32>, available: &str) -> Strin
     }
 }
 
-/// The fault comes first, because the action and the space can be long.
 fn invalid_action(action: &str, space: &str, hint: &str) -> String {
     let [action, space] = [action, space].map(shortened);
-    match hint.trim_start_matches([';', ':', ' ']) {
+    match hint {
         "" => format!("invalid action {action}: the action space is {space}"),
-        hint => format!("invalid action: {hint}: it is {action}, and the action space is {space}"),
+        hint => format!("invalid action {action}: {hint}; the action space is {space}"),
     }
 }
 

@@ -235,6 +235,7 @@ impl fmt::Display for Value {
             Self::Null => f.write_str("None"),
             Self::Bool(b) => write!(f, "{b}"),
             Self::Int(i) => write!(f, "{i}"),
+            Self::Float(x) if x.is_nan() => f.write_str("nan"),
             Self::Float(x) => write!(f, "{x:?}"),
             Self::Text(text) => write!(f, "{text:?}"),
             Self::Array(array) => write!(f, "{array}"),

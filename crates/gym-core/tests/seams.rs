@@ -147,7 +147,7 @@ fn nothing_opens_a_closed_environment() {
 }
 
 #[test]
-fn messages_name_what_is_wrong_first() {
+fn messages_name_what_is_wrong() {
     let message = |error: Error| {
         assert_eq!(format!("{error:?}"), error.to_string(), "`fn main() -> Result<()>` prints the first");
         error.to_string()
@@ -164,7 +164,11 @@ fn messages_name_what_is_wrong_first() {
     let mut env = RecordEpisodeStatistics::new(make());
     env.reset(0).unwrap();
     let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());
-    assert!(error.starts_with("invalid action: expected a whole number, not an array"), "{error}");
+    assert!(error.starts_with("invalid action [0.5 0.5 "), "{error}");
+    assert!(
+        error.ends_with("...: expected a whole number, not an array; the action space is Discrete(2)"),
+        "{error}"
+    );
     assert!(error.len() < 500, "{} characters", error.len());
     let error = message(Space::boxed([-1.0], [1.0]).check(&Value::from([0.5_f64])).unwrap_err());
     assert!(error.starts_with("the numbers are float64 and should be float32"), "{error}");

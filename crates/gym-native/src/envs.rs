@@ -212,12 +212,7 @@ impl<D: Native> NativeVectorEnv<D> {
         let due = |i: usize| self.blocks[i / LANES].due >> (i % LANES) & 1 == 1;
         let action = |i: usize| D::Action::item(actions, i);
         match (0..self.num_envs).find(|i| !D::Action::is_valid(action(*i)) && !due(*i)) {
-            Some(i) => Err(Error::InvalidAction {
-                action: format!("{:?}", action(i)),
-                space: self.single_action_space().to_string(),
-                hint: "; nothing was stepped".into(),
-            }
-            .at_env(i)),
+            Some(i) => Err(self.single_action_space().refuse_action(&action(i)).at_env(i)),
             None => Ok(()),
         }
     }

@@ -46,13 +46,6 @@ fn text(error: &Error) -> String {
         Error::ResetNeeded(call) => {
             format!("cannot call `{call}` before `reset`: call `reset(seed=0)` first")
         }
-        Error::InvalidAction { action, space, .. } if action.starts_with("Array {") => {
-            let (_, numbers) = action.split_once("([").unwrap_or(("", action));
-            let numbers = numbers.trim_end_matches([' ', '}', ')', ']']).replace("NaN", "nan");
-            format!(
-                "invalid action [{numbers}]: it is not finite or not an element of the action space {space}"
-            )
-        }
         Error::InvalidArgument { .. } => {
             let text = TYPES.iter().fold(error.to_string(), |text, (types, words)| {
                 types.iter().fold(text, |text, name| text.replace(&format!("expected {name}"), words))

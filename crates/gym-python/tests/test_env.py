@@ -377,12 +377,15 @@ def test_no_message_speaks_of_rust() -> None:
         with pytest.raises(Exception) as raised:
             rustgym.Env(env_id, **kwargs)
         assert not words_of_rust(raised.value), raised.value
-    env = rustgym.Env("Ant-v5")
-    env.reset(seed=0)
-    for action in (np.full(8, np.nan), np.full(8, np.nan, np.float32), np.full(8, np.inf)):
-        with pytest.raises(gymnasium.error.InvalidAction, match=r"\[(nan|inf), .*Box") as raised:
-            env.step(action)
-        assert not words_of_rust(raised.value), raised.value
+    for env_id in ("Ant-v5", "Pendulum-v1", "BipedalWalker-v3", "CarRacing-v3", "MountainCarContinuous-v0"):
+        env = rustgym.Env(env_id)
+        env.reset(seed=0)
+        for number in (np.nan, np.inf):
+            action = np.full(env.action_space.shape, number)
+            for same in (action, action.astype(np.float32), action.tolist()):
+                with pytest.raises(gymnasium.error.InvalidAction, match=r"(nan|inf).*numbers must be finite.*Box") as raised:
+                    env.step(same)
+                assert not words_of_rust(raised.value), raised.value
 
 
 def words_of_rust(error: BaseException) -> list[str]:

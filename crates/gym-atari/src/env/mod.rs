@@ -111,24 +111,14 @@ impl AtariEnv {
     /// The game's action for one of the agent's actions.
     fn resolve(&self, action: &AtariAction) -> Result<Command> {
         match *action {
-            AtariAction::Index(index) if !self.config.continuous => {
-                let action = self.actions().get(index).copied().ok_or_else(|| self.refuse(&index))?;
-                Ok(action.into())
+            AtariAction::Index(index) if !self.config.continuous && index < self.actions().len() => {
+                Ok(self.actions()[index].into())
             }
             AtariAction::Stick(stick) if self.config.continuous && stick.iter().all(|x| x.is_finite()) => {
                 let action = action::from_stick(stick, self.config.continuous_action_threshold as f32);
                 Ok(Command { action, paddle_strength: stick[0] })
             }
-            AtariAction::Index(index) => Err(self.refuse(&index)),
-            AtariAction::Stick(stick) => Err(self.refuse(&stick)),
-        }
-    }
-
-    fn refuse(&self, action: &dyn std::fmt::Debug) -> Error {
-        Error::InvalidAction {
-            action: format!("{action:?}"),
-            space: self.action_space().to_string(),
-            hint: String::new(),
+            _ => Err(self.action_space().refuse_action(action)),
         }
     }
 

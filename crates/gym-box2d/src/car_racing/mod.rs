@@ -299,7 +299,7 @@ impl CarRacing {
             Action::Drive(_) => !self.config.continuous,
         };
         if !possible {
-            return Err(Error::action(action, &self.action_space()));
+            return Err(self.action_space().refuse_action(action));
         }
         Ok(episode.advance(self.version, Some(action)))
     }

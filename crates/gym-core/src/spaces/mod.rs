@@ -17,7 +17,7 @@ pub(crate) mod json;
 mod multi_binary;
 mod multi_discrete;
 pub(crate) mod number;
-mod numpy_fmt;
+pub(crate) mod numpy_fmt;
 mod one_of;
 mod rows;
 mod sampler;
@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::array::Array;
 use crate::error::shortened;
-use crate::{DType, Error, Result, Seed, Value};
+use crate::{DType, Element, Error, Result, Seed, Value};
 
 pub use box_space::BoxSpace;
 pub use dict::DictSpace;
@@ -190,9 +190,11 @@ impl Space {
         not_in(value, self, fault)
     }
 
-    /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this space.
-    pub fn refuse_action(&self, action: &Value) -> Error {
-        let hint = match (self.check_value(action), action, self.dtype()) {
+    /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this space, or that is not finite.
+    pub fn refuse_action(&self, action: &impl Element) -> Error {
+        let action = action.to_value();
+        let hint = match (self.check_value(&action), &action, self.dtype()) {
+            (_, action, _) if !action.is_finite() => "numbers must be finite".to_owned(),
             (Err(fault), ..) => fault.to_string(),
             (Ok(()), Value::Array(array), Some(dtype)) if array.dtype() != dtype => {
                 format!("the numbers are {} and should be {dtype}: convert them first", array.dtype())

@@ -72,7 +72,7 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 /// numpy's `str` of one number: the fewest digits that distinguish it from its neighbours.
-fn scalar(data: &Data, index: usize) -> String {
+pub(crate) fn scalar(data: &Data, index: usize) -> String {
     // From here on numpy writes an exponent: 10^6 has all the digits that float32 surely holds;
     // 10^16 is the tradition of C for float64.
     let end = match data {

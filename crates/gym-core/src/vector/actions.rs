@@ -1,13 +1,11 @@
 //! Batches of actions as slices of one type.
 
-use std::fmt;
-
-use crate::{Array, Continuous, Data, Element, Error, Result, Space, Value};
+use crate::{Array, Continuous, Data, Element, Result, Space, Value};
 
 /// A type of action that can be read from a batch. [`discrete!`](crate::discrete) implements it.
 pub trait ActionColumn: Element + Copy {
     /// The form of an action in a batch.
-    type Item: Copy + Default + fmt::Debug + Send + Sync + 'static;
+    type Item: Element + Copy + Default + Sync;
 
     /// The actions of a batch.
     type Items<'a>: Copy;
@@ -38,7 +36,7 @@ pub trait ActionColumn: Element + Copy {
     /// Refuses an action that cannot be executed: most types have none.
     ///
     /// # Errors
-    /// [`Error::InvalidAction`].
+    /// [`Error::InvalidAction`](crate::Error::InvalidAction).
     #[inline(always)]
     fn check(&self, space: impl Fn() -> Space) -> Result<()> {
         let _ = space;
@@ -135,14 +133,7 @@ impl<const N: usize> ActionColumn for Continuous<N> {
 
     #[inline(always)]
     fn check(&self, space: impl Fn() -> Space) -> Result<()> {
-        if self.is_finite() {
-            return Ok(());
-        }
-        Err(Error::InvalidAction {
-            action: format!("{self:?}"),
-            space: space().to_string(),
-            hint: "; it must be a finite number".into(),
-        })
+        if self.is_finite() { Ok(()) } else { Err(space().refuse_action(self)) }
     }
 }
 

@@ -190,13 +190,7 @@ impl<E: Env> Slot<E> {
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(spare, |observation| env.step_into(action, observation))
         });
-        let outcome = outcome.unwrap_or_else(|| {
-            Err(Error::InvalidAction {
-                action: self.action.to_string(),
-                space: self.env.action_space().to_string(),
-                hint: String::new(),
-            })
-        })?;
+        let outcome = outcome.unwrap_or_else(|| Err(self.env.action_space().refuse_action(&self.action)))?;
         std::mem::swap(&mut self.observation, &mut self.spare);
         self.stage = if outcome.done() { Stage::Done } else { Stage::Running };
         Ok(outcome)

@@ -195,7 +195,7 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
         if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
-            return Err(Error::action(action, &self.action_space));
+            return Err(self.action_space.refuse_action(action));
         }
         let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, action);
         episode.step = Some(step);

@@ -219,12 +219,10 @@ impl<E: Env> AsyncVectorEnv<E> {
 
     /// The number of sub-environments that a worker takes at once, if all are stepped.
     fn group_len(&self) -> usize {
-        let (n, threads) = (self.home.len(), self.pool.workers.len());
-        match self.pool.group_len {
-            // groups as large as allowed, and equal work for each thread
-            Some(most) => group_len(n.div_ceil(threads), most),
-            None => n.div_ceil(threads * GROUPS_PER_THREAD),
-        }
+        let share = self.home.len().div_ceil(self.pool.workers.len());
+        // whole groups of those that step together
+        let together = self.pool.group_len.map_or(1, |most| group_len(share, most));
+        share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
     /// Takes back a sub-environment, and returns its result.
@@ -452,23 +450,29 @@ fn work<E: Env>(
     loop {
         let job = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
         let Ok(Job { mut group, autoreset }) = job else { return };
-        if let Some(ahead) = &mut ahead {
-            ahead.clear();
-            group.iter_mut().for_each(|traveller| {
-                let Traveller { slot, ask, .. } = &mut **traveller;
-                ahead.begin(slot, ask);
-            });
-            ahead.solve();
-            group.iter_mut().for_each(|traveller| {
-                let Traveller { slot, ask, .. } = &mut **traveller;
-                ahead.collect(slot, ask);
-            });
-        }
-        for traveller in &mut group {
-            if stop.load(Ordering::Relaxed) {
-                return;
+        let together = match &ahead {
+            Some(ahead) => group_len(group.len(), ahead.group_len()),
+            None => group.len(),
+        };
+        for group in group.chunks_mut(together.max(1)) {
+            if let Some(ahead) = &mut ahead {
+                ahead.clear();
+                group.iter_mut().for_each(|traveller| {
+                    let Traveller { slot, ask, .. } = &mut **traveller;
+                    ahead.begin(slot, ask);
+                });
+                ahead.solve();
+                group.iter_mut().for_each(|traveller| {
+                    let Traveller { slot, ask, .. } = &mut **traveller;
+                    ahead.collect(slot, ask);
+                });
             }
-            traveller.go(autoreset);
+            for traveller in group {
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
+                traveller.go(autoreset);
+            }
         }
         if answers.send(group).is_err() {
             return;

@@ -22,8 +22,10 @@ pub struct Target {
 }
 
 /// Every target.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: &[Target] = &[
     Target { name: "arguments", run: targets::arguments, seeds: seeds::arguments },
+    #[cfg(unix)]
+    Target { name: "frames", run: targets::frames, seeds: seeds::frames },
     Target { name: "ids", run: targets::ids, seeds: seeds::ids },
     Target { name: "mjcf", run: targets::mjcf, seeds: seeds::mjcf },
     Target { name: "roms", run: targets::roms, seeds: seeds::roms },

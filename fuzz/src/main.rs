@@ -35,8 +35,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let unknown = arguments.targets.iter().find(|name| TARGETS.iter().all(|target| target.name != **name));
     if let Some(name) = unknown {
-        let known = TARGETS.map(|target| target.name).join(", ");
-        eprintln!("error: unknown target `{name}`: the targets are {known}");
+        let known: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
+        eprintln!("error: unknown target `{name}`: the targets are {}", known.join(", "));
         return ExitCode::FAILURE;
     }
     let chosen = |target: &&Target| {

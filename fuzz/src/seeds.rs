@@ -1,7 +1,7 @@
 //! Seed inputs, written by the library itself.
 
 use gym::trace::{Event, Trace};
-use gym::{Env, EnvExt, Reset, registry};
+use gym::{Env, EnvExt, Reset, Space, registry};
 use serde_json::{Value as Json, json};
 
 /// The registered ids, and some that are none.
@@ -10,6 +10,17 @@ pub fn ids() -> Vec<Vec<u8>> {
         registry::self_contained().into_iter().map(|registration| registration.id().as_bytes().to_vec());
     let other = ["CartPole", "a/b/C-v0", "x y-v1", "-v1", "A-v4294967296", "CartPole-v01", "å/ß.é-v1"];
     known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
+}
+
+/// Elements of spaces of every kind, as a worker of the bridge sends them.
+#[cfg(unix)]
+pub fn frames() -> Vec<Vec<u8>> {
+    let elements = spaces().into_iter().filter_map(|request| {
+        let request: Json = serde_json::from_slice(&request).ok()?;
+        let space: Space = serde_json::from_value(request.get("space")?.clone()).ok()?;
+        Some(gym::bridge::wire::encoded(&space.sampler(0).sample()))
+    });
+    elements.collect()
 }
 
 /// Programs that write all registers, of each size of cartridge.
@@ -109,7 +120,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
     for description in all {
         // whatever their stored form really is
-        let space = serde_json::from_value::<gym::Space>(description.clone());
+        let space = serde_json::from_value::<Space>(description.clone());
         let value = space.as_ref().ok().and_then(|space| space.to_json(&space.sampler(1).sample()).ok());
         seeds.push(json!({"space": description, "value": value}).to_string().into_bytes());
     }

@@ -32,6 +32,14 @@ pub fn ids(input: &[u8]) {
     }
 }
 
+/// Bytes that a worker of the bridge may send for a value.
+#[cfg(unix)]
+pub fn frames(input: &[u8]) {
+    use gym::bridge::wire::{decoded, encoded};
+    let Some(value) = decoded(input) else { return };
+    assert!(encoded(&value) == input, "{value} is written otherwise than it was read");
+}
+
 /// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen and unseen, end and
 /// come to the same.
 pub fn roms(input: &[u8]) {

@@ -36,7 +36,8 @@
 mod config;
 mod env;
 mod spaces;
-mod wire;
+#[doc(hidden)]
+pub mod wire;
 mod worker;
 
 pub use config::Config;

@@ -16,6 +16,21 @@ const DICT: u8 = 8;
 const GRAPH: u8 = 9;
 const ONE_OF: u8 = 10;
 
+/// A value as the bytes of a frame.
+pub fn encoded(value: &Value) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write(value, &mut bytes);
+    bytes
+}
+
+/// The value of a frame's bytes; `None` if they are invalid, or more than a value.
+pub fn decoded(mut bytes: &[u8]) -> Option<Value> {
+    let length = bytes.len() as u64;
+    let mut reader = Reader::new(&mut bytes, length);
+    let value = reader.value()?;
+    reader.is_done().then_some(value)
+}
+
 pub(crate) fn write(value: &Value, out: &mut Vec<u8>) {
     match value {
         Value::Null => out.push(NULL),
@@ -260,11 +275,6 @@ mod tests {
         ]
     }
 
-    fn read(mut bytes: &[u8]) -> Option<Value> {
-        let length = bytes.len() as u64;
-        Reader::new(&mut bytes, length).value()
-    }
-
     /// A stream that counts the bytes that are taken from it, and how often.
     struct Counted<'a> {
         bytes: &'a [u8],
@@ -283,8 +293,7 @@ mod tests {
     fn an_array_is_read_from_the_stream_into_its_place() {
         const LENGTH: usize = 1 << 20;
         let numbers: Vec<f32> = (0..LENGTH).map(|i| i as f32).collect();
-        let mut bytes = Vec::new();
-        write(&Value::Array(numbers.into()), &mut bytes);
+        let bytes = encoded(&Value::Array(numbers.into()));
         let stream = Counted { bytes: &bytes, taken: Vec::new() };
         // numbers are cut in two by the buffer's end
         let mut stream = io::BufReader::with_capacity(1 << 16, stream);
@@ -302,8 +311,7 @@ mod tests {
     #[test]
     fn values_come_back_into_any_buffer() {
         for value in samples() {
-            let mut bytes = Vec::new();
-            write(&value, &mut bytes);
+            let bytes = encoded(&value);
             for mut buffer in samples() {
                 let mut stream = bytes.as_slice();
                 let mut reader = Reader::new(&mut stream, bytes.len() as u64);
@@ -317,10 +325,9 @@ mod tests {
     #[test]
     fn damaged_bytes_are_refused() {
         for value in samples() {
-            let mut bytes = Vec::new();
-            write(&value, &mut bytes);
+            let bytes = encoded(&value);
             for cut in 0..bytes.len() {
-                assert!(read(&bytes[..cut]).is_none(), "{value:?} cut at {cut}");
+                assert!(decoded(&bytes[..cut]).is_none(), "{value:?} cut at {cut}");
                 let ended = Reader::new(&mut &bytes[..cut], bytes.len() as u64).value();
                 assert!(ended.is_none(), "{value:?}, whose stream ends at {cut}");
             }
@@ -329,11 +336,11 @@ mod tests {
                     let mut damaged = bytes.clone();
                     damaged[i] = byte;
                     // any input ends, and needs no more memory than its bytes
-                    let _ = read(&damaged);
+                    let _ = decoded(&damaged);
                 }
             }
         }
         let deep = [TUPLE, 1, 0, 0, 0].repeat(10_000);
-        assert!(read(&deep).is_none(), "no stack overflows");
+        assert!(decoded(&deep).is_none(), "no stack overflows");
     }
 }

@@ -274,23 +274,3 @@ gym_core::register!(
         )))
         .clip(Clip { seeds: 0..1, every: 3, frames: 100, size: (300, 200) })
 );
-
-#[cfg(test)]
-mod tests {
-    use gym_core::EnvExt;
-
-    use super::*;
-
-    /// The force is clipped; the reward is of the unclipped action.
-    #[test]
-    fn the_cost_is_that_of_the_action_as_given() {
-        let step = |force: f32| {
-            let mut env = MountainCarContinuous::new(Config::default()).unwrap();
-            env.reset(0).unwrap();
-            env.step(&[force].into()).unwrap()
-        };
-        assert!((step(3.0).reward + 0.9).abs() < 1e-9, "{}", step(3.0).reward);
-        assert!((step(1.0).reward + 0.1).abs() < 1e-9);
-        assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
-    }
-}

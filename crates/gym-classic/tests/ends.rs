@@ -1,0 +1,91 @@
+//! Rewards, flags and stored states at the ends of episodes.
+
+use gym_classic::cartpole::{Action, CartPole, Config};
+use gym_classic::{MountainCarContinuous, mountain_car, mountain_car_continuous};
+use gym_core::{Dynamics, Env, EnvExt, Generator, Reset, Task};
+
+/// Pushes right until the pole falls, and once more.
+fn rewards(config: Config) -> Vec<f64> {
+    let mut env = CartPole::new(config).unwrap();
+    env.reset(0).unwrap();
+    let mut rewards = Vec::new();
+    while !env.state().unwrap().fallen {
+        rewards.push(env.step(&Action::Right).unwrap().reward);
+    }
+    rewards.push(env.step(&Action::Right).unwrap().reward);
+    rewards.drain(..rewards.len() - 3);
+    rewards
+}
+
+#[test]
+fn only_what_an_episode_reaches_is_restored() {
+    let mut env = CartPole::new(Config::default()).unwrap();
+    env.reset(0).unwrap();
+    env.step(&Action::Left).unwrap();
+    let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+    let mut with = |name: &str, value: f64| {
+        let mut stored = stored.clone();
+        stored["episode"]["state"][name] = value.into();
+        env.restore(&serde_json::from_value(stored).unwrap())
+    };
+    with("theta", Config::default().theta_threshold_radians).unwrap();
+    with("x", -2.4).unwrap();
+    for (name, value) in
+        [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 300.0), ("theta_dot", -1000.0)]
+    {
+        assert!(with(name, value).unwrap_err().to_string().contains("not a state of this CartPole"));
+    }
+}
+
+#[test]
+fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
+    let mut env = CartPole::new(Config::default()).unwrap();
+    env.reset(Reset::seed(0).option("low", 0.8).option("high", 0.9)).unwrap();
+    let start = env.snapshot().unwrap();
+    assert!(env.step(&Action::Left).unwrap().terminated);
+    let end = env.snapshot().unwrap();
+    for snapshot in [start, end] {
+        env.restore(&snapshot).unwrap();
+        assert_eq!(env.snapshot().unwrap(), snapshot);
+    }
+}
+
+#[test]
+fn the_last_step_counts_and_none_beyond() {
+    assert_eq!(rewards(Config::default()), [1.0, 1.0, 0.0]);
+    assert_eq!(rewards(Config { sutton_barto_reward: true, ..Config::default() }), [0.0, -1.0, -1.0]);
+}
+
+/// The force is clipped; the reward is of the unclipped action.
+#[test]
+fn the_cost_is_that_of_the_action_as_given() {
+    let step = |force: f32| {
+        let mut env = MountainCarContinuous::new(mountain_car_continuous::Config::default()).unwrap();
+        env.reset(0).unwrap();
+        env.step(&[force].into()).unwrap()
+    };
+    assert!((step(3.0).reward + 0.9).abs() < 1e-9, "{}", step(3.0).reward);
+    assert!((step(1.0).reward + 0.1).abs() < 1e-9);
+    assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
+}
+
+/// At the right end of the valley, at the highest speed: both are clipped to just these numbers.
+#[test]
+fn the_goal_itself_counts() {
+    let mut rng = Generator::from(0);
+    let config = mountain_car::Config { goal_position: 0.6, goal_velocity: 0.07, ..Default::default() };
+    let car = mountain_car::MountainCarDynamics::new(config).unwrap();
+    let before = mountain_car::State { position: 0.55, velocity: 0.07 };
+    let after = car.transition(&before, &mountain_car::Action::Right, &mut rng).unwrap();
+    assert_eq!((after.state.position, after.state.velocity), (0.6, 0.07));
+    assert!(after.terminated);
+
+    // its numbers are those of float32
+    let [goal_position, goal_velocity] = [0.6f32, 0.07].map(f64::from);
+    let config = mountain_car_continuous::Config { goal_position, goal_velocity, ..Default::default() };
+    let car = mountain_car_continuous::MountainCarContinuousDynamics::new(config).unwrap();
+    let before = mountain_car_continuous::State { position: 0.55, velocity: 0.07, fresh: false };
+    let after = car.transition(&before, &[1.0f32].into(), &mut rng).unwrap();
+    assert_eq!((after.state.position, after.state.velocity), (goal_position, goal_velocity));
+    assert!(after.terminated);
+}

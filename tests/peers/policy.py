@@ -1,13 +1,17 @@
-"""Plays a policy that gym-ppo trained in Gymnasium's environment: its returns must be those of `gym-ppo evaluate`.
+"""Plays a policy that gym-ppo trained in Gymnasium's environment and in ours: every return must be the same to the last bit.
 
     python tests/peers/policy.py crates/gym-mujoco/policies/half-cheetah.json --episodes 100
+
+It needs gymnasium, with MuJoCo for its tasks, and rustgym.
 """
 
 import argparse
 import json
+import sys
 
 import gymnasium
 import numpy as np
+import rustgym
 
 
 def load(path):
@@ -29,6 +33,17 @@ def load(path):
     return stored["env"], best
 
 
+def play(make, spec, best, seed):
+    """The return of an episode."""
+    env = gymnasium.wrappers.ClipAction(make(spec["id"], **spec["kwargs"]))
+    observation, _ = env.reset(seed=seed)
+    total, done = 0.0, False
+    while not done:
+        observation, reward, terminated, truncated, _ = env.step(best(observation))
+        total, done = total + reward, terminated or truncated
+    return total
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("policy")
@@ -36,21 +51,19 @@ def main():
     parser.add_argument("--seed", type=int, default=1_000_000)
     arguments = parser.parse_args()
     spec, best = load(arguments.policy)
-    env = gymnasium.wrappers.ClipAction(gymnasium.make(spec["id"], **spec["kwargs"]))
-    returns = []
-    for episode in range(arguments.episodes):
-        observation, _ = env.reset(seed=arguments.seed + episode)
-        total, done = 0.0, False
-        while not done:
-            observation, reward, terminated, truncated, _ = env.step(best(observation))
-            total, done = total + reward, terminated or truncated
-        print(f"episode {episode}: return {total}")
-        returns.append(total)
+    returns, unequal = [], 0
+    for seed in range(arguments.seed, arguments.seed + arguments.episodes):
+        theirs, ours = (play(make, spec, best, seed) for make in (gymnasium.make, rustgym.make))
+        if theirs != ours:
+            print(f"seed {seed}: {theirs} in Gymnasium, {ours} here")
+            unequal += 1
+        returns.append(ours)
     print(
         f"{spec['id']}: mean return {np.mean(returns):.1f}, standard deviation {np.std(returns):.1f}, "
-        f"over {len(returns)} episodes"
+        f"over {len(returns)} episodes, {unequal} of them unequal"
     )
+    return 1 if unequal else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -51,6 +51,22 @@ except gymnasium.error.VersionNotFound as error:
     assert run(code) == "done\n"
 
 
+@pytest.mark.parametrize("ale_py_comes", ["before", "after", "never"])
+def test_replacing_beside_ale_py(ale_py_comes: str) -> None:
+    pytest.importorskip("ale_py")
+    ale_py = "import ale_py; gymnasium.register_envs(ale_py)"
+    code = f"""
+import warnings, gymnasium
+warnings.simplefilter("error")
+{ale_py if ale_py_comes == "before" else ""}
+import rustgym
+rustgym.register(replace=True)
+{ale_py if ale_py_comes == "after" else ""}
+print(gymnasium.make("ALE/Pong-v5").unwrapped.__module__)
+"""
+    assert run(code) == "rustgym.envs\n"
+
+
 def test_the_module_in_gymnasiums_place() -> None:
     code = """
 import rustgym as gym

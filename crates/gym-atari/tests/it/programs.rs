@@ -186,6 +186,40 @@ fn illegal_actions_do_nothing() {
     }
 }
 
+/// ale-py's `restoreState` leaves alone whether a frame is unfinished. The program counts in `$91`, between two `WSYNC` and the
+/// end of `VSYNC`, and then waits for 30,000 instructions: of three calls the first does not end its frame, the second ends it
+/// at its first store, and only the third counts.
+#[test]
+fn an_unfinished_frame_goes_on_after_a_restore() {
+    let program = rom(&[
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xe6, 0x91, 0xa9, 0x00, 0x85, 0x00, // VSYNC; inc $91
+        0xa2, 0x3a, 0xa0, 0x00, 0x88, 0xd0, 0xfd, 0xca, 0xd0, 0xf8, 0x4c, 0x00, 0xf0,
+    ]);
+    let mut third = Ale::new(games::by_name("skiing").unwrap(), &program, 0);
+    let counts = |ale: &mut Ale| {
+        let before = ale.ram().0[0x11];
+        ale.act(Action::Noop);
+        ale.ram().0[0x11] != before
+    };
+    while !counts(&mut third) {}
+    let mut first = third.clone();
+    assert!(!counts(&mut first));
+    let mut second = first.clone();
+    assert!(!counts(&mut second));
+    for (place, state, expected) in [
+        // the call that counts: but its frame is that of before, and ends at once
+        (&first, &second, false),
+        (&second, &second, true),
+        // the call that ends its frame: but it has begun anew, and goes on to the count
+        (&first, &first, false),
+        (&second, &first, true),
+    ] {
+        let mut ale = place.clone();
+        assert!(ale.set_state_like_ale(&state.state(), true));
+        assert_eq!(counts(&mut ale), expected);
+    }
+}
+
 /// Reward, lives and end of a frame after each of some changes of RAM, by a program that leaves it alone after its start.
 fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
     let program = rom(&[

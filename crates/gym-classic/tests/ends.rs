@@ -50,6 +50,19 @@ fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
     }
 }
 
+/// Without mass the numbers are infinite after a step, and NaN after two.
+#[test]
+fn a_state_that_is_not_finite_is_stored_and_restored() {
+    let mut env = CartPole::new(Config { total_mass: Some(0.0), ..Config::default() }).unwrap();
+    env.reset(0).unwrap();
+    for _ in 0..3 {
+        env.step(&Action::Left).unwrap();
+        let stored = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
+        env.restore(&serde_json::from_str(&stored).unwrap()).unwrap();
+        assert_eq!(serde_json::to_string(&env.snapshot().unwrap()).unwrap(), stored);
+    }
+}
+
 #[test]
 fn the_last_step_counts_and_none_beyond() {
     assert_eq!(rewards(Config::default()), [1.0, 1.0, 0.0]);

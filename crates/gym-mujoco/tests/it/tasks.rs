@@ -82,6 +82,8 @@ fn bad_arguments_say_what_is_wrong() {
         ("Ant-v5", "main_body", json!(99), "0 to 13"),
         ("Ant-v5", "main_body", json!(14), "0 to 13"),
         ("Ant-v5", "frame_skip", json!(0), "frame_skip"),
+        ("Ant-v5", "reset_noise_scale", json!(1e308), "within ±1e9"),
+        ("Walker2d-v3", "reset_noise_scale", json!(-1e10), "within ±1e9"),
         ("Ant-v5", "camera_name", json!("none"), "track"),
         ("Ant-v5", "camera_id", json!(7), "1 cameras"),
         ("Ant-v5", "healthy_z_range", json!([1.0, 0.2]), "healthy_z_range"),

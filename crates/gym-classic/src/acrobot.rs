@@ -208,7 +208,7 @@ impl Task for AcrobotDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
+        !self.is_usual || reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
     }
 
     fn metadata(&self) -> Metadata {

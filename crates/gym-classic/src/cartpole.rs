@@ -338,17 +338,10 @@ impl Task for CartPoleDynamics {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;
         let Config { tau, x_threshold, theta_threshold_radians, .. } = self.config;
-        let numbers = [x, x_dot, theta, theta_dot];
-        if self.config
-            != (Config { sutton_barto_reward: self.config.sutton_barto_reward, ..Config::default() })
-        {
-            // such as those of a cart without mass
-            return true;
-        }
         let is_slow = x_dot.abs() <= 2.0 * x_threshold / tau + PUSH
             && theta_dot.abs() <= 2.0 * theta_threshold_radians / tau + PUSH;
         let is_running = self.is_within(x, theta) && is_slow;
-        reset::plausible(&numbers) && (is_running || fallen || fresh)
+        !self.is_usual || reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
     }
 
     fn metadata(&self) -> Metadata {

@@ -187,7 +187,7 @@ impl Task for MountainCarDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        reset::plausible(&[state.position, state.velocity])
+        !self.is_usual || reset::plausible(&[state.position, state.velocity])
     }
 
     fn metadata(&self) -> Metadata {

@@ -233,7 +233,7 @@ impl Task for PendulumDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        reset::plausible(&[state.theta, state.theta_dot])
+        !self.is_usual || reset::plausible(&[state.theta, state.theta_dot])
     }
 
     fn metadata(&self) -> Metadata {

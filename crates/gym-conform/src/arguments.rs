@@ -1,5 +1,7 @@
 //! Checks of the arguments of registered environments.
 
+use std::fmt;
+
 use serde_json::{Value as Json, json};
 
 use crate::subject::Subject;
@@ -65,4 +67,42 @@ pub(crate) fn others(value: &Json) -> Vec<Json> {
         },
         _ => vec![],
     }
+}
+
+/// An environment with one argument out of the ordinary, which it may refuse.
+pub(crate) struct Odd {
+    pub(crate) spec: EnvSpec,
+    name: String,
+    value: Json,
+}
+
+impl fmt::Display for Odd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.name, self.value)
+    }
+}
+
+/// Each argument with values at the ends of its range and beyond.
+pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
+    subject.arguments().into_iter().flat_map(|(spec, kwargs)| {
+        kwargs.into_iter().flat_map(move |(name, default)| {
+            let values = match default {
+                Json::Number(number) if number.is_f64() => {
+                    vec![json!(0.0), json!(-1.0), json!(1e308), json!(-1e308), json!(5e-324)]
+                }
+                // large sizes are honest requests to fill the memory
+                Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
+                Json::Bool(value) => vec![json!(!value)],
+                Json::String(_) => vec![json!(""), json!("no such value")],
+                Json::Array(_) => vec![json!([]), json!([null]), json!([[]]), json!([1e308])],
+                _ => vec![json!(0), json!(""), json!([]), json!([""]), json!({})],
+            };
+            let spec = spec.clone();
+            values.into_iter().map(move |value| {
+                let mut spec = spec.clone();
+                spec.kwargs.insert(name.clone(), value.clone());
+                Odd { spec, name: name.clone(), value }
+            })
+        })
+    })
 }

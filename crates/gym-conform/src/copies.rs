@@ -2,6 +2,7 @@
 
 use serde_json::{Value as Json, json};
 
+use crate::arguments;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot};
@@ -38,7 +39,8 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     continues(subject, what, |env| restored(env, ended(subject)?))?;
     let what = "an environment restored from a snapshot of the end of an episode";
     continues_after_the_end(subject, what, |env| restored(env, subject.make()?))?;
-    unused(subject)
+    unused(subject)?;
+    with_odd_arguments(subject)
 }
 
 /// `into` with the state of `env`, by way of a text.
@@ -74,6 +76,26 @@ fn unused(subject: &Subject<'_>) -> Verdict {
         return broken(format!("{what} goes on with an episode"));
     }
     same(&roll_out(&mut new, 0, STEPS)?, &roll_out(&mut used, 0, STEPS)?, what)
+}
+
+/// Numbers that no ordinary episode reaches are stored and restored too.
+fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
+    for odd in arguments::odd(subject) {
+        let played = || -> Result<BoxEnv> {
+            let mut env = odd.spec.make()?;
+            env.reset(0)?;
+            carry_on(&mut env, 0, 20)?;
+            Ok(env)
+        };
+        // it may refuse the argument, or the steps
+        let Ok(env) = played() else { continue };
+        if let Err(error) = restored(&env, env.clone()) {
+            return broken(format!(
+                "with the argument {odd} an environment refuses its own snapshot: {error}"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Whether a copy taken in the middle of an episode continues like an original that was not copied.

@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde_json::{Value as Json, json};
 
+use crate::arguments;
 use crate::inputs::{corners, huge, invalid, uniform};
 use crate::look::look;
 use crate::subject::{Subject, carry_on};
@@ -106,33 +107,17 @@ fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Jso
         .flat_map(move |name| values.clone().map(|value| (name, value)))
 }
 
-/// Each argument with values out of range, and an episode with accepted ones.
+/// An episode with each argument out of the ordinary.
 fn odd_arguments(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = subject.arguments() else { return Ok(()) };
-    for (name, default) in &kwargs {
-        let values = match default {
-            Json::Number(number) if number.is_f64() => {
-                vec![json!(0.0), json!(-1.0), json!(1e308), json!(-1e308), json!(5e-324)]
-            }
-            // large sizes are honest requests to fill the memory
-            Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
-            Json::Bool(value) => vec![json!(!value)],
-            Json::String(_) => vec![json!(""), json!("no such value")],
-            Json::Array(_) => vec![json!([]), json!([null]), json!([[]]), json!([1e308])],
-            _ => vec![json!(0), json!(""), json!([]), json!([""]), json!({})],
-        };
-        for value in values {
-            attempt(&format!("with the argument {name}={value}"), || {
-                let mut with = spec.clone();
-                with.kwargs.insert(name.clone(), value.clone());
-                let mut env = with.make()?;
-                env.reset(0)?;
-                look(&env);
-                carry_on(&mut env, 0, 20)?;
-                look(&env);
-                Ok(())
-            })?;
-        }
+    for odd in arguments::odd(subject) {
+        attempt(&format!("with the argument {odd}"), || {
+            let mut env = odd.spec.make()?;
+            env.reset(0)?;
+            look(&env);
+            carry_on(&mut env, 0, 20)?;
+            look(&env);
+            Ok(())
+        })?;
     }
     Ok(())
 }

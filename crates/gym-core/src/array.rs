@@ -47,6 +47,23 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Array {
     }
 }
 
+/// numpy's largest number of axes.
+pub(crate) const MAX_AXES: usize = 64;
+
+/// The number of elements of a shape; `None` for more than `usize` counts and for more than [`MAX_AXES`]. An empty array is
+/// refused if its other axes have more than [`MAX_ELEMENTS`](crate::spaces::MAX_ELEMENTS): its nested lists would fill the
+/// memory.
+pub(crate) fn element_count(shape: &[usize]) -> Option<usize> {
+    if shape.len() > MAX_AXES {
+        return None;
+    }
+    let axes = shape.iter().filter(|n| **n > 0).try_fold(1usize, |product, n| product.checked_mul(*n))?;
+    match shape.contains(&0) {
+        true => (axes <= crate::spaces::MAX_ELEMENTS).then_some(0),
+        false => Some(axes),
+    }
+}
+
 impl Array {
     /// An array of that shape.
     ///
@@ -54,7 +71,7 @@ impl Array {
     /// [`Error::Custom`] if the shape has another number of elements than `data`.
     pub fn new(shape: impl Into<Vec<usize>>, data: Data) -> Result<Self> {
         let shape = shape.into();
-        match shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n)) {
+        match element_count(&shape) {
             Some(len) if len == data.len() => Ok(Self { shape, data }),
             _ => Err(Error::custom(format!("shape {shape:?} does not hold {} numbers", data.len()))),
         }
@@ -66,8 +83,7 @@ impl Array {
     /// [`Error::Custom`] if the numbers do not fit in memory.
     pub fn zeros(dtype: DType, shape: impl Into<Vec<usize>>) -> Result<Self> {
         let shape = shape.into();
-        let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n));
-        match len.and_then(|len| Data::zeros(dtype, len)) {
+        match element_count(&shape).and_then(|len| Data::zeros(dtype, len)) {
             Some(data) => Ok(Self { shape, data }),
             None => Err(Error::custom(format!(
                 "an array of shape {shape:?} and type {dtype} does not fit in memory"
@@ -78,8 +94,7 @@ impl Array {
     /// An array from little-endian bytes; `None` if their number does not fit the shape.
     pub fn from_bytes(dtype: DType, shape: impl Into<Vec<usize>>, bytes: &[u8]) -> Option<Self> {
         let shape = shape.into();
-        let len = shape.iter().try_fold(1usize, |len, n| len.checked_mul(*n))?;
-        if len.checked_mul(dtype.size()) != Some(bytes.len()) {
+        if element_count(&shape)?.checked_mul(dtype.size()) != Some(bytes.len()) {
             return None;
         }
         let mut array = Self::zeros(dtype, shape).ok()?;

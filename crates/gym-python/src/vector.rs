@@ -425,12 +425,8 @@ impl Vector {
 }
 
 fn make(spec: &VectorSpec) -> PyResult<Envs> {
-    if spec.vectorization_mode != VectorKind::Async {
-        return spec.make().or_raise().map(Envs::Here);
+    match spec.vectorization_mode {
+        VectorKind::Async => spec.make_async().or_raise().map(|vector| Envs::Async(Box::new(vector))),
+        _ => spec.make().or_raise().map(Envs::Here),
     }
-    let mut vector = spec.envs().and_then(AsyncVectorEnv::new).or_raise()?;
-    if let Some(threads) = spec.threads {
-        vector = vector.with_threads(threads).or_raise()?;
-    }
-    Ok(Envs::Async(Box::new(vector.with_autoreset(spec.autoreset_mode))))
 }

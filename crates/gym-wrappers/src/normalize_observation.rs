@@ -2,12 +2,13 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
+use gym_core::vector::parts::numbers;
 use gym_core::vector::{Columns, Progress};
 use gym_core::{Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
 
 use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
-use crate::within::{not_an_array, numbers};
+use crate::within::not_an_array;
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`, to the
 /// bit as Gymnasium's does.

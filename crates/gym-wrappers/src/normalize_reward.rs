@@ -1,12 +1,12 @@
 //! Rewards normalised.
 
 use gym_core::registry::WrapperConfig;
+use gym_core::vector::parts::numbers;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{Array, BoxEnv, DType, Env, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
 
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
-use crate::within::numbers;
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the bit as
 /// Gymnasium's does; around a vector, over all sub-environments.

@@ -1,9 +1,8 @@
 //! Shared parts of wrappers: the inner environment or vector, and typed actions.
 
-use gym_core::array::Scalar;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
-use gym_core::{Array, Element, Env, Error, Generator, Outcome, Result, Space, Value, VectorEnv};
+use gym_core::{Element, Env, Error, Generator, Outcome, Result, Space, Value, VectorEnv};
 use serde_json::Value as Json;
 
 use crate::map::Seen;
@@ -275,14 +274,6 @@ pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generato
              `Env::generator` where it is not"
         ))
     })
-}
-
-/// The numbers of a stored array, if their number is right.
-pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> Result<Vec<T>> {
-    let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
-    numbers
-        .map(<[T]>::to_vec)
-        .ok_or_else(|| Error::Snapshot(format!("expected {len} numbers of type {}, not {array}", T::DTYPE)))
 }
 
 /// The typed element of a space that was stored as JSON.

@@ -23,6 +23,28 @@ macro_rules! methods {
     };
 }
 
+/// The methods of environments and vectors.
+macro_rules! for_both {
+    () => {
+        methods! {
+            filter_observation(filter_keys) => FilterObservation in filter_observation,
+            flatten_observation => FlattenObservation in flatten_observation,
+            grayscale_observation(keep_dim) => GrayscaleObservation in grayscale_observation,
+            resize_observation(shape) => ResizeObservation in resize_observation,
+            reshape_observation(shape) => ReshapeObservation in reshape_observation,
+            rescale_observation(bounds) => RescaleObservation in rescale_observation,
+            dtype_observation(dtype) => DtypeObservation in dtype_observation,
+            discretize_observation(bins) => DiscretizeObservation in discretize_observation,
+            normalize_observation => NormalizeObservation in normalize_observation,
+            clip_action => ClipAction in clip_action,
+            rescale_action(bounds) => RescaleAction in rescale_action,
+            discretize_action(bins) => DiscretizeAction in discretize_action,
+            clip_reward(bounds) => ClipReward in clip_reward,
+            normalize_reward(gamma) => NormalizeReward in normalize_reward,
+        }
+    };
+}
+
 /// The wrappers of environments as methods, for any environment, typed or erased.
 ///
 /// ```
@@ -55,28 +77,16 @@ pub trait Wrap: Env + Sized {
         RecordEpisodeStatistics::new(self)
     }
 
+    for_both! {}
+
     methods! {
-        filter_observation(filter_keys) => FilterObservation in filter_observation,
-        flatten_observation => FlattenObservation in flatten_observation,
-        grayscale_observation(keep_dim) => GrayscaleObservation in grayscale_observation,
-        resize_observation(shape) => ResizeObservation in resize_observation,
-        reshape_observation(shape) => ReshapeObservation in reshape_observation,
-        rescale_observation(bounds) => RescaleObservation in rescale_observation,
-        dtype_observation(dtype) => DtypeObservation in dtype_observation,
         add_render_observation => AddRenderObservation in add_render_observation,
-        discretize_observation(bins) => DiscretizeObservation in discretize_observation,
         delay_observation(delay) => DelayObservation in delay_observation,
         time_aware_observation => TimeAwareObservation in time_aware_observation,
         frame_stack(stack_size) => FrameStackObservation in frame_stack_observation,
-        normalize_observation => NormalizeObservation in normalize_observation,
         max_and_skip(skip) => MaxAndSkipObservation in max_and_skip_observation,
-        clip_action => ClipAction in clip_action,
-        rescale_action(bounds) => RescaleAction in rescale_action,
-        discretize_action(bins) => DiscretizeAction in discretize_action,
         sticky_action(probability) => StickyAction in sticky_action,
         repeat_action(num_repeats) => RepeatAction in repeat_action,
-        clip_reward(bounds) => ClipReward in clip_reward,
-        normalize_reward(gamma) => NormalizeReward in normalize_reward,
         add_white_noise(probability) => AddWhiteNoise in add_white_noise,
         obstruct_view(ratio_and_width) => ObstructView in obstruct_view,
     }
@@ -137,22 +147,7 @@ pub trait VectorWrap: VectorEnv + Sized {
         RecordEpisodeStatistics::new(self)
     }
 
-    methods! {
-        filter_observation(filter_keys) => FilterObservation in filter_observation,
-        flatten_observation => FlattenObservation in flatten_observation,
-        grayscale_observation(keep_dim) => GrayscaleObservation in grayscale_observation,
-        resize_observation(shape) => ResizeObservation in resize_observation,
-        reshape_observation(shape) => ReshapeObservation in reshape_observation,
-        rescale_observation(bounds) => RescaleObservation in rescale_observation,
-        dtype_observation(dtype) => DtypeObservation in dtype_observation,
-        discretize_observation(bins) => DiscretizeObservation in discretize_observation,
-        normalize_observation => NormalizeObservation in normalize_observation,
-        clip_action => ClipAction in clip_action,
-        rescale_action(bounds) => RescaleAction in rescale_action,
-        discretize_action(bins) => DiscretizeAction in discretize_action,
-        clip_reward(bounds) => ClipReward in clip_reward,
-        normalize_reward(gamma) => NormalizeReward in normalize_reward,
-    }
+    for_both! {}
 
     /// [`TransformObservation`].
     fn transform_observation<F>(

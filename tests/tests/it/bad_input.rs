@@ -186,13 +186,17 @@ fn snapshots_of_other_arguments() {
 fn sizes_beyond_any_memory() {
     use gym::spaces::TextSpace;
     let space = |json: serde_json::Value| serde_json::from_value::<gym::Space>(json);
-    for shape in [json!([i64::MAX]), json!([1u64 << 40, 2]), json!([usize::MAX, 2])] {
+    for shape in [json!([i64::MAX]), json!([1u64 << 40, 2]), json!([usize::MAX, 2]), json!([i64::MAX, 0])] {
         for low in [json!(0), json!([0])] {
             let described = json!({"type": "Box", "low": low, "high": 1, "shape": shape, "dtype": "float32"});
             assert!(space(described).unwrap_err().to_string().contains("too many elements"), "{shape}");
         }
         assert!(space(json!({"type": "MultiBinary", "shape": shape})).is_err(), "{shape}");
     }
+    let deep = json!({"type": "MultiBinary", "shape": vec![1; 100_000]});
+    assert!(space(deep).unwrap_err().to_string().contains("has 100000 axes: at most 64"));
+    says(Array::zeros(gym::DType::F32, vec![1; 65]), &["does not fit in memory"]);
+    says(Array::zeros(gym::DType::F32, [1 << 40, 0]), &["does not fit in memory"]);
     says(TextSpace::new(0, 1 << 40), &["too long"]);
     let huge = gym::Space::discrete(i64::MAX);
     says(huge.flatten(&Value::Int(3)), &["too large to flatten"]);

@@ -242,37 +242,45 @@ impl VectorSpec {
     /// Makes the vector without wrappers around it.
     fn make_bare(&self) -> Result<Box<dyn VectorEnv>> {
         let spec = Self { vector_wrappers: Vec::new(), ..self.clone() };
-        let Self { env, autoreset_mode, threads, .. } = spec.clone();
         match self.vectorization_mode {
             VectorKind::Sync => {
                 let vector = SyncVectorEnv::new(self.envs()?)?;
-                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
+                Ok(Box::new(vector.with_autoreset(self.autoreset_mode).with_spec(spec)))
             }
-            VectorKind::Async => {
-                let vector = AsyncVectorEnv::new(self.envs()?)?;
-                let vector = match threads {
-                    Some(threads) => vector.with_threads(threads)?,
-                    None => vector,
-                };
-                // (a wrapper may change the action that a step is begun with)
-                let vector = match find(&env.id)?.ahead().filter(|_| env.additional_wrappers.is_empty()) {
-                    Some(ahead) => vector.with_ahead(&*ahead)?,
-                    None => vector,
-                };
-                Ok(Box::new(vector.with_autoreset(autoreset_mode).with_spec(spec)))
-            }
+            VectorKind::Async => Ok(Box::new(self.make_async()?)),
             VectorKind::Native => {
+                let id = &self.env.id;
                 let refuse =
-                    |reason: &str| Err(Error::argument(format!("a native vector of `{}`", env.id), reason));
-                let Some(entry_point) = find(&env.id)?.vector_entry_point else {
+                    |reason: &str| Err(Error::argument(format!("a native vector of `{id}`"), reason));
+                let Some(entry_point) = find(id)?.vector_entry_point else {
                     return refuse("there is none for this id: use kind sync or async");
                 };
-                match native_obstacle(&env) {
+                match native_obstacle(&self.env) {
                     Some(reason) => refuse(reason),
                     None => entry_point(&spec),
                 }
             }
         }
+    }
+
+    /// Makes a vector on threads, whatever the kind, by its own type, which can [`send`](AsyncVectorEnv::send). It has no
+    /// wrappers around it.
+    ///
+    /// # Errors
+    /// The errors of [`make_vec`].
+    pub fn make_async(&self) -> Result<AsyncVectorEnv> {
+        let mut vector = AsyncVectorEnv::new(self.envs()?)?;
+        if let Some(threads) = self.threads {
+            vector = vector.with_threads(threads)?;
+        }
+        // (a wrapper may change the action that a step is begun with)
+        let ahead = find(&self.env.id)?.ahead().filter(|_| self.env.additional_wrappers.is_empty());
+        if let Some(ahead) = ahead {
+            vector = vector.with_ahead(&*ahead)?;
+        }
+        let spec =
+            Self { vectorization_mode: VectorKind::Async, vector_wrappers: Vec::new(), ..self.clone() };
+        Ok(vector.with_autoreset(self.autoreset_mode).with_spec(spec))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::iter::{once, repeat_n};
 
-use crate::array::Array;
+use crate::array::{Array, element_count};
 use crate::{DType, Result};
 
 use super::number::{Number, collect, result_type};
@@ -106,10 +106,9 @@ impl Space {
 
     /// The length of flat elements, if the space is flattenable and the length fits `usize`.
     pub(super) fn flat_len(&self) -> Option<usize> {
-        let product = |shape: &[usize]| shape.iter().try_fold(1, |product: usize, &n| product.checked_mul(n));
         match self {
-            Self::Box(space) => product(space.shape()),
-            Self::MultiBinary(space) => product(space.shape()),
+            Self::Box(space) => element_count(space.shape()),
+            Self::MultiBinary(space) => element_count(space.shape()),
             Self::Discrete(space) => space.n().try_into().ok(),
             Self::MultiDiscrete(space) => {
                 let total = space.nvec().iter().try_fold(0, |sum: i64, &n| sum.checked_add(n));

@@ -34,7 +34,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::array::Array;
+use crate::array::{Array, MAX_AXES, element_count as count};
 use crate::error::shortened;
 use crate::{DType, Element, Error, Result, Seed, Value};
 
@@ -304,8 +304,13 @@ pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// The number of elements of a shape.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {
-    let count = shape.iter().try_fold(1usize, |product, n| product.checked_mul(*n));
-    count.filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {
+    count(shape).filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {
+        if shape.len() > MAX_AXES {
+            return Fault::new(format!(
+                "the shape has {} axes: at most {MAX_AXES} are possible",
+                shape.len()
+            ));
+        }
         let shape = numpy_fmt::shape(shape);
         Fault::new(format!("the shape {shape} has too many elements: at most {MAX_ELEMENTS} are possible"))
     })

@@ -1,5 +1,7 @@
 //! The rows of a batch, one at a time: without allocation if elements are numbers.
 
+use std::ops::Range;
+
 use crate::array::Array;
 use crate::{DType, Data, Result, Value};
 
@@ -94,6 +96,54 @@ impl Space {
     /// is no such row; the row may then be partly written.
     pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
         self.put_at(batch, index, element).map_err(|fault| self.refuse(element, &fault))
+    }
+
+    /// Overwrites the rows of a [batch](Self::batch) that begin with `to` by rows of another one.
+    ///
+    /// # Errors
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if one has another form, or too few rows.
+    pub(crate) fn copy_rows(
+        &self,
+        from: &Value,
+        rows: Range<usize>,
+        batch: &mut Value,
+        to: usize,
+    ) -> Result<()> {
+        match (self, from, &mut *batch) {
+            (Self::Tuple(space), Value::Tuple(from), Value::Tuple(batch)) => {
+                let mut columns = space.spaces().iter().zip(from).zip(batch);
+                return columns
+                    .try_for_each(|((space, from), batch)| space.copy_rows(from, rows.clone(), batch, to));
+            }
+            (Self::Dict(space), Value::Dict(from), Value::Dict(batch)) => {
+                let mut columns = space.spaces().iter().zip(from).zip(batch);
+                return columns.try_for_each(|(((_, space), (_, from)), (_, batch))| {
+                    space.copy_rows(from, rows.clone(), batch, to)
+                });
+            }
+            (_, Value::Tuple(from), Value::Tuple(batch)) => {
+                let copied = from.get(rows.clone()).zip(batch.get_mut(to..to + rows.len()));
+                if let Some((from, batch)) = copied {
+                    batch.clone_from_slice(from);
+                    return Ok(());
+                }
+            }
+            (_, Value::Array(from), Value::Array(batch)) if from.dtype() == batch.dtype() => {
+                let len = self.shape().map_or(1, |shape| shape.iter().product());
+                let [from_numbers, to_numbers] =
+                    [rows.start..rows.end, to..to + rows.len()].map(|rows| rows.start * len..rows.end * len);
+                let copied = with_type!(from.dtype(), T => {
+                    let from = from.as_slice::<T>().and_then(|from| from.get(from_numbers));
+                    let batch = batch.as_mut_slice::<T>().and_then(|batch| batch.get_mut(to_numbers));
+                    from.zip(batch).map(|(from, batch)| batch.copy_from_slice(from))
+                });
+                if copied.is_some() {
+                    return Ok(());
+                }
+            }
+            _ => {}
+        }
+        Err(self.refuse_batch(batch, &Fault::new("the batches differ")))
     }
 
     /// Whether a value has the form of a batch of `n` elements; their bounds are not checked, and

@@ -34,10 +34,13 @@ struct AsItIs(Json);
 /// The name by which [`exact`] recognises such JSON.
 const AS_IT_IS: &str = "$json";
 
-/// The numbers of an array of a given length.
-pub(crate) fn numbers<T: Scalar>(array: &Array, len: usize) -> crate::Result<Vec<T>> {
+/// The numbers of a stored array.
+///
+/// # Errors
+/// [`Error::Snapshot`] for another number of them than `len`, or for numbers of another type.
+pub fn numbers<T: Scalar>(array: &Array, len: usize) -> crate::Result<Vec<T>> {
     let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
-    let expected = || Error::Snapshot(format!("expected {len} numbers of type {}", T::DTYPE));
+    let expected = || Error::Snapshot(format!("expected {len} numbers of type {}, not {array}", T::DTYPE));
     numbers.map(<[T]>::to_vec).ok_or_else(expected)
 }
 

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::size;
@@ -83,6 +85,27 @@ impl Columns {
             column.resize(n, false);
         }
         self.progress.resize(n, Progress::Unchanged);
+        Ok(())
+    }
+
+    /// Overwrites the rows from `to` with rows of other columns, for observations of the same space.
+    pub(super) fn copy_rows(
+        &mut self,
+        space: &Space,
+        to: usize,
+        from: &Self,
+        rows: Range<usize>,
+    ) -> Result<()> {
+        let into = to..to + rows.len();
+        self.rewards[into.clone()].copy_from_slice(&from.rewards[rows.clone()]);
+        self.terminated[into.clone()].copy_from_slice(&from.terminated[rows.clone()]);
+        self.truncated[into.clone()].copy_from_slice(&from.truncated[rows.clone()]);
+        self.has_final[into.clone()].copy_from_slice(&from.has_final[rows.clone()]);
+        self.progress[into.clone()].copy_from_slice(&from.progress[rows.clone()]);
+        space.copy_rows(&from.observations, rows.clone(), &mut self.observations, to)?;
+        for (row, to) in rows.zip(into).filter(|(row, _)| from.has_final[*row]) {
+            space.copy_rows(&from.final_observations, row..row + 1, &mut self.final_observations, to)?;
+        }
         Ok(())
     }
 

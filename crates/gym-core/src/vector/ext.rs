@@ -77,10 +77,11 @@ impl dyn VectorEnv {
     /// indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
     ///
     /// ```no_run
+    /// use gym_core::registry::VectorKind;
     /// use gym_core::{BoxEnv, Env};
     ///
     /// # fn main() -> gym_core::Result<()> {
-    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, None)?;
+    /// let mut envs = gym_core::make_vec("LunarLander-v3", 8, VectorKind::Sync)?;
     /// let specs = envs.call(|_, env: &mut BoxEnv| env.spec())?;
     /// # Ok(())
     /// # }
@@ -88,7 +89,7 @@ impl dyn VectorEnv {
     ///
     /// # Errors
     /// The errors of [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
-    /// type `E`; those of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
+    /// type `E`; those of the sync and async vectors of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
     pub fn call<E: Env, R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
         let mut results = Vec::with_capacity(self.num_envs());
         let mut fits = true;

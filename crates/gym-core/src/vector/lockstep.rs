@@ -6,11 +6,12 @@
 //! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
 //! equal to a sync vector's.
 
+use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
 use std::marker::PhantomData;
 
 use super::slot::{Ask, Slot, slot_bytes};
-use super::{SyncVectorEnv, VectorEnv, VectorSpec, size};
+use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec, size};
 use crate::registry::{VectorKind, find};
 use crate::wrappers::TimeLimit;
 use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
@@ -175,6 +176,44 @@ fn lockstep<E: Lockstep, W: Env>(
 /// Lets environments made by id step together.
 pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
+}
+
+/// Resets or steps slots as they are asked, in turn or, with `ahead`, a group of them together, and hands on their results.
+pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
+    slots: &mut [S],
+    mut ahead: Option<&mut (dyn Ahead<E> + 'static)>,
+    autoreset: Autoreset,
+    is_cached: bool,
+    ask: impl Fn(usize) -> A,
+    mut hand_on: impl FnMut(usize, &mut Slot<E>, Result<()>),
+) {
+    let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
+    for (group, slots) in slots.chunks_mut(len).enumerate() {
+        let first = group * len;
+        if let Some(ahead) = &mut ahead {
+            ahead.clear();
+            if !is_cached {
+                slots.iter().for_each(|slot| ahead.touch(slot.borrow()));
+            }
+            for (slot, place) in slots.iter_mut().zip(first..) {
+                ahead.begin(slot.borrow_mut(), ask(place).borrow());
+            }
+            ahead.solve();
+        }
+        for (slot, place) in slots.iter_mut().zip(first..) {
+            let (slot, ask) = (slot.borrow_mut(), ask(place));
+            if let Some(ahead) = &mut ahead {
+                ahead.collect(slot, ask.borrow());
+            }
+            let result = slot.go(ask.borrow(), autoreset);
+            hand_on(place, slot, result);
+        }
+    }
+}
+
+/// Whether the memory of `n` environments stays in the cache from step to step.
+pub(super) fn is_cached(n: usize) -> bool {
+    n <= 128
 }
 
 /// The size of groups of `n` slots, at most `most`: groups of about one size.

@@ -1,18 +1,23 @@
 //! A vector on a pool of threads.
 //!
-//! Workers receive sub-environments by value, step them and send them back, so nothing is shared and
-//! nothing is locked. `home[i]` is `None` while a worker owns environment `i`.
+//! Workers receive groups of sub-environments by value, step them and send them back with their results, so nothing is
+//! shared and nothing is locked. `home[i]` is `None` while a worker owns environment `i`.
+//!
+//! Actions and results travel in the group, side by side. What a worker has written lies in the cache of its core, and the
+//! calling thread would wait for the memory of each sub-environment in turn.
 
 use std::any::Any;
 use std::collections::VecDeque;
 use std::fmt;
+use std::mem;
 use std::num::NonZero;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use super::lockstep::{Ahead, group_len};
+use super::lockstep::{Ahead, go_all, group_len, is_cached};
 use super::size::MAX_THREADS;
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
@@ -30,11 +35,15 @@ use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value}
 /// Dropping the vector waits only for running steps.
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// By index, `None` while away.
-    home: Vec<Option<Box<Traveller<E>>>>,
-    /// Back with a result that was not received yet.
-    ready: VecDeque<Box<Traveller<E>>>,
+    home: Vec<Option<Box<Slot<E>>>>,
+    /// Groups of one, back with a result that was not received yet.
+    ready: VecDeque<Group<E>>,
+    /// Groups about to be sent.
+    outgoing: Vec<Group<E>>,
+    /// Whether every sub-environment can take a step: all did in the last call, and nobody else had them since.
+    all_go_on: bool,
     pool: Pool<E>,
-    spaces: Spaces,
+    spaces: Arc<Spaces>,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
     /// Of the first sub-environment, which may be with a worker.
@@ -42,16 +51,31 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     env_spec: Option<EnvSpec>,
 }
 
-/// A sub-environment with its request.
-struct Traveller<E> {
-    index: usize,
-    slot: Slot<E>,
-    ask: Ask,
-    result: Result<()>,
+/// Some sub-environments that one worker steps: their requests, and their results.
+struct Group<E> {
+    indices: Vec<usize>,
+    slots: Vec<Box<Slot<E>>>,
+    asks: Vec<Ask>,
+    /// One for each or more, kept to reuse their storage; a reset does not use them.
+    actions: Vec<Value>,
+    /// A row for each or more.
+    columns: Columns,
+    /// The errors, by place in the group.
+    failed: Vec<(usize, Error)>,
 }
 
-/// Some sub-environments that one worker steps.
-type Group<E> = Vec<Box<Traveller<E>>>;
+impl<E> Default for Group<E> {
+    fn default() -> Self {
+        Self {
+            indices: Vec::new(),
+            slots: Vec::new(),
+            asks: Vec::new(),
+            actions: Vec::new(),
+            columns: Columns::default(),
+            failed: Vec::new(),
+        }
+    }
+}
 
 /// Groups per thread when all are stepped, so that a thread that finishes early takes another.
 const GROUPS_PER_THREAD: usize = 4;
@@ -73,17 +97,24 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
     pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
+        let spaces = Arc::new(spaces);
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS), None)?;
+        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS), slots.len(), &spaces, None)?;
         let first = slots.first().map(|slot| &slot.env);
         let metadata = first.map_or_else(Metadata::default, Env::metadata);
         let env_spec = first.and_then(Env::spec);
-        let home = slots.into_iter().enumerate();
-        let home = home
-            .map(|(index, slot)| Some(Box::new(Traveller { index, slot, ask: Ask::Step, result: Ok(()) })));
-        let autoreset = Autoreset::default();
-        let (home, ready) = (home.collect(), VecDeque::new());
-        Ok(Self { home, ready, pool, spaces, autoreset, spec: None, metadata, env_spec })
+        Ok(Self {
+            home: slots.into_iter().map(|slot| Some(Box::new(slot))).collect(),
+            ready: VecDeque::new(),
+            outgoing: Vec::new(),
+            all_go_on: false,
+            pool,
+            spaces,
+            autoreset: Autoreset::default(),
+            spec: None,
+            metadata,
+            env_spec,
+        })
     }
 
     /// With this number of threads; the results do not depend on it.
@@ -99,19 +130,20 @@ impl<E: Env> AsyncVectorEnv<E> {
         if self.num_pending() > 0 {
             return Err(Error::custom("sub-environments are still pending: receive them first"));
         }
-        Ok(Self { pool: Pool::new(threads.min(self.home.len()), None)?, ..self })
+        let n = self.home.len();
+        Ok(Self { pool: Pool::new(threads.min(n), n, &self.spaces, None)?, ..self })
     }
 
     /// Lets the sub-environments that a worker takes at once step together.
     pub(crate) fn with_ahead(self, ahead: &dyn Ahead<E>) -> Result<Self> {
         let threads = self.num_threads();
-        Ok(Self { pool: Pool::new(threads, Some(ahead))?, ..self })
+        Ok(Self { pool: Pool::new(threads, self.home.len(), &self.spaces, Some(ahead))?, ..self })
     }
 
     /// Resets sub-environments at another time.
     #[must_use]
     pub fn with_autoreset(self, autoreset: Autoreset) -> Self {
-        Self { autoreset, ..self }
+        Self { autoreset, all_go_on: false, ..self }
     }
 
     pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
@@ -125,7 +157,7 @@ impl<E: Env> AsyncVectorEnv<E> {
 
     /// The number of sub-environments that were [sent](Self::send) and not yet received.
     pub fn num_pending(&self) -> usize {
-        self.home.iter().filter(|traveller| traveller.is_none()).count()
+        self.home.iter().filter(|slot| slot.is_none()).count()
     }
 
     /// Makes the sub-environments `ids` step, and returns at once: EnvPool's `send`. Row `i` of
@@ -138,20 +170,18 @@ impl<E: Env> AsyncVectorEnv<E> {
     pub fn send(&mut self, actions: &Value, ids: &[usize]) -> Result<()> {
         self.spaces.action.check_actions(actions, ids.len())?;
         let n = self.home.len();
-        let mut seen = vec![false; n];
+        self.all_go_on = false;
         for (row, &id) in ids.iter().enumerate() {
             let refuse = |reason: &str| Err(Error::argument("ids", format!("{id} {reason}")));
-            match self.home.get_mut(id) {
-                None => return refuse(&format!("is not the index of a sub-environment: there are {n}")),
-                Some(_) if std::mem::replace(&mut seen[id], true) => return refuse("occurs twice"),
-                Some(None) => return Err(Error::custom("it is still pending: receive it first").at_env(id)),
-                Some(Some(traveller)) => traveller.prepare(&self.spaces, self.autoreset, actions, row)?,
-            }
+            let packed = match self.home.get(id) {
+                None => refuse(&format!("is not the index of a sub-environment: there are {n}")),
+                Some(None) if ids[..row].contains(&id) => refuse("occurs twice"),
+                Some(None) => Err(Error::custom("it is still pending: receive it first").at_env(id)),
+                Some(Some(_)) => self.pack(id..id + 1, 1, |_| Some(Ask::Step), Some((actions, row))),
+            };
+            packed.or_else(|error| self.unpack(error))?;
         }
-        for &id in ids {
-            self.pool.send(self.home[id].take().into_iter().collect(), self.autoreset)?;
-        }
-        Ok(())
+        self.send_packed()
     }
 
     /// Waits for `m` of the sent sub-environments and receives their results: EnvPool's `recv`. Their
@@ -169,22 +199,22 @@ impl<E: Env> AsyncVectorEnv<E> {
             return Err(Error::argument("recv_into", reason));
         }
         while self.ready.len() < m {
-            self.ready.extend(self.pool.receive()?);
+            let group = self.pool.receive()?;
+            self.ready.push_back(group);
         }
-        if let Some(failed) = self.ready.iter().position(|traveller| traveller.result.is_err())
-            && let Some(traveller) = self.ready.remove(failed)
+        if let Some(failed) = self.ready.iter().position(|group| !group.failed.is_empty())
+            && let Some(group) = self.ready.remove(failed)
         {
-            return self.welcome(traveller);
+            return self.welcome(group).map_or(Ok(()), |(index, error)| Err(error.at_env(index)));
         }
         columns.prepare(&self.spaces.observation, m)?;
         ids.clear();
         let mut result = Ok(());
-        for (row, traveller) in self.ready.drain(..m).enumerate() {
-            let index = traveller.index;
-            let written = traveller.slot.write(&self.spaces, columns, row);
-            result = result.and(written.map_err(|error| error.at_env(index)));
-            ids.push(index);
-            self.home[index] = Some(traveller);
+        for row in 0..m {
+            let Some(group) = self.ready.pop_front() else { break };
+            ids.extend(&group.indices);
+            result = result.and(columns.copy_rows(&self.spaces.observation, row, &group.columns, 0..1));
+            self.welcome(group);
         }
         result
     }
@@ -200,12 +230,9 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// [`Error::Custom`] while some are pending.
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
         self.all_home()?;
-        let travellers = self.home.iter_mut().flatten();
-        let call = |traveller: &mut Box<Traveller<E>>| {
-            let Traveller { index, slot, .. } = &mut **traveller;
-            slot.lend(|env| f(*index, env))
-        };
-        Ok(travellers.map(call).collect())
+        self.all_go_on = false;
+        let slots = self.home.iter_mut().flatten().enumerate();
+        Ok(slots.map(|(index, slot)| slot.lend(|env| f(index, env))).collect())
     }
 
     fn all_home(&self) -> Result<()> {
@@ -225,57 +252,109 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Takes back a sub-environment, and returns its result.
-    fn welcome(&mut self, mut traveller: Box<Traveller<E>>) -> Result<()> {
-        let index = traveller.index;
-        let result = std::mem::replace(&mut traveller.result, Ok(()));
-        self.home[index] = Some(traveller);
-        result.map_err(|error| error.at_env(index))
-    }
-
-    /// Steps or resets the sub-environments that `goes` selects, waits for them, and writes every row.
-    /// Returns the first error, by index.
-    fn round(&mut self, columns: &mut Columns, goes: impl Fn(usize) -> bool) -> Result<()> {
-        let n = self.home.len();
-        let group_len = self.group_len();
-        let mut away = 0;
-        for start in (0..n).step_by(group_len) {
-            let mut group = self.pool.spare.pop().unwrap_or_default();
-            for index in (start..n.min(start + group_len)).filter(|index| goes(*index)) {
-                group.extend(self.home[index].take());
-            }
-            away += group.len();
-            self.pool.send(group, self.autoreset)?;
-        }
-        while away > 0 {
-            let mut group = self.pool.receive()?;
-            away -= group.len();
-            for traveller in group.drain(..) {
-                let index = traveller.index;
-                self.home[index] = Some(traveller);
-            }
-            self.pool.spare.push(group);
-        }
+    /// Packs those of some sub-environments that are asked something. Steps take the rows of `actions` that begin with the
+    /// given one. The group has room for `room` sub-environments. After an error, [`unpack`](Self::unpack) what was packed.
+    fn pack(
+        &mut self,
+        indices: Range<usize>,
+        room: usize,
+        ask: impl Fn(usize) -> Option<Ask>,
+        actions: Option<(&Value, usize)>,
+    ) -> Result<()> {
+        let mut group = self.pool.spare.pop().unwrap_or_default();
         let mut result = Ok(());
-        for (index, traveller) in self.home.iter_mut().flatten().enumerate() {
-            let answer = std::mem::replace(&mut traveller.result, Ok(()));
-            let answer = answer.and(traveller.slot.write(&self.spaces, columns, index));
-            result = result.and(answer.map_err(|error| error.at_env(index)));
+        if group.columns.len() < room {
+            result = group.columns.prepare(&self.spaces.observation, room);
+            group.actions.resize(room, Value::Null);
         }
+        for index in indices {
+            let Some(ask) = ask(index) else { continue };
+            let Some(slot) = self.home[index].take() else { continue };
+            if let Some((actions, row)) = actions {
+                let place = group.slots.len();
+                let ready = if self.all_go_on { Ok(()) } else { slot.check(self.autoreset) };
+                let action = &mut group.actions[place];
+                let ready = ready.and_then(|()| self.spaces.action.read_action(actions, row + place, action));
+                result = result.and(ready.map_err(|error| error.at_env(index)));
+            }
+            group.indices.push(index);
+            group.slots.push(slot);
+            group.asks.push(ask);
+        }
+        self.outgoing.push(group);
         result
     }
-}
 
-impl<E: Env> Traveller<E> {
-    /// Takes its action from a row, if it can step.
-    fn prepare(&mut self, spaces: &Spaces, autoreset: Autoreset, actions: &Value, row: usize) -> Result<()> {
-        self.ask = Ask::Step;
-        let ready = self.slot.check(autoreset).and_then(|()| self.slot.read_action(spaces, actions, row));
-        ready.map_err(|error| error.at_env(self.index))
+    /// Takes packed groups apart, and returns the error that was the reason.
+    fn unpack(&mut self, error: Error) -> Result<()> {
+        while let Some(group) = self.outgoing.pop() {
+            self.welcome(group);
+        }
+        Err(error)
     }
 
-    fn go(&mut self, autoreset: Autoreset) {
-        self.result = self.slot.go(&self.ask, autoreset);
+    fn send_packed(&mut self) -> Result<()> {
+        let Self { outgoing, pool, autoreset, .. } = self;
+        outgoing.drain(..).try_for_each(|group| pool.send(group, *autoreset))
+    }
+
+    /// Takes back the sub-environments of a group, and returns the first error.
+    fn welcome(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
+        let Group { indices, slots, asks, failed, .. } = &mut group;
+        let error = failed.drain(..).next().map(|(place, error)| (indices[place], error));
+        for (index, slot) in indices.drain(..).zip(slots.drain(..)) {
+            self.home[index] = Some(slot);
+        }
+        asks.clear();
+        self.pool.spare.push(group);
+        error
+    }
+
+    /// Asks the sub-environments, waits for them, and writes every row. Returns the first error, by index.
+    fn round(
+        &mut self,
+        columns: &mut Columns,
+        ask: impl Fn(usize) -> Option<Ask>,
+        actions: Option<&Value>,
+    ) -> Result<()> {
+        let (n, group_len) = (self.home.len(), self.group_len());
+        for start in (0..n).step_by(group_len) {
+            let indices = start..n.min(start + group_len);
+            let packed = self.pack(indices, group_len, &ask, actions.map(|actions| (actions, start)));
+            packed.or_else(|error| self.unpack(error))?;
+        }
+        let mut result = columns.prepare(&self.spaces.observation, n);
+        if let Err(error) = result {
+            return self.unpack(error);
+        }
+        let mut left_out = 0;
+        for (index, slot) in self.home.iter_mut().enumerate() {
+            if let Some(slot) = slot {
+                slot.clear();
+                result = result.and(slot.write(&self.spaces, columns, index));
+                left_out += 1;
+            }
+        }
+        let groups = self.outgoing.len();
+        self.send_packed()?;
+        let mut failed: Option<(usize, Error)> = None;
+        for _ in 0..groups {
+            let group = self.pool.receive()?;
+            let mut row = 0;
+            for run in group.indices.chunk_by(|a, b| a + 1 == *b) {
+                let rows = row..row + run.len();
+                row = rows.end;
+                let copied = columns.copy_rows(&self.spaces.observation, run[0], &group.columns, rows);
+                result = result.and(copied);
+            }
+            if let Some(error) = self.welcome(group)
+                && failed.as_ref().is_none_or(|first| error.0 < first.0)
+            {
+                failed = Some(error);
+            }
+        }
+        self.all_go_on = left_out == 0 && failed.is_none() && self.autoreset != Autoreset::Disabled;
+        result.and(failed.map_or(Ok(()), |(index, error)| Err(error.at_env(index))))
     }
 }
 
@@ -303,33 +382,24 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         reset.check(self.home.len())?;
         self.all_home()?;
-        columns.prepare(&self.spaces.observation, self.home.len())?;
-        for traveller in self.home.iter_mut().flatten() {
-            traveller.slot.clear();
-            traveller.ask = reset.of(traveller.index).map_or(Ask::Nothing, Ask::Reset);
-        }
-        self.round(columns, |index| reset.selects(index))
+        self.round(columns, |index| reset.of(index).map(Ask::Reset), None)
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.all_home()?;
         self.spaces.action.check_actions(actions, self.home.len())?;
-        for traveller in self.home.iter_mut().flatten() {
-            traveller.prepare(&self.spaces, self.autoreset, actions, traveller.index)?;
-        }
-        columns.prepare(&self.spaces.observation, self.home.len())?;
-        self.round(columns, |_| true)
+        self.round(columns, |_| Some(Ask::Step), Some(actions))
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        if let Some(Some(traveller)) = self.home.get(index) {
-            traveller.slot.info(visit);
+        if let Some(Some(slot)) = self.home.get(index) {
+            slot.info(visit);
         }
     }
 
     fn final_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
-        if let Some(Some(traveller)) = self.home.get(index) {
-            traveller.slot.final_info(visit);
+        if let Some(Some(slot)) = self.home.get(index) {
+            slot.final_info(visit);
         }
     }
 
@@ -355,28 +425,29 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
 
     fn snapshot(&self) -> Result<Snapshot> {
         self.all_home()?;
-        slot::snapshot(self.autoreset, self.home.iter().flatten().map(|traveller| &traveller.slot))
+        slot::snapshot(self.autoreset, self.home.iter().flatten().map(AsRef::as_ref))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.all_home()?;
-        let mut slots: Vec<_> = self.home.iter_mut().flatten().map(|traveller| &mut traveller.slot).collect();
+        self.all_go_on = false;
+        let mut slots: Vec<_> = self.home.iter_mut().flatten().map(AsMut::as_mut).collect();
         slot::restore(snapshot, self.autoreset, &self.spaces, &mut slots)
     }
 
     /// Waits for those that are pending.
     fn close(&mut self) {
+        self.all_go_on = false;
         while self.ready.len() < self.num_pending() {
             match self.pool.receive() {
-                Ok(group) => self.ready.extend(group),
+                Ok(group) => self.ready.push_back(group),
                 Err(_) => break,
             }
         }
-        while let Some(traveller) = self.ready.pop_front() {
-            let index = traveller.index;
-            self.home[index] = Some(traveller);
+        while let Some(group) = self.ready.pop_front() {
+            self.welcome(group);
         }
-        self.home.iter_mut().flatten().for_each(|traveller| traveller.slot.close());
+        self.home.iter_mut().flatten().for_each(|slot| slot.close());
     }
 }
 
@@ -405,7 +476,8 @@ struct Job<E> {
 }
 
 impl<E: Env> Pool<E> {
-    fn new(threads: usize, ahead: Option<&dyn Ahead<E>>) -> Result<Self> {
+    /// Threads for `n` sub-environments.
+    fn new(threads: usize, n: usize, spaces: &Arc<Spaces>, ahead: Option<&dyn Ahead<E>>) -> Result<Self> {
         let (jobs, queue) = channel();
         let (answers, results) = channel();
         let stop = Arc::new(AtomicBool::new(false));
@@ -414,14 +486,18 @@ impl<E: Env> Pool<E> {
         let mut pool = Self { jobs: Some(jobs), results, stop, workers, spare, group_len };
         let queue = Arc::new(Mutex::new(queue));
         for i in 0..threads {
-            let (queue, answers, stop) = (queue.clone(), answers.clone(), pool.stop.clone());
-            let ahead = ahead.map(Ahead::another);
-            let worker = thread::Builder::new()
-                .name(format!("gym-vector-{i}"))
-                .spawn(move || work(&queue, &answers, &stop, ahead))
-                .map_err(|error| {
-                    Error::custom(format!("the system gives no thread for an async vector: {error}"))
-                })?;
+            let mut worker = Worker {
+                queue: queue.clone(),
+                answers: answers.clone(),
+                stop: pool.stop.clone(),
+                spaces: spaces.clone(),
+                ahead: ahead.map(Ahead::another),
+                is_cached: is_cached(n.div_ceil(threads)),
+            };
+            let worker =
+                thread::Builder::new().name(format!("gym-vector-{i}")).spawn(move || worker.run()).map_err(
+                    |error| Error::custom(format!("the system gives no thread for an async vector: {error}")),
+                )?;
             pool.workers.push(worker);
         }
         Ok(pool)
@@ -441,42 +517,46 @@ fn no_workers() -> Error {
     Error::custom("the threads of this vector have ended: make a new one")
 }
 
-fn work<E: Env>(
-    queue: &Mutex<Receiver<Job<E>>>,
-    answers: &Sender<Group<E>>,
-    stop: &AtomicBool,
-    mut ahead: Option<Box<dyn Ahead<E>>>,
-) {
-    loop {
-        let job = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
-        let Ok(Job { mut group, autoreset }) = job else { return };
-        let together = match &ahead {
-            Some(ahead) => group_len(group.len(), ahead.group_len()),
-            None => group.len(),
-        };
-        for group in group.chunks_mut(together.max(1)) {
-            if let Some(ahead) = &mut ahead {
-                ahead.clear();
-                group.iter_mut().for_each(|traveller| {
-                    let Traveller { slot, ask, .. } = &mut **traveller;
-                    ahead.begin(slot, ask);
-                });
-                ahead.solve();
-                group.iter_mut().for_each(|traveller| {
-                    let Traveller { slot, ask, .. } = &mut **traveller;
-                    ahead.collect(slot, ask);
-                });
+/// The state of a thread.
+struct Worker<E: Env> {
+    queue: Arc<Mutex<Receiver<Job<E>>>>,
+    answers: Sender<Group<E>>,
+    stop: Arc<AtomicBool>,
+    spaces: Arc<Spaces>,
+    ahead: Option<Box<dyn Ahead<E>>>,
+    is_cached: bool,
+}
+
+impl<E: Env> Worker<E> {
+    /// Works until no more groups come.
+    fn run(&mut self) {
+        loop {
+            let job = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let Ok(Job { mut group, autoreset }) = job else { return };
+            if self.stop.load(Ordering::Relaxed) {
+                return;
             }
-            for traveller in group {
-                if stop.load(Ordering::Relaxed) {
-                    return;
-                }
-                traveller.go(autoreset);
+            self.work(&mut group, autoreset);
+            if self.answers.send(group).is_err() {
+                return;
             }
         }
-        if answers.send(group).is_err() {
-            return;
+    }
+
+    fn work(&mut self, group: &mut Group<E>, autoreset: Autoreset) {
+        let Self { spaces, ahead, is_cached, .. } = self;
+        let Group { slots, asks, actions, columns, failed, .. } = group;
+        for ((slot, ask), action) in slots.iter_mut().zip(&*asks).zip(actions) {
+            if let Ask::Step = ask {
+                mem::swap(&mut slot.action, action);
+            }
         }
+        let ask = |place: usize| &asks[place];
+        go_all(slots, ahead.as_deref_mut(), autoreset, *is_cached, ask, |place, slot, result| {
+            if let Err(error) = result.and(slot.write(spaces, columns, place)) {
+                failed.push((place, error));
+            }
+        });
     }
 }
 

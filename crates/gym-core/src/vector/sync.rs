@@ -1,11 +1,11 @@
 use std::any::Any;
 use std::fmt;
 
-use super::lockstep::{Ahead, group_len};
+use super::lockstep::{Ahead, go_all, is_cached};
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Space, Value};
+use crate::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
 ///
@@ -79,32 +79,15 @@ impl<E: Env> SyncVectorEnv<E> {
 
     /// Resets or steps each sub-environment and writes its row. Returns the first error, after all have finished.
     fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
-        /// The memory of no more environments than this stays in the cache from step to step.
-        const CACHED: usize = 128;
         let Self { slots, spaces, autoreset, ahead, .. } = self;
-        let is_cached = slots.len() <= CACHED;
-        let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
+        let is_cached = is_cached(slots.len());
         let mut result = Ok(());
-        for (group, slots) in slots.chunks_mut(len).enumerate() {
-            let first = group * len;
-            if let Some(ahead) = ahead {
-                ahead.clear();
-                if !is_cached {
-                    slots.iter().for_each(|slot| ahead.touch(slot));
-                }
-                slots.iter_mut().zip(first..).for_each(|(slot, index)| ahead.begin(slot, &ask(index)));
-                ahead.solve();
+        go_all(slots, ahead.as_deref_mut(), *autoreset, is_cached, ask, |index, slot, answer| {
+            let answer = answer.and(slot.write(spaces, columns, index));
+            if let (Ok(()), Err(error)) = (&result, answer) {
+                result = Err(error.at_env(index));
             }
-            for (slot, index) in slots.iter_mut().zip(first..) {
-                let ask = ask(index);
-                if let Some(ahead) = ahead {
-                    ahead.collect(slot, &ask);
-                }
-                let answer = slot.go(&ask, *autoreset);
-                let answer = answer.and(slot.write(spaces, columns, index));
-                result = result.and(answer.map_err(|error: Error| error.at_env(index)));
-            }
-        }
+        });
         result
     }
 }

@@ -108,6 +108,21 @@ twists! {
         }
     }
 
+    // takes back what it stores of an ordinary size
+    "snapshot-continues.argument" OrdinarySizes (Number) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            if env.arguments.number.abs() > 1e3 {
+                return Err(Error::Snapshot("a size that no walk has".into()));
+            }
+            env.walk.restore(snapshot)
+        }
+    }
+
     // stores how old it is, and not what happened at a certain age
     "snapshot-continues.event" ForgetsAnEvent {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {

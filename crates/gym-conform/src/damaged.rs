@@ -18,14 +18,15 @@ pub(crate) struct Damaged {
 }
 
 impl Damaged {
-    /// Damages the snapshot of an environment in the middle of an episode in every way.
-    pub(crate) fn try_all(env: &BoxEnv) -> Result<Self> {
+    /// Damages the snapshot of an environment in the middle of an episode in every way, and plays some steps from each that
+    /// it accepts.
+    pub(crate) fn try_all(env: &BoxEnv, steps: usize) -> Result<Self> {
         let space = env.observation_space();
         let good = env.snapshot()?.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
         // other checks report failures without damage
-        let steps = sound_steps(env.clone(), &space)?;
+        let steps = sound_steps(env.clone(), &space, steps)?;
         // the state after a refusal depends on how far the snapshot was read
         let mut looked_at = String::new();
         for damage in damages(&good) {
@@ -102,16 +103,15 @@ impl Damaged {
 }
 
 /// The number of steps without a fault, up to a limit.
-fn sound_steps(mut env: BoxEnv, space: &Space) -> Result<usize> {
-    const STEPS: usize = 20;
+fn sound_steps(mut env: BoxEnv, space: &Space, limit: usize) -> Result<usize> {
     let mut actions = env.action_sampler(0)?;
-    for steps in 0..STEPS {
+    for steps in 0..limit {
         let is_sound = env.step(&actions.sample()).is_ok_and(|step| fault(&step, space).is_none());
         if !is_sound {
             return Ok(steps);
         }
     }
-    Ok(STEPS)
+    Ok(limit)
 }
 
 /// Results that no valid state can give.

@@ -156,7 +156,7 @@ impl<'a> Subject<'a> {
         }
         let mut env = self.unlimited()?;
         roll_out(&mut env, SEEDS[0], 5)?;
-        let damaged = Damaged::try_all(&env)?;
+        let damaged = Damaged::try_all(&env, if self.shows_pictures()? { 5 } else { 20 })?;
         Ok(self.damaged.get_or_init(|| damaged))
     }
 

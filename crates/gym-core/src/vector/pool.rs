@@ -504,8 +504,8 @@ impl<E: Env> Pool<E> {
     }
 
     fn send(&self, group: Group<E>, autoreset: Autoreset) -> Result<()> {
-        let sent = self.jobs.as_ref().map(|jobs| jobs.send(Job { group, autoreset }));
-        if matches!(sent, Some(Ok(()))) { Ok(()) } else { Err(no_workers()) }
+        let is_sent = self.jobs.as_ref().is_some_and(|jobs| jobs.send(Job { group, autoreset }).is_ok());
+        if is_sent { Ok(()) } else { Err(no_workers()) }
     }
 
     fn receive(&self) -> Result<Group<E>> {

@@ -119,7 +119,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     ]);
     let mut seeds = Vec::new();
     for description in all {
-        // whatever their stored form really is
+        // in any stored form
         let space = serde_json::from_value::<Space>(description.clone());
         let value = space.as_ref().ok().and_then(|space| space.to_json(&space.sampler(1).sample()).ok());
         seeds.push(json!({"space": description, "value": value}).to_string().into_bytes());

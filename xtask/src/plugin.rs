@@ -138,7 +138,7 @@ impl Plugin {
     }
 
     /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of published ones, and its profiles, so that
-    /// what both need is built once.
+    /// their common dependencies are built once.
     fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
         let Self { name, folder, source, .. } = self;
         // a plugin that takes gym-core from elsewhere shares the one of this workspace
@@ -187,7 +187,7 @@ fn our_profiles() -> Result<String, String> {
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
-/// What `[patch]` calls the place that a dependency comes from; `None` for a folder.
+/// The name of a dependency's source in `[patch]`; `None` for a folder.
 fn source(dependency: &Json) -> Option<String> {
     let source = dependency["source"].as_str()?;
     let Some(git) = source.strip_prefix("git+") else { return Some("crates-io".into()) };

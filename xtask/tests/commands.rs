@@ -11,7 +11,7 @@ fn xtask(arguments: &[&str]) -> Output {
     command.args(arguments).env("XTASK_PROFILE", "dev").output().expect("the command starts")
 }
 
-/// What a command that succeeds prints.
+/// The output of a command, which must succeed.
 fn prints(arguments: &[&str]) -> String {
     let output = xtask(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -49,7 +49,7 @@ fn conform_passes() {
     assert!(fails(&["conform", "--format", "xml"]).contains("text, json and junit"));
 }
 
-/// A crate that is no part of what xtask links is built with a program around it.
+/// A crate that xtask does not link is built with a program around it.
 #[test]
 fn conform_flags_a_plugin() {
     let broken = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/broken");

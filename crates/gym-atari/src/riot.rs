@@ -55,8 +55,7 @@ impl Riot {
         }
     }
 
-    /// What a register reads as at `cycle`, and up to which cycle if nothing else happens: of those where a read does nothing
-    /// else.
+    /// The value of `INTIM` at `cycle`, and the cycle until which it stays if nothing else happens; `None` for other registers.
     pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
             4 | 6 => self.timer.steady(cycle), // INTIM

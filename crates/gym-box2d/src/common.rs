@@ -147,8 +147,8 @@ mod tests {
     use gym_core::vector::lockstep::Lockstep;
     use gym_core::{Element, Env, Outcome, Reset};
 
-    /// What environments answer to `policy`, of their numbers and last observations, episode after episode; side by
-    /// side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
+    /// The results of environments under `policy`, which gets their numbers and last observations. They play episode after
+    /// episode, side by side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
     fn run<E, const N: usize>(
         make: impl Fn(usize) -> E,
         n: usize,

@@ -1,4 +1,4 @@
-//! What every environment must keep: the same bits from the same seed, from a copy and from a
+//! The contract of every environment: the same bits from the same seed, from a copy and from a
 //! snapshot in mid-flight; errors instead of panics.
 
 use gym_box2d as _;

@@ -1,4 +1,4 @@
-//! What a world promises, whichever engine moves it.
+//! The promises of a world, with each engine.
 
 use gym_box2d::physics::{
     BodyDef, BodyId, Filter, FixtureDef, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,

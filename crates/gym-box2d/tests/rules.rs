@@ -5,7 +5,7 @@ use gym_box2d::lunar_lander::{self, LunarLander};
 use gym_core::{BoxEnv, EnvExt, Outcome, Reset, Value, builder, make};
 use serde_json::json;
 
-/// What a few steps of one action lead to, with the rewards.
+/// The results of a few steps of one action, with the rewards.
 fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
     env.reset(5).unwrap();
     (0..steps)

@@ -257,7 +257,7 @@ fn observations_beyond_their_space_are_named() {
     }
 }
 
-/// What goes wrong in a drop is told on standard error, which another process of this test shows.
+/// An error in a drop is printed on standard error, read here from another process of this test.
 #[test]
 fn what_goes_wrong_at_the_end_is_told() {
     const HANGS: &str = "GYM_BRIDGE_TEST_HANGS";

@@ -201,7 +201,7 @@ fn constants_that_cannot_be_are_refused() {
     assert!(error.contains("`euler` or `semi-implicit euler`"), "{error}");
 }
 
-/// As an attribute of Gymnasium's environments does: what was computed from others stays, and so do the spaces.
+/// As an attribute of Gymnasium's environments does: numbers computed from others stay, and so do the spaces.
 #[test]
 fn constants_set_later_take_effect() {
     for Recorded { id, seed, arguments, sum } in
@@ -259,7 +259,7 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
     );
 }
 
-/// What a range gives is drawn by the environment's generator before each start, and is then what the episode has.
+/// A value from a range is drawn by the environment's generator before each start, and holds for the episode.
 #[test]
 fn ranges_draw_constants_anew_at_each_reset() {
     use gym_classic::cartpole::{CartPoleDynamics, Config};
@@ -347,7 +347,7 @@ fn what_cannot_differ_is_refused() {
     );
     let vector = builder("CartPole-v1").vector(2).kind(VectorKind::Sync).arg_each("gravity", 1.0..2.0);
     assert!(vector.build().unwrap_err().to_string().contains("ranges need a native vector"));
-    // what native cannot do, sync can
+    // a sync vector supports what a native one does not
     let envs =
         builder("CartPole-v1").vector(2).arg_each("kinematics_integrator", ["euler", "semi-implicit euler"]);
     assert_eq!(envs.build().unwrap().spec().unwrap().vectorization_mode, VectorKind::Sync);

@@ -1,4 +1,4 @@
-//! What the compiler made of the equations: their steps consist of vector instructions with fused
+//! The machine code of the equations: their steps consist of vector instructions with fused
 //! multiply-adds, in one function each.
 //!
 //! A function on the way that is not inlined loses both in silence: results stay, and a step takes five
@@ -25,7 +25,7 @@ struct Function {
     platform: Option<&'static str>,
 }
 
-/// What results must not depend on.
+/// Instructions that results must not depend on.
 const PLATFORM: [&str; 20] = [
     "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p", "log1pf", "log2",
     "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",

@@ -24,7 +24,7 @@ fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     }
 }
 
-/// 100 is no multiple of the numbers that a register holds.
+/// 100 is not a multiple of a register's numbers.
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in IDS {

@@ -27,14 +27,14 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             env.reset_into(&().into(), &mut observation)?;
         }
     }
-    // the same episode begins again and again: what its buffers need they have by then
+    // the same episode begins again and again, so its buffers have grown by then
     let mut begin = |times: u32| -> Result<i64> {
         let mut result = Ok(());
         let resets = || result = (0..times).try_for_each(|_| env.reset_into(&0.into(), &mut observation));
         let kept = allocation_counter::measure(resets).bytes_current;
         result.map(|()| kept)
     };
-    // what doubles its room from time to time does so again before it has grown to twice its size
+    // a buffer that doubles from time to time doubles again before it has twice its size
     begin(WARM)?;
     let kept = begin(WARM + 2)?;
     if kept > 0 {

@@ -13,7 +13,7 @@ pub(crate) fn look(env: &BoxEnv) {
     env.draw(&mut Blank);
 }
 
-/// An episode is the same, whoever looks and however often.
+/// Calls that only look do not change an episode.
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);

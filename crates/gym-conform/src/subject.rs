@@ -110,6 +110,11 @@ impl<'a> Subject<'a> {
         Ok(self.long()?.max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
+    /// The steps from each of many states.
+    pub(crate) fn few(&self) -> Result<usize> {
+        Ok(if self.shows_pictures()? { 5 } else { 20 })
+    }
+
     /// A long run of the first seed, played first, before any state outside the environment has counted
     /// steps.
     pub(crate) fn first_run(&self) -> Result<&[Shown]> {
@@ -156,7 +161,7 @@ impl<'a> Subject<'a> {
         }
         let mut env = self.unlimited()?;
         roll_out(&mut env, SEEDS[0], 5)?;
-        let damaged = Damaged::try_all(&env, if self.shows_pictures()? { 5 } else { 20 })?;
+        let damaged = Damaged::try_all(&env, self.few()?)?;
         Ok(self.damaged.get_or_init(|| damaged))
     }
 

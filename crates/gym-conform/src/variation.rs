@@ -49,11 +49,12 @@ pub(crate) struct Search {
     /// Episodes of the surroundings by their seeds, each played once for all changes.
     plays: BTreeMap<(usize, u64), Result<Play>>,
     long: usize,
+    few: usize,
 }
 
 impl Search {
     pub(crate) fn new(subject: &Subject<'_>, surroundings: Vec<Variant>) -> Result<Self> {
-        Ok(Self { surroundings, plays: BTreeMap::new(), long: subject.long()? })
+        Ok(Self { surroundings, plays: BTreeMap::new(), long: subject.long()?, few: subject.few()? })
     }
 
     /// The effect of some changes, each of which makes a variant of a surrounding, or none.
@@ -81,7 +82,7 @@ impl Search {
         }
         let is_seen = self.surroundings.iter().any(|surrounding| {
             let mut variants = changes.iter().filter_map(|change| change(surrounding));
-            variants.any(|variant| differ_elsewhere(surrounding, &variant, seed).unwrap_or(false))
+            variants.any(|variant| differ_elsewhere(surrounding, &variant, seed, self.few).unwrap_or(false))
         });
         if is_seen { Effect::Seen } else { effect }
     }
@@ -145,14 +146,13 @@ fn drawing(env: &BoxEnv) -> String {
 
 /// Whether two variants that were equal so far differ in states that random actions do not reach: from
 /// snapshots with a number or a switch changed.
-fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
-    const FEW: usize = 5;
-    const STEPS: usize = 20;
+fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result<bool> {
+    const START: usize = 5;
     /// Snapshots of large models have hundreds of numbers.
     const MAX: usize = 100;
     let [mut a, mut b] = [Play::start(a, seed)?, Play::start(b, seed)?];
     for play in [&mut a, &mut b] {
-        play.event(FEW)?;
+        play.event(START)?;
     }
     let [mut at_a, mut at_b] = [a.env.snapshot()?.get::<Json>()?, b.env.snapshot()?.get::<Json>()?];
     // the difference is the change itself
@@ -166,7 +166,7 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64) -> Result<bool> {
             continue;
         };
         let mut actions = a.action_sampler(seed)?;
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let action = actions.sample();
             let (Ok(step), Ok(other)) = (a.step(&action), b.step(&action)) else { break };
             if !alike(&step, &other) || !alike(&info(&a), &info(&b)) {

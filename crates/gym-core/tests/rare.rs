@@ -77,7 +77,7 @@ fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
         let threshold = (0x1_0000 - n) % n;
         let mut met = 0;
         for _ in 0..30_000 {
-            // what is left of a word after a draw is dropped
+            // the rest of a word after a draw is dropped
             let mut halves =
                 std::iter::repeat_with(|| rng.next_u32()).flat_map(|word| [word & 0xffff, word >> 16]);
             let product = halves.find(|half| half * n % 0x1_0000 >= threshold).expect("endless") * n;

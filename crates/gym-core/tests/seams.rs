@@ -227,7 +227,7 @@ fn snapshots_of_something_else_say_whose_they_are() {
     }
 }
 
-/// A list of arguments has one for each sub-environment, whoever steps them.
+/// A list of arguments has one for each sub-environment, in vectors of every kind.
 #[test]
 fn lists_of_arguments_are_as_long_as_their_vector() {
     use gym_core::vector::VectorKind;
@@ -255,7 +255,7 @@ fn lists_of_arguments_are_as_long_as_their_vector() {
     }
 }
 
-/// What the builder was told stays, unless an argument of the same name says otherwise.
+/// Settings of the builder stay, unless an argument of the same name replaces them.
 #[test]
 fn arguments_of_make_go_before_what_the_builder_was_told() {
     let built = || {

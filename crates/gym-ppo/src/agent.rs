@@ -1,4 +1,4 @@
-//! The agent: its networks, what their outputs mean, and how they learn.
+//! The agent: its networks, the meaning of their outputs, and how they learn.
 
 use std::f64::consts::{E, PI};
 use std::iter::zip;
@@ -67,7 +67,7 @@ impl Agent {
         if let Head::Gaussian { log_std } = &head {
             variables.push(log_std.clone());
         }
-        // as many as there are cores, whatever candle has for a single product
+        // one for each core; candle's own number is for a single product
         let cores = available_parallelism().map_or(1, NonZero::get);
         let threads =
             ThreadPoolBuilder::new().num_threads(if network.portion().is_some() { cores } else { 1 });

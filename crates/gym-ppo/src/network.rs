@@ -14,7 +14,7 @@ type Result<T> = candle_core::Result<T>;
 
 /// Units of each hidden layer for rows of numbers.
 const HIDDEN: usize = 64;
-/// Gradients of so many pictures are computed at a time: what a network sees in them stays in the caches.
+/// The pictures whose gradients are computed at once: few enough for their layers to stay in the caches.
 const PICTURES: usize = 32;
 
 /// The outputs of the policy and the value of an observation. From rows of numbers two networks of equal shape compute
@@ -194,7 +194,7 @@ impl Layers {
     }
 }
 
-/// What the pictures are told by.
+/// The layers that read pictures.
 const FEATURES: usize = 256;
 /// Stride, half the width of the kernel, and channels of each convolution.
 const CONVOLUTIONS: [(usize, usize); 2] = [(4, 16), (2, 32)];
@@ -272,7 +272,7 @@ impl Eyes {
     }
 }
 
-/// What was seen in some pictures, layer by layer.
+/// The outputs of the layers for some pictures.
 struct Seen {
     first_blocks: Tensor,
     first: Tensor,
@@ -320,7 +320,7 @@ mod tests {
         Network::new(&Space::Box(space), 3, rng).unwrap()
     }
 
-    /// What [`Eyes::look`] computes, by candle's own convolution.
+    /// The result of [`Eyes::look`], by candle's own convolution.
     fn look(eyes: &Eyes, pictures: &Tensor) -> Result<Tensor> {
         let mut x = (pictures.to_dtype(DType::F32)? / 255.0)?;
         // where channel, row and column are in a block

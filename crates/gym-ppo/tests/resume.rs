@@ -21,7 +21,7 @@ fn training(folder: &Path, id: &str, steps: u64, checkpoint: &str) -> Command {
     command
 }
 
-/// What a folder holds, without the wall-clock time of episodes.
+/// The content of a folder, without the wall-clock time of episodes.
 fn checkpoint(folder: &Path) -> Option<Json> {
     fn without_clock(json: &mut Json) {
         match json {

@@ -271,7 +271,7 @@ mod tests {
 
     const WRITER: &str = "GYM_RENDER_TESTS_WRITER";
 
-    /// What the killed program does: writes a file again and again, of one letter at a time.
+    /// The killed program: it writes a file again and again, each time of one letter.
     #[cfg(unix)]
     #[test]
     fn writer() {

@@ -4,7 +4,7 @@ use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{VectorEnv, VectorEnvExt, builder};
 use gym_toytext as _;
 
-/// 100 is no multiple of a block.
+/// 100 is not a multiple of a block.
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "FrozenLake8x8-v1", "Taxi-v3"] {

@@ -27,7 +27,7 @@ pub(crate) enum Learner {
 impl Learner {
     /// A new learner.
     pub(crate) fn new(id: &str, kwargs: Kwargs, seed: u64, lesson: Lesson) -> Result<Self> {
-        // what happens to the learner does not depend on how the page shows it
+        // the page's way of showing changes nothing in the learner
         let env = gym::builder(id).args(kwargs).disable_env_checker(true).build()?;
         let seed = Seed::from(seed);
         Ok(match lesson {

@@ -211,7 +211,7 @@ fn provide(_: &[u8]) -> Result<Json> {
     Err(Error::custom("this gallery has no Atari"))
 }
 
-/// What a trace may record beside the observation: of a MuJoCo task positions and velocities, of CarRacing the bodies.
+/// Numbers that a trace may record beside the observation: positions and velocities of a MuJoCo task, the bodies of CarRacing.
 #[cfg(feature = "families")]
 fn state(env: &gym::BoxEnv) -> Option<Json> {
     use gym::EnvExt;

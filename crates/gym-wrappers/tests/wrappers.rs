@@ -296,7 +296,7 @@ fn a_stuck_action_draws_nothing() {
     assert_eq!(drawn, [false, true, false, false, true, false, false]);
 }
 
-/// What a vector shows of an episode's last observation is on the same scale as all others.
+/// A vector's `final_obs` is on the same scale as its observations.
 #[test]
 fn final_observations_of_a_vector_are_normalized_too() {
     let vector = || SyncVectorEnv::new([counter(), counter()]).unwrap().with_autoreset(Autoreset::SameStep);

@@ -9,7 +9,7 @@ fn xtask(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_xtask-commands")).args(arguments).output().expect("the command starts")
 }
 
-/// What a command that succeeds prints.
+/// The output of a command, which must succeed.
 fn prints(arguments: &[&str]) -> String {
     let output = xtask(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -80,7 +80,7 @@ fn demo() {
     for old in ["CartPole-v0", "CliffWalking-v0", "Ant-v4", "rapier/LunarLander-v3"] {
         assert!(!ids.contains(&old), "{old} is asked for by --all");
     }
-    // what needs more than crates is left out, and told once for each crate
+    // environments with requirements are left out, named once for each crate
     assert_eq!(said.matches("ids of gym-atari: they need ROMs").count(), 1, "{said}");
     assert_eq!(said.matches("left out GymV26Environment-v0: it needs").count(), 1, "{said}");
     for id in ["CartPole-v1", "Taxi-v4", "CliffWalking-v1", "Blackjack-v1"] {
@@ -295,7 +295,7 @@ fn run_prints_how_episodes_end() {
     assert_eq!(poles[3][2], format!("[{:.1},", one.min(other)), "{poles:?}");
 }
 
-/// What a command is asked for reaches the environment, the policy and the file.
+/// The options of a command reach the environment, the policy and the file.
 #[test]
 fn gif_follows_its_options() {
     let out = folder("gif");
@@ -473,7 +473,7 @@ fn run_refuses_names_before_it_plays() {
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
 }
 
-/// Results can go to the standard output, which is no file to replace.
+/// Results can go to the standard output, which is not replaced as a file.
 #[cfg(target_os = "linux")]
 #[test]
 fn json_goes_to_the_standard_output() {

@@ -34,7 +34,7 @@ impl Cpu {
     }
 }
 
-/// A match on the opcode with an arm for each. The compiler knows the opcode of an arm, so that of all matches on
+/// A match on the opcode with an arm for each. The opcode is constant in an arm, so that of all matches on
 /// operations and modes only one arm is left there.
 macro_rules! dispatch {
     ($core:ident, $opcode:ident, $low:ident, $high:ident: $($code:literal)*) => {

@@ -38,7 +38,7 @@ pub struct Display {
     pub rows: usize,
     /// Whether `HMOVE` blackens the first 8 pixels of its line.
     pub comb: bool,
-    /// A write in this line of the frame ends the frame, whatever the program thinks.
+    /// A write in this line of the frame ends the frame, even without `VSYNC`.
     pub last_line: u32,
     /// Whether it is a PAL set's: it has other colours, and none after a frame with an odd number of lines.
     pub pal: bool,

@@ -22,7 +22,7 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]; // clears RAM
     let absolute = |opcode: u8, address: u16| [opcode, address as u8, (address >> 8) as u8];
     if with_ram {
-        // what it holds before differs
+        // its earlier content differs
         for cell in 0..8 {
             code.extend([0xa9, 29 * cell, 0x8d, cell, 0xf0]); // lda #value; sta cell
         }

@@ -46,7 +46,7 @@ fn reads_of_the_tia_drive_two_bits() {
     assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
 }
 
-/// What a program reads of both triggers, frame by frame, while the first is pressed in the second and the fifth frame: with
+/// Both triggers as a program reads them, frame by frame, while the first is pressed in the second and the fifth frame: with
 /// `VBLANK` as given at the start, and as given before each look.
 fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a];
@@ -77,7 +77,7 @@ fn a_latch_holds_a_trigger_until_it_is_cleared() {
     assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }
 
-/// What some instructions leave at `$90` and `$91`, in the frame after they were executed.
+/// The bytes that some instructions leave at `$90` and `$91`, in the frame after they were executed.
 fn left(code: &[u8]) -> [u8; 2] {
     let mut code = code.to_vec();
     code.extend(frame(0xf000));

@@ -1,4 +1,4 @@
-//! What an episode takes over from the one before, and what a step does: on programs of our own.
+//! The state that an episode takes over from the one before, and the effects of a step: on programs of our own.
 
 use gym_atari::ale::Settings;
 use gym_atari::{

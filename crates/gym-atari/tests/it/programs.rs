@@ -35,7 +35,7 @@ fn a_playfield_and_a_counter() {
     assert_eq!(ale.ram().0[0], 68);
 }
 
-/// What is in RAM outlasts the power being switched off and on; only loading the ROM brings the bytes of its first start.
+/// RAM keeps its bytes while the power is off; only loading the ROM restores those of its first start.
 #[test]
 fn memory_outlasts_a_reset() {
     let code = [
@@ -105,7 +105,8 @@ fn a_menu_is_gone_through_as_by_ale_py() {
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
         0xfb, // clears RAM
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
-        0xad, 0x80, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, 0x85, 0xfd, // SWCHA in Y, what changed in $fd
+        0xad, 0x80, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, 0x85,
+        0xfd, // SWCHA in Y, the changed bits in $fd
         0x29, 0x20, 0xf0, 0x07, 0x98, 0x29, 0x20, 0xd0, 0x02, 0xe6, 0xb0, // DOWN fell: inc $b0
         0xa5, 0xfd, 0x10, 0x0c, 0x98, 0x30, 0x09, // RIGHT fell:
         0xa6, 0xb0, 0xbd, 0x00, 0xf2, 0x45, 0x80, 0x85, 0x80, // ldx $b0; lda $f200,x; eor $80; sta $80
@@ -166,7 +167,7 @@ fn select_is_held_at_random_as_by_ale_py() {
     }
 }
 
-/// Skiing knows no button: an action with FIRE does nothing, not even what its direction does. The program stores the stick in
+/// Skiing has no button: an action with FIRE does nothing, not even in its direction. The program stores the stick in
 /// `$90` and the button in `$91`.
 #[test]
 fn illegal_actions_do_nothing() {
@@ -374,7 +375,7 @@ fn writes_show_when_they_do_in_ale_py() {
     let players: &[u8] = &[2, 6, 7, 16, 17, 27, 28];
     let resized: &[u8] = &[2, 6, 7, 16, 17, 27, 28, 4, 5];
     let moved: &[u8] = &[2, 2, 6, 7, 16, 17, 27, 28, 32, 33, 42];
-    // what goes before what
+    // the priorities
     let priorities: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15, 27, 28, 29, 30, 31];
     let everything: Vec<u8> = [2; 3].into_iter().chain(4..21).chain(27..45).collect();
     let cases = [
@@ -462,7 +463,7 @@ fn wsync_waits_where_it_ends_a_frame() {
     }
 }
 
-/// A frame that nobody looks at changes the same, but for the picture.
+/// A frame that is not drawn changes all but the picture as a drawn one does.
 #[test]
 fn unseen_frames_play_the_same() {
     let rom =

@@ -27,7 +27,7 @@ fn games_are_ale_pys() {
     println!("{compared} recordings of games were compared");
 }
 
-/// Frames that nobody sees, among others, leave a console as it would be if all had been seen.
+/// Frames that are not drawn, between drawn ones, leave a console as if all had been drawn.
 #[test]
 fn unseen_frames_of_games_play_the_same() {
     let Some(roms) = RomDir::find() else {

@@ -1,4 +1,4 @@
-//! What the console leaves out to save time, beside consoles that leave out nothing.
+//! The shortcuts of the console, beside consoles that take none.
 
 use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};

@@ -70,7 +70,7 @@ gym_core::arguments! {
 }
 
 gym_core::discrete! {
-    /// What the driver does.
+    /// The controls of the driver.
     pub enum Drive {
         /// Nothing.
         Idle,
@@ -85,7 +85,7 @@ gym_core::discrete! {
     }
 }
 
-/// What the driver does.
+/// The controls of the driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Steering from -1 (left) to 1 (right), gas and brake from 0 to 1.
@@ -197,7 +197,7 @@ struct Episode {
     lap_finished: Option<bool>,
 }
 
-/// What [`Reset`] may ask for.
+/// The options of a [`Reset`].
 #[derive(Deserialize)]
 #[serde(default)]
 struct Options {
@@ -518,7 +518,7 @@ impl Configure for CarRacing {
 const VERBOSE: (&str, &str) =
     ("arguments-matter", "`verbose` is accepted as Gymnasium does, and nothing is printed");
 
-/// What all ids have in common.
+/// The common part of all ids.
 const fn racing(id: &'static str) -> Registration {
     Registration::new::<CarRacing>(id)
         .description("Drive around a track, from pictures.")

@@ -79,10 +79,10 @@ fn color([r, g, b]: [f64; 3]) -> Color {
     Color::rgb(r as u8, g as u8, b as u8)
 }
 
-/// What is drawn.
+/// The kinds of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scene {
-    /// What the driver sees.
+    /// The observation.
     #[cfg_attr(not(feature = "picture"), expect(dead_code))]
     Observation,
     /// The same at the end of the step, with skid marks.

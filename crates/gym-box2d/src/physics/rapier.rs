@@ -465,7 +465,7 @@ fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
 }
 
 /// A shape with Box2D's skin, which is part of it: rapier's own skins lie on one side of a contact, and
-/// what rolls on a leg would roll on a shorter one.
+/// a wheel on a leg would roll on a shorter one.
 fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     let vertices = shape.vertices();
     match shape.kind {

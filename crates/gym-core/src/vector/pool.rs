@@ -40,7 +40,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     ready: VecDeque<Group<E>>,
     /// Groups about to be sent.
     outgoing: Vec<Group<E>>,
-    /// Whether every sub-environment can take a step: all did in the last call, and nobody else had them since.
+    /// Whether every sub-environment can take a step: all did in the last call, and none was lent since.
     all_go_on: bool,
     pool: Pool<E>,
     spaces: Arc<Spaces>,

@@ -148,7 +148,7 @@ impl Record {
         }
     }
 
-    /// The content of a snapshot. Equal episodes give equal bytes, whatever their duration.
+    /// The content of a snapshot. Equal episodes give equal bytes, even if they took more or less time.
     fn without_time(&self) -> Self {
         let mut record = self.clone();
         let ended = record.running.iter_mut().filter_map(|running| running.ended.as_mut());

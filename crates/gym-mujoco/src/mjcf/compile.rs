@@ -190,7 +190,7 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     }
     let volume = inertia::volume(*shape, size);
     let mass = geom.mass.unwrap_or(geom.density * volume);
-    // a shape without volume has no inertia, whatever its mass
+    // a shape without volume has no inertia, even with a mass
     let dense = if volume > MINVAL || geom.mass.is_none() { mass } else { 0.0 };
     let material = match &geom.material {
         None => -1,
@@ -252,7 +252,7 @@ fn single(rgba: [f64; 4]) -> [f64; 4] {
     rgba.map(|x| f64::from(x as f32))
 }
 
-/// The mass of a body: what is written, or that of its geoms.
+/// The mass of a body: that of its element `inertial`, or that of its geoms.
 ///
 /// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and so does this.
 fn inertia_of(body: &Body, degree: bool, from_geoms: Option<bool>, parts: &[Inertia]) -> Result<Inertia> {

@@ -160,7 +160,7 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     };
 }
 
-/// What the model states goes before what was computed.
+/// Numbers that the model states replace computed ones.
 fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
     let stat = &mut m.stat;
     for (value, stated) in [

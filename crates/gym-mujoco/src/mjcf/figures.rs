@@ -160,7 +160,7 @@ fn derived(m: &Model) -> Value {
     })
 }
 
-/// What is the same in every model of the supported kind.
+/// The facts that hold for every model of the supported kind.
 fn constant(m: &CompiledModel) -> Value {
     let (nu, nt) = (m.nu(), m.ntendon());
     json!({

@@ -6,7 +6,7 @@ use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 
-/// Below this length a direction is no direction: `mjEPS`.
+/// A vector shorter than this has no direction: `mjEPS`.
 pub(super) const EPS: f64 = 1e-14;
 
 /// An orientation as it is written. A form other than `quat` takes precedence, even one of a default class.

@@ -104,7 +104,7 @@ impl Reader<'_> {
                 "option" => self.read_option(section)?,
                 "size" => self.read_size(section)?,
                 "statistic" => self.read_statistic(section)?,
-                // read and ignored: what only MuJoCo's own viewer shows
+                // read and ignored: only MuJoCo's own viewer shows it
                 "visual" | "custom" => {}
                 name if SECTIONS.contains(&name) => {}
                 _ => return Err(root.unsupported(&section, &SECTIONS)),

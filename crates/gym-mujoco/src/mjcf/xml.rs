@@ -4,7 +4,7 @@ use roxmltree::{Attribute, Node};
 
 use crate::{Error, Result};
 
-/// An element of a model's text, and those of its attributes that nobody has read yet.
+/// An element of a model's text, and those of its attributes that were not read yet.
 pub(super) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,

@@ -1,4 +1,4 @@
-//! What the engine works out from a model once: sparsity of the inertia matrix, and pairs of geoms that can touch.
+//! Facts that the engine computes from a model once: sparsity of the inertia matrix, and pairs of geoms that can touch.
 
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ pub(crate) struct Plan {
     pub(crate) anchored: Vec<bool>,
 }
 
-/// What a frame has of its own: the rest is that of the frame that it is given in.
+/// The parts in which a frame differs from the frame that it is given in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) moved: bool,

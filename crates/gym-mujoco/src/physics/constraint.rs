@@ -15,7 +15,7 @@ use crate::{Contact, Data, Model};
 /// Rows of limits come first, by joint, lower before upper; then those of contacts, in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Constraints {
-    /// What the rows belong to.
+    /// The origin of the rows.
     pub(crate) blocks: Vec<Block>,
     /// The Jacobian: `stride` groups for each row.
     jac: Vec<Lanes>,
@@ -63,7 +63,7 @@ pub(crate) struct Block {
     pub(crate) island: usize,
 }
 
-/// What a block stands for.
+/// The meaning of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
     Limit,

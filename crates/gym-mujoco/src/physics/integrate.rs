@@ -59,7 +59,7 @@ fn semi_implicit(m: &Model, d: &mut Data) {
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done already.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
     const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-    // what part of the step leads from the start to the next stage
+    // the part of the step from the start to the next stage
     const PARTS: [f64; 4] = [0.5, 0.5, 1.0, 0.0];
     let (dt, start, nv) = (m.opt.timestep, d.time, m.nv());
     d.work.qpos_start.copy_from_slice(&d.qpos);

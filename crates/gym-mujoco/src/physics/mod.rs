@@ -73,7 +73,7 @@ use crate::model::Integrator;
 use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
 
-/// What computes all that follows from a state.
+/// The functions that compute all that follows from a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Call {
     Forward,

@@ -1,4 +1,4 @@
-//! What the reader of MJCF refuses: each error names the line, the element and the attribute.
+//! Models that the reader of MJCF refuses: each error names the line, the element and the attribute.
 
 use gym_mujoco::{Error, Model};
 
@@ -196,7 +196,7 @@ fn deep_nesting_needs_no_stack() {
     });
 }
 
-/// Classes start from the one around them, whatever stands between.
+/// Classes start from the class around them, even with other elements between.
 #[test]
 fn classes_within_classes_start_from_them() {
     let model = Model::from_xml(
@@ -308,7 +308,7 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     model(heavy).unwrap();
     model(&format!("<body>{heavy}</body>")).unwrap();
     model("<geom size=\"1e-3\" mass=\"1\"/>").unwrap();
-    // what moves against it does not help, nor does a point, whatever its mass
+    // bodies that move against it do not help, nor does a point, even with a mass
     for inner in ["", "<site name=\"s\"/>", "<geom size=\"1e-6\" mass=\"1\"/>", &format!("<joint/>{heavy}")] {
         let error = model(inner).unwrap_err().to_string();
         assert!(error.contains("needs mass and inertia"), "{inner}: {error}");
@@ -374,7 +374,7 @@ fn attributes_of_sections_count_wherever_they_are() {
     }
 }
 
-/// What is written of a body's inertia counts unless it is to come from the geoms.
+/// The stated inertia of a body counts, unless `inertiafromgeom` is set.
 #[test]
 fn inertia_comes_from_where_it_is_said_to() {
     let mass = |lines: &str| with_lines(lines)["body_mass"][1].as_f64().unwrap();

@@ -1,4 +1,4 @@
-//! What rewards, ends and infos are made of, by the arguments that say so: computed a second time from the state.
+//! Rewards, ends and infos under their arguments, computed a second time from the state.
 
 use gym_core::{BoxEnv, Env, EnvExt, Registration, Value, builder, make, registry};
 use gym_mujoco::{Data, simulated, simulated_mut};
@@ -168,7 +168,7 @@ fn a_fall_is_not_paid_for_since_version_5() {
         let mut env = make(id).unwrap();
         env.reset(3).unwrap();
         let push = Value::from([1.0_f32]);
-        // what a place away from the middle, and speed, cost a double pendulum
+        // the costs of distance from the middle, and of speed, for a double pendulum
         let cost = if id.starts_with("InvertedDouble") { 5.0 } else { 0.0 };
         let (steps, last) = (1..1000)
             .map(|count| (count, env.step(&push).unwrap()))
@@ -264,7 +264,7 @@ fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
         let [seen, expected] = [&mut used, &mut new].map(|env| (env.reset(3).unwrap(), env.info_map()));
         assert_eq!(seen, expected, "{id}");
         assert!(expected.1.keys().all(|name| !name.contains("reward")), "{id}: {:?}", expected.1);
-        // what is told of the state is that of the new one
+        // the info describes the new state
         let position = |info: &gym_core::Info| info.get("x_position").cloned().unwrap_or(Value::Null);
         assert!(position(&after_a_step) != position(&seen.1) || position(&seen.1) == Value::Null, "{id}");
     }

@@ -1,4 +1,4 @@
-//! What holds for every simulation: it can be stored, it never ends in numbers that are not finite, it allocates nothing.
+//! Every simulation can be stored, never ends in numbers that are not finite, and allocates nothing.
 
 use std::path::Path;
 

@@ -239,7 +239,7 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     }
 }
 
-/// What glibc 2.36 gives, mostly where the correctly rounded result is another one: bits of arguments and
+/// Results of glibc 2.36, mostly where the correctly rounded result is another one: bits of arguments and
 /// results.
 #[test]
 fn hard_cases_are_glibcs() {

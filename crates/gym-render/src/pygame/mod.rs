@@ -87,7 +87,7 @@ const REACH: f64 = 30_000.0;
 
 /// Whether pygame's coordinates do not overflow.
 pub(crate) fn is_in_reach(primitive: &Primitive<'_>) -> bool {
-    let near = |x: &f64| x.abs() <= REACH; // not if it is no number
+    let near = |x: &f64| x.abs() <= REACH; // false for NaN
     match *primitive {
         Primitive::AaPolygon(points)
         | Primitive::FilledPolygon(points)

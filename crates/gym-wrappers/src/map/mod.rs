@@ -10,7 +10,7 @@
 //! gym_core::arguments! {
 //!     /// The arguments.
 //!     pub struct Config {
-//!         /// What rewards are multiplied by.
+//!         /// The factor of the rewards.
 //!         pub factor: f64,
 //!     }
 //! }

@@ -56,7 +56,7 @@ struct Of<T> {
     var: Vec<T>,
 }
 
-/// Evaluates `$body` with `$of` bound to the moments, whatever their type.
+/// Evaluates `$body` with `$of` bound to the moments of either type.
 macro_rules! each {
     ($moments:expr, $of:ident => $body:expr) => {
         match $moments {

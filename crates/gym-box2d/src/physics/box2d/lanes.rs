@@ -38,7 +38,7 @@ pub(crate) struct Lanes {
     begun: usize,
 }
 
-/// What a world whose step has begun holds of [`Lanes`].
+/// The part of [`Lanes`] that belongs to a world whose step has begun.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     island: usize,
@@ -161,7 +161,7 @@ impl Lanes {
             return;
         }
         if len < LANES {
-            // what is computed in idle lanes must be finite and not small, which would be slow
+            // numbers in idle lanes must be finite, and not subnormal, which would be slow
             self.bodies.pad(len);
             self.hinges.iter_mut().for_each(|rows| rows.pad(len));
             let touches = self.touches.as_flattened_mut().iter_mut();

@@ -32,7 +32,7 @@ impl Feature {
     }
 }
 
-/// What meets in a point: it tells points of one step from those of the next.
+/// The features that meet in a point: they identify a point from step to step.
 pub(crate) type ContactId = [Feature; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -260,7 +260,7 @@ fn bodies_rest_sleep_and_wake() {
         assert!(!body.awake);
         assert!((body.xf.translation.y - (0.5 + i as f32)).abs() < 0.05, "{:?}", body.xf);
     }
-    // what lay on a body that goes falls down
+    // bodies that lay on a removed one fall
     world.destroy_body(stack[0]);
     world.step(0.02, 30, 10);
     assert!(world.body(stack[1]).awake);

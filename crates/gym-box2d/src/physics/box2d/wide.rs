@@ -220,7 +220,7 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         Self { x: s * self.x, y: s * self.y }
     }
 
-    /// What a point at this lever moves by at an angular velocity: [`math::cross_scalar`](super::math::cross_scalar).
+    /// The velocity of a point at this lever due to an angular velocity: [`math::cross_scalar`](super::math::cross_scalar).
     #[inline(always)]
     pub(super) fn turned_by(self, w: Wide<S, R>) -> Self {
         Self { x: -w * self.y, y: w * self.x }

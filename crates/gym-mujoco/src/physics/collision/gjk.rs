@@ -24,7 +24,7 @@ impl Vertex {
     }
 }
 
-/// What the algorithm ends with.
+/// The result of the algorithm.
 pub(super) struct Found {
     /// The distance; 0 where the sets overlap, [`f64::MAX`] where they are further apart than asked about.
     pub(super) distance: f64,

@@ -71,7 +71,7 @@ fn dot_rows(
 #[inline(always)]
 pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) {
     for g in 0..stride {
-        // what the columns before these four rows take away
+        // subtract the columns before these four rows
         let known = x[..g].as_flattened();
         let sums = dot_rows(
             &factor[..4 * g * stride],

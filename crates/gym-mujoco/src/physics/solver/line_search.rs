@@ -2,7 +2,7 @@
 
 use crate::physics::spatial::MINVAL;
 
-/// What a line search needs to know about a row.
+/// The numbers of a row that a line search reads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Row {
     /// Its residual at the start, and how it changes with the length of the step.

@@ -1,4 +1,4 @@
-//! Constraint forces: what accelerations become when constraints push back.
+//! Constraint forces, and the accelerations with them.
 
 mod cholesky;
 mod line_search;

@@ -35,7 +35,7 @@ pub(crate) struct Buffers {
     /// The Jacobians of the rows that push, and these times their stiffness.
     pushing: Vec<Lanes>,
     pushed: Vec<Lanes>,
-    /// What the force on the joints is the sum of: where rows of the Jacobian start, and their forces.
+    /// The terms of the force on the joints: where rows of the Jacobian start, and their forces.
     terms: Vec<(usize, f64)>,
     // vectors of rows
     jar: Vec<f64>,
@@ -188,7 +188,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     }
 }
 
-/// What is given of an island.
+/// The inputs of an island.
 struct Problem<'a> {
     m: &'a Model,
     trees: &'a [usize],
@@ -368,7 +368,8 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
     }
 }
 
-/// Forces of the rows, what they are to the joints, and the gradient: MuJoCo's `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
+/// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's `PrimalUpdateConstraint` and
+/// `PrimalUpdateGrad`.
 #[inline(always)]
 fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();

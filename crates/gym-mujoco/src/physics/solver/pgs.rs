@@ -15,7 +15,7 @@ pub(crate) struct Buffers {
     half: Vec<Lanes>,
     /// `J M^-1 J' + R`, row by row.
     ar: Vec<Lanes>,
-    /// What a row of `ar` is the sum of: where a row of `half` starts, and its factor.
+    /// The terms of a row of `ar`: where a row of `half` starts, and its factor.
     terms: Vec<(usize, f64)>,
     /// Where the rows of `half` start that are not zero, the last first.
     moving: Vec<usize>,
@@ -31,7 +31,7 @@ pub(crate) struct Buffers {
     next_order: Vec<u32>,
 }
 
-/// What a step along a row needs.
+/// The numbers for a step along a row.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     row: usize,

@@ -90,7 +90,7 @@ pub struct State {
     progress: Progress,
 }
 
-/// A state, and which of the two pictures is being drawn.
+/// A state, and the index of the picture that is being drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
     state: State,

@@ -210,7 +210,7 @@ impl Console {
         fits
     }
 
-    /// Which of the two pictures is being drawn.
+    /// The index of the picture that is being drawn.
     pub(crate) fn current_picture(&self) -> usize {
         self.chips.screen.current
     }

@@ -1,4 +1,4 @@
-//! The console's bus: which chip an address is of.
+//! The console's bus: the chip of each address.
 
 use std::marker::PhantomData;
 
@@ -149,7 +149,7 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
         Ready::Now
     }
 
-    /// Where it is known that a branch ends no loop that waits, there is nothing to look at.
+    /// Does nothing: the branch is known not to end a waiting loop.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
         if CASE == case::ROM { None } else { self.cartridge.four_bytes(address) }

@@ -399,7 +399,11 @@ pub const CHECKS: &[Check] = &[
 /// It is here because it checks the list itself.
 fn exceptions_known(subject: &Subject<'_>) -> Verdict {
     let Some(registration) = &subject.registration else { return skipped("it is not registered") };
-    let is_known = |name: &str| CHECKS.iter().any(|check| check.name == name);
+    let is_argument = |name: &str| subject.arguments().is_some_and(|(_, kwargs)| kwargs.contains_key(name));
+    let is_known = |name: &str| match name.split_once('.') {
+        Some((check, name)) => check == "arguments-matter" && is_argument(name),
+        None => CHECKS.iter().any(|check| check.name == name),
+    };
     match registration.exceptions.iter().find(|(name, _)| !is_known(name)) {
         Some((name, _)) => broken(format!("`{}` has an exception for `{name}`", registration.id())),
         None => Ok(()),

@@ -224,13 +224,15 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
-    // a free thread takes the next one: some take a hundred times as long as others
-    let next = AtomicUsize::new(0);
+    // A free thread takes the next one: some take a hundred times as long as others. It takes the last one, because those
+    // in a namespace, such as `rapier/CarRacing-v3`, take longest.
+    let left = AtomicUsize::new(specs.len());
+    let take = || left.try_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).ok();
     let work = || {
         let mut reports = Vec::new();
         loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(spec) = specs.get(i) else { return reports };
+            let Some(i) = take().map(|left| left - 1) else { return reports };
+            let spec = &specs[i];
             tell(Progress::Begins { id: &spec.id });
             let long = |long: &Long| match long {
                 Long::Runs(check) => tell(Progress::Runs { id: &spec.id, check }),
@@ -261,15 +263,9 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
     let subject = Subject::of_spec(&make, bare.clone());
     let (mut findings, skipped) = run(&subject, tell);
     let mut excused = Vec::new();
-    findings.retain(|finding| {
-        let registration = subject.registration.as_ref();
-        let reason = registration.and_then(|registration| {
-            registration
-                .exceptions
-                .iter()
-                .find_map(|(check, reason)| (*check == finding.check).then_some(*reason))
-        });
-        excused.extend(reason.map(|reason| Excused { check: finding.check, reason }));
+    findings.retain(|Finding { check, .. }| {
+        let reason = subject.exception(check);
+        excused.extend(reason.map(|reason| Excused { check, reason }));
         reason.is_none()
     });
     Report { id: spec.id.clone(), findings, excused, skipped }

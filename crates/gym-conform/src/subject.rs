@@ -165,6 +165,12 @@ impl<'a> Subject<'a> {
         Ok(self.damaged.get_or_init(|| damaged))
     }
 
+    /// The reason why the registration allows a check to fail.
+    pub(crate) fn exception(&self, check: &str) -> Option<&'static str> {
+        let exceptions = self.registration.as_ref()?.exceptions;
+        exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
+    }
+
     /// Whether the same seed may give different episodes.
     pub(crate) fn is_nondeterministic(&self) -> bool {
         self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)

@@ -3,7 +3,7 @@
 //! It does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the order of the real chip,
 //! including useless reads: some of them switch the banks of a cartridge.
 //!
-//! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for what is documented.
+//! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for the documented instructions.
 
 mod decimal;
 pub(crate) mod instructions;

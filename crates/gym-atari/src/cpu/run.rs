@@ -77,7 +77,7 @@ impl<B: Bus> Core<B> {
         self.cpu.bus
     }
 
-    /// Reads a byte that the processor has no use for.
+    /// Reads a byte that the processor ignores.
     #[inline(always)]
     fn touch(&mut self, address: u16) {
         self.read(address);
@@ -268,7 +268,7 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// How many rounds of a waiting loop, which has just branched to its start, will find what the last one found.
+    /// The number of rounds of a waiting loop, which has just branched to its start, that will read the same as the last one.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
         let Cpu { a, x, y, overflow, result, .. } = self.cpu;

@@ -26,7 +26,7 @@ gym_core::arguments! {
         pub full_action_space: bool,
         /// Actions are a stick's radius and angle and a button's pressure.
         pub continuous: bool,
-        /// Beyond which radius, and beyond which pressure, a continuous action counts.
+        /// The radius, and the pressure, above which a continuous action counts.
         pub continuous_action_threshold: f64 = 0.5,
         /// The number of frames after which an episode is truncated; `None` for never.
         #[unit = "frames"]
@@ -66,7 +66,7 @@ pub enum ObsType {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Frameskip {
-    /// So many.
+    /// A fixed number.
     Fixed(i64),
     /// At least the first number, and less than the second.
     Range([i64; 2]),

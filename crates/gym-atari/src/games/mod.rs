@@ -33,7 +33,7 @@ pub struct Game {
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
-    /// The full action set, which lacks the button where a game does not know it.
+    /// The full action set, without the button in games that do not use it.
     pub legal: &'static [Action],
     /// The frames of nothing behind the first RESET; ale-py counts them as frames of the episode.
     pub idle: u8,

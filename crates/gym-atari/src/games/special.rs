@@ -3,7 +3,7 @@
 use super::Ram;
 
 impl Ram<'_> {
-    /// Blackjack: nothing shows where no points are left.
+    /// Blackjack: blank digits, if no points are left.
     pub(super) fn blackjack(&self) -> i32 {
         if self.blackjack_is_blank() { 0 } else { self.decimal(&[0x06, 0x09]) }
     }

@@ -67,7 +67,7 @@ impl Default for Display {
     }
 }
 
-/// A player or a missile, or the ball: which one a register is of.
+/// The player or missile of a register, or the ball.
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
@@ -113,7 +113,7 @@ pub(crate) struct Tia {
     vdelbl: bool,
     resmp: [bool; 2],
     collisions: u16,
-    /// Where each object starts.
+    /// The pixel at which each object starts.
     x: [u8; 5],
     /// Whether a player's first copy is left out: up to the end of a line of the picture, a write to `NUSIZx`, or an `HMOVE`.
     without_main: [bool; 2],
@@ -141,7 +141,7 @@ pub(crate) struct Tia {
     from: [u8; OBJECTS],
     /// The objects, by bit, that changed within the line.
     mixed: u8,
-    /// Which pixels are to be painted.
+    /// The pixels to be painted.
     #[serde(skip)]
     differing: Differing,
     /// Whether a whole line was searched for collisions since something changed.
@@ -150,7 +150,7 @@ pub(crate) struct Tia {
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
-    /// After how many clocks each paddle's capacitor is charged; `None` where nothing charges it.
+    /// The clocks that each paddle's capacitor takes to charge; `None` if nothing charges it.
     pub(crate) charge: [Option<u32>; 4],
     /// The clock at which the capacitors were last let go.
     released: u64,
@@ -222,7 +222,7 @@ impl Tia {
 
     /// Whether this can be the chip of a console at `cycle`: one that was stored may have been damaged.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
-        // far from where the arithmetic of times would overflow
+        // small enough for the arithmetic of times not to overflow
         const LONG: u64 = 1 << 60;
         cycle < LONG
             && self.line_start <= cycle
@@ -704,7 +704,7 @@ impl Tia {
         self.start_frame(cycle);
     }
 
-    /// As `end_frame`, but what is not painted of the frame stays unpainted.
+    /// As `end_frame`, but the rest of the frame stays unpainted.
     pub(crate) fn start_frame(&mut self, cycle: u64) {
         self.beam(cycle);
         self.short = self.row().is_some() || self.drawn_line < self.display.first_line;

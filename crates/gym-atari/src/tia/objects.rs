@@ -88,7 +88,7 @@ pub(super) fn player(x: u8, nusiz: u8, graphics: u8, reflected: bool, without_ma
     pixels
 }
 
-/// Where a player's copies start.
+/// The pixels at which a player's copies start.
 pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
     copies(nusiz).offsets.iter().map(move |&offset| around(x, i32::from(offset)))
 }

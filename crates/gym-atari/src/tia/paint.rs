@@ -21,13 +21,13 @@ pub(super) struct Colors {
     pub(super) p1: u8,
     pub(super) pf: u8,
     pub(super) bk: u8,
-    /// `CTRLPF` bit 2: the playfield goes before the players.
+    /// `CTRLPF` bit 2: the playfield is drawn over the players.
     pub(super) playfield_first: bool,
     /// `CTRLPF` bit 1: the playfield's halves have the colours of the players.
     pub(super) score: bool,
 }
 
-/// Which objects a bit of the collision registers is about: bit 6 and bit 7 of each, in the order of their addresses.
+/// The two objects of each bit of the collision registers: bit 6 and bit 7 of each, in the order of their addresses.
 const PAIRS: [[usize; 2]; 16] = [
     [M0, P0], // CXM0P
     [M0, P1],

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which of a line's 160 pixels are set: bit `x % 64` of word `x / 64`.
+/// A set of a line's 160 pixels: bit `x % 64` of word `x / 64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Pixels(pub(crate) [u64; 3]);
 

@@ -516,7 +516,7 @@ impl Configure for CarRacing {
 
 /// An argument that is there for Gymnasium's sake.
 const VERBOSE: (&str, &str) =
-    ("arguments-matter", "`verbose` is accepted as Gymnasium does, and nothing is printed");
+    ("arguments-matter.verbose", "it is accepted as Gymnasium does, and nothing is printed");
 
 /// The common part of all ids.
 const fn racing(id: &'static str) -> Registration {

@@ -247,7 +247,8 @@ impl Registration {
         self
     }
 
-    /// Checks of the crate gym-conform that this id may fail, each with the reason.
+    /// Checks of the crate gym-conform that this id may fail, each with the reason. `arguments-matter.verbose` excuses the
+    /// argument `verbose` from the check `arguments-matter`.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
         self.exceptions = exceptions;

@@ -247,7 +247,7 @@ const fn ant(id: &'static str) -> Registration {
 gym_core::register!(
     ant("Ant-v2"),
     ant("Ant-v3").exceptions(&[(
-        "arguments-matter",
+        "arguments-matter.contact_cost_weight",
         "contact forces are always 0 in this version, as in Gymnasium's"
     )]),
     ant("Ant-v4"),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Where a fused multiply-add comes from. Both give the same bits.
+/// A source of fused multiply-adds. Both give the same bits.
 pub trait Fma: Copy + fmt::Debug + 'static {
     /// `a * b + c`, rounded once.
     fn fma(a: f64, b: f64, c: f64) -> f64;

@@ -161,7 +161,7 @@ fn functions_are_the_platforms_where_their_series_change() {
     }
 }
 
-/// As on a CPU without them, and on a platform of which nothing is asked but sums and products.
+/// As on a CPU without fused multiply-add, and on a platform that is only asked for sums and products.
 #[test]
 fn emulated_multiply_adds_change_nothing() {
     for Function { name, ours, emulated, bounds, .. } in functions() {

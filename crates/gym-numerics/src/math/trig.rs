@@ -14,7 +14,7 @@ const BIG: f64 = 52_776_558_133_248.0;
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// Angles below are not reduced.
 const UNREDUCED: f64 = 0.855_468_75;
-/// Angles below are at most one quarter turn from what is not reduced.
+/// Smaller angles are at most one quarter turn from the range that is not reduced.
 const ONE_TURN: f64 = f64::from_bits(0x4003_68fd_0000_0000);
 /// Angles from here on are reduced with all digits of π that there are.
 const HUGE: f64 = 105_414_350.0;
@@ -58,7 +58,7 @@ struct Reduced<R> {
     a: R,
     da: R,
     turns: R,
-    /// Whether one is beyond HUGE, where all this is wrong.
+    /// Whether one is beyond HUGE, where the reduction fails.
     huge: bool,
 }
 
@@ -85,7 +85,7 @@ impl<R: Real> Reduced<R> {
         Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND, huge: false }
     }
 
-    /// One formula for those that are near and others, whose turns are counted and have the parts of PARTS.
+    /// One formula for small angles and for others, whose turns are counted and subtracted by the parts of PARTS.
     #[inline(always)]
     fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
@@ -227,7 +227,7 @@ fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     (sin.negate_if(turns.bit(1)), cos.negate_if((turns + 1.0).bit(1)))
 }
 
-/// The sines, where those of the formula are not: for HALF_WAY and from HUGE on, neither of which is likely.
+/// The sines for which the formula fails: HALF_WAY, and from HUGE on. Both are rare.
 #[inline(always)]
 fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
@@ -238,7 +238,7 @@ fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     sin.repair_unless(R::but_not(magnitude.lt(x.same(HUGE)), unlucky), x, sin_of_unusual)
 }
 
-/// The cosines, where those of the formula are not: from HUGE on.
+/// The cosines for which the formula fails: from HUGE on.
 #[inline(always)]
 fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
     if huge { cos.repair_unless(x.abs().lt(x.same(HUGE)), x, |x| sin_cos_of_huge(x).1) } else { cos }
@@ -276,7 +276,7 @@ fn sin_of_unusual(x: f64) -> f64 {
     if x.abs() == HALF_WAY { SIN_HALF_WAY.copysign(x) } else { sin_cos_of_huge(x).0 }
 }
 
-/// Beyond HUGE, where no environment comes.
+/// Beyond HUGE, which no environment reaches.
 #[cold]
 #[inline(never)]
 fn sin_cos_of_huge(x: f64) -> (f64, f64) {

@@ -28,8 +28,10 @@ gym_core::arguments! {
 }
 
 gym_core::arguments! {
-    /// Reads an argument and leaves it at that: breaks `arguments-matter`.
+    /// Reads its arguments and does not use them: breaks `arguments-matter`.
     pub struct Ignored {
+        /// How fast an animation would be.
+        pub pace: u32,
         /// How long a step is, in tenths.
         pub stride: u32,
     }

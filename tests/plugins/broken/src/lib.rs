@@ -107,6 +107,7 @@ register! {
 gym_core::register!(
     Registration::new::<Walk<Ignored>>("broken/arguments-matter-v0")
         .description("Walk from the middle to either end.")
+        .exceptions(&[("arguments-matter.pace", "nothing is animated here")])
         .max_episode_steps(12)
 );
 gym_core::register!(
@@ -121,6 +122,12 @@ gym_core::register!(
 );
 gym_core::register!(
     Registration::new::<Walk>("broken/described.unfinished-v0").description("TODO").max_episode_steps(12)
+);
+gym_core::register!(
+    Registration::new::<Walk>("broken/exceptions-known.argument-v0")
+        .description("Walk from the middle to either end.")
+        .exceptions(&[("arguments-matter.fauld", "a slip of the pen")])
+        .max_episode_steps(12)
 );
 gym_core::register!(
     Registration::new::<Walk>("broken/described.again-v0")

@@ -15,7 +15,7 @@ use super::terrain::Terrain;
 struct Proxy {
     fat: Aabb,
     fixture: u32,
-    /// Two proxies that are not make no pair.
+    /// Two proxies that do not move make no pair.
     dynamic: bool,
     used: bool,
 }
@@ -57,7 +57,7 @@ impl BroadPhase {
         id
     }
 
-    /// Where a proxy is that is not of the terrain.
+    /// The place of a proxy outside the terrain.
     #[inline]
     fn place(&self, id: u32) -> usize {
         let id = id as usize;
@@ -157,7 +157,7 @@ impl BroadPhase {
         self.proxies[self.place(id)].fixture
     }
 
-    /// Whether there is such a proxy and it is that of a fixture; any fixture may stand for an edge of the terrain.
+    /// Whether a proxy exists and belongs to a fixture; any fixture may stand for an edge of the terrain.
     pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
         self.terrain.edge_of(id).is_some()
             || self.proxies.get(self.place(id)).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
@@ -169,8 +169,7 @@ impl BroadPhase {
         self.proxies.iter().filter(hit).map(|proxy| proxy.fixture)
     }
 
-    /// Whether what was read from outside can be worked with, for fixtures that `owns` tells to
-    /// have the proxy.
+    /// Whether data read from outside is consistent; `owns` tells whether a fixture has a proxy.
     pub(crate) fn is_valid(&self, owns: impl Fn(u32, u32) -> bool) -> bool {
         let proxy = |id: &u32| {
             let proxy = self.proxies.get(self.place(*id));

@@ -17,7 +17,7 @@ pub(crate) struct Contact {
     pub(crate) fixture_b: u32,
     pub(crate) body_a: u32,
     pub(crate) body_b: u32,
-    /// Whether either is a sensor: then it only tells.
+    /// Whether either is a sensor: the contact is reported, and has no forces.
     pub(crate) sensor: bool,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
@@ -30,7 +30,7 @@ pub(crate) struct Contact {
     pub(crate) toi: Option<f32>,
     /// Times of impact in this step.
     pub(crate) toi_count: u32,
-    /// Whether a joint has come since that may forbid it.
+    /// Whether a joint was made since that may forbid it.
     pub(crate) refilter: bool,
 }
 
@@ -78,7 +78,7 @@ impl Contact {
         }
     }
 
-    /// Finds out where and whether the two touch now.
+    /// Computes whether and where the two touch now.
     pub(crate) fn update(
         &mut self,
         bodies: &mut Arena<Body>,

@@ -142,7 +142,7 @@ impl Box2d {
         self.find_new_contacts(&mut island.pairs);
     }
 
-    /// Adds what a body also touches at that time, static bodies alone.
+    /// Adds the static bodies that a body also touches at that time.
     fn gather_touching(&mut self, island: &mut Island, id: u32, alpha: f32) {
         for i in (0..self.contacts.len()).rev() {
             if island.bodies.len() == 2 * MAX_TOI_CONTACTS || island.contacts.len() == MAX_TOI_CONTACTS {

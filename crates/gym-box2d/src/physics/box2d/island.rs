@@ -15,7 +15,7 @@ use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Begun {
     pub(super) step: TimeStep,
-    /// Which of the dynamic bodies the first island was found from, if there is an island.
+    /// The dynamic body from which the first island was found, if there is an island.
     pub(super) seed: Option<usize>,
 }
 
@@ -91,7 +91,7 @@ impl Island {
         }
     }
 
-    /// The begin of a time step: forces, and what the velocity sweeps start from.
+    /// The begin of a time step: forces, and the start of the velocity sweeps.
     pub(crate) fn prepare(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.enter(world, step);
         self.build_contacts(world, Some(step.ratio));
@@ -104,13 +104,13 @@ impl Island {
         self.build_joints(world, step);
     }
 
-    /// Its end, once the velocity sweeps are made: positions, sleep.
+    /// The end of a time step, after the velocity sweeps: positions, sleep.
     pub(crate) fn conclude(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.store_impulses(world);
         self.move_on(world, step);
     }
 
-    /// Where the bodies are, and their velocities after what pushes them from outside.
+    /// The places of the bodies, and their velocities after gravity and outer forces.
     pub(crate) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
         let h = step.dt;
         self.positions.clear();

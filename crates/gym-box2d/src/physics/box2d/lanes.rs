@@ -2,7 +2,7 @@
 //!
 //! A sweep is a chain of operations that wait for each other, so one world alone leaves a CPU idle; worlds side by
 //! side fill it. It needs islands that are alike: the same bodies and hinges in the same order, as the
-//! environments' have. A contact that one world has and another has not is masked. Whatever is not alike is solved by itself
+//! environments' have. A contact that one world has and another has not is masked. An island that differs is solved by itself
 //! ([`Lanes::load`]); the bits are the same.
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -17,7 +17,7 @@ use super::wide::{LANES, Strip};
 
 /// Fewer worlds are solved faster one by one, as their sweeps repeat (see [`sweeps`](super::sweeps)).
 const FEWEST: usize = 4;
-/// Contacts of one body that find room.
+/// The contacts of one body that there is room for.
 const TOUCHES: usize = 8;
 
 /// Working memory for the steps of some worlds, of which up to [`LANES`] are solved together.
@@ -42,7 +42,7 @@ pub(crate) struct Lanes {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     island: usize,
-    /// Where its velocities are solved, if with others.
+    /// The lane in which its velocities are solved, if they are solved with others.
     lane: Option<usize>,
 }
 
@@ -187,8 +187,8 @@ impl Lanes {
         }
     }
 
-    /// As [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Those of different bodies do not
-    /// know of each other.
+    /// As [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Those of different bodies are
+    /// independent.
     #[inline(always)]
     fn sweep_strip<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>) {
         let Self { ends, bodies, hinges, touches, .. } = self;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::math::{Pose, Vec2, dot, normalize, rotate, transform, vec2};
 
-/// Which shape the normal belongs to.
+/// The shape that the normal belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     /// Neither: from centre to centre.

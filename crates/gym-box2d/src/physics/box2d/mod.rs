@@ -59,15 +59,15 @@ use shape::{Aabb, Geometry, Segment};
 
 use super::{BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape};
 
-/// So many contacts, bodies and joints find room in the working memory of a step without allocating: more than the
+/// The contacts, bodies and joints that the working memory of a step has room for without allocating: more than the
 /// environments ever have.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
-/// So many bodies find room in a world with terrain: those that move, and the edges that something is near.
+/// The bodies that a world with terrain has room for: those that move, and the edges near them.
 const NEAR: usize = 18;
-/// So many contacts and events for each fixture that moves find room in a world. A world keeps them from step to
-/// step, and small worlds leave the cache to others.
+/// The contacts and events for each moving fixture that a world has room for. A world keeps this memory from step to
+/// step, and with small worlds more of them fit the cache.
 const CONTACTS_EACH: usize = 8;
 const EVENTS_EACH: usize = 4;
 
@@ -145,7 +145,7 @@ impl Box2d {
         self.new_fixture = true;
     }
 
-    /// The fixture of an edge of the terrain, on a body of its own: the one it has, or a new one.
+    /// The fixture of an edge of the terrain, on a static body of its own; both are made if there are none.
     fn fixture_of_edge(&mut self, edge: usize, proxy: u32) -> u32 {
         for Contact { fixture_a, fixture_b, .. } in &self.contacts {
             for id in [*fixture_a, *fixture_b] {
@@ -232,8 +232,8 @@ impl Box2d {
         self.events.reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
-    /// Reads a number or two of each object, so that its cache lines are fetched. It does so in a world that a panic has
-    /// left in disorder, too.
+    /// Reads a number or two of each object, so that its cache lines are fetched. This is safe in a world that a panic left
+    /// inconsistent, too.
     pub(crate) fn touch(&self) -> u32 {
         let joints = self.joints.iter().map(|(_, joint)| joint.body_a ^ joint.motor_speed.to_bits());
         let bodies = self.bodies.iter().map(|(_, body)| body.sweep.a.to_bits() ^ body.sleep_time.to_bits());

@@ -1,4 +1,4 @@
-//! A body while its island is solved: where it is, how it moves, and how hard it is to move.
+//! A body while its island is solved: its position, velocity, mass and moment of inertia.
 
 use super::math::Vec2;
 

@@ -11,7 +11,7 @@ use crate::physics::Shape;
 /// The most vertices that a polygon may have here: Box2D's own default. (pybox2d allows 16.)
 pub(crate) const MAX_VERTICES: usize = 8;
 
-/// Which of Box2D's algorithms a shape takes part in.
+/// The kind of a shape, which selects Box2D's algorithms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     Circle,

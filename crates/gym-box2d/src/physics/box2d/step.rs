@@ -151,7 +151,7 @@ impl Box2d {
         }
     }
 
-    /// Tells the broad phase where the bodies of the islands went, and finds what they met there.
+    /// Moves the boxes of the islands' bodies in the broad phase, and finds new contacts.
     pub(crate) fn synchronize_islands(&mut self, pairs: &mut Vec<(u32, u32)>) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
@@ -162,8 +162,8 @@ impl Box2d {
         self.find_new_contacts(pairs);
     }
 
-    /// All that `seed` touches or is joined to, depth first; static bodies are not passed through. Tells
-    /// whether there is such an island: not if the body sleeps or is part of another.
+    /// All that `seed` touches or is joined to, depth first; the search ends at static bodies. False
+    /// if there is no such island, because the body sleeps or is part of another.
     pub(crate) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
         if self.bodies[seed].island || !self.bodies[seed].awake {
             return false;
@@ -210,7 +210,7 @@ impl Box2d {
         true
     }
 
-    /// Tells the broad phase where a body's fixtures went.
+    /// Moves the boxes of a body's fixtures in the broad phase.
     pub(crate) fn synchronize_fixtures(&mut self, id: u32) {
         let body = &self.bodies[id];
         let before = pose_about(body.sweep.c0, body.sweep.a0, body.sweep.local_center);

@@ -1,8 +1,7 @@
 //! Terrain: a line of edges at the origin, each a static body of its own.
 //!
-//! Most edges are far from anything that moves, so all that is kept of one is its two points, and a box around
-//! each few of them. An edge gets a body and a fixture when something comes near it, and loses them when nothing
-//! is: between steps a static body has no state.
+//! Most edges are far from moving bodies, so the world stores only two points of each, and one box for every few. An
+//! edge has a body and a fixture while a moving body is near: between steps a static body has no state.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +10,7 @@ use super::settings::{AABB_EXTENSION, POLYGON_RADIUS};
 use super::shape::{Aabb, Geometry};
 use crate::physics::Shape;
 
-/// So many edges share a box.
+/// The number of edges that share a box.
 const BLOCK: usize = 16;
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -60,7 +59,7 @@ impl Terrain {
         self.points.len().saturating_sub(1)
     }
 
-    /// Which edge a proxy is the box of, if it is one of these.
+    /// The edge whose box a proxy is, if it belongs to the terrain.
     pub(crate) fn edge_of(&self, proxy: u32) -> Option<usize> {
         let edge = proxy.checked_sub(self.first)? as usize;
         (edge < self.len()).then_some(edge)

@@ -29,7 +29,7 @@ impl Box2d {
             && !self.fixtures.iter().any(same)
     }
 
-    /// Whether every reference leads somewhere and every number is finite.
+    /// Whether every reference has its target and every number is finite.
     pub(in crate::physics) fn is_valid(&self) -> bool {
         let vectors = |vectors: &[Vec2]| vectors.iter().all(|v| length(*v).is_finite());
         let bodies = self.bodies.iter().all(|(id, body)| {

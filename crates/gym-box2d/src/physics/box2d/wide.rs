@@ -1,7 +1,7 @@
 //! Numbers of many worlds side by side, one in each lane of vector registers.
 //!
-//! Each operation rounds as that of one `f32`. Whatever is called under `fearless_simd` is `#[inline(always)]`:
-//! a function of its own would not have the CPU's vector instructions.
+//! Each operation rounds as that of one `f32`. Every function called under `fearless_simd` is `#[inline(always)]`:
+//! otherwise it is compiled without the CPU's vector instructions.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 

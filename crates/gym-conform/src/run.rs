@@ -227,7 +227,7 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     // A free thread takes the next one: some take a hundred times as long as others. It takes the last one, because those
     // in a namespace, such as `rapier/CarRacing-v3`, take longest.
     let left = AtomicUsize::new(specs.len());
-    let take = || left.try_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).ok();
+    let take = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).ok();
     let work = || {
         let mut reports = Vec::new();
         loop {

@@ -39,7 +39,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// A vector of these environments, with autoreset on the next step.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there are none, or if their spaces differ.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if there are none, or if their spaces differ.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
         Self::with_observation_mode(envs, ObservationMode::Same)
     }

@@ -38,7 +38,10 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
             Ok(None) => {}
             Ok(Some(equal)) => say!("{}: {equal}, equal", path.display())?,
             Err(error) => {
-                tell!("{}: {error}", path.display());
+                match error {
+                    Error::Io { .. } => tell!("{error}"), // it names the file
+                    error => tell!("{}: {error}", path.display()),
+                }
                 failed += 1;
             }
         }
@@ -58,7 +61,9 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
     let recordings: BTreeSet<PathBuf> = traces.iter().filter_map(|path| path.canonicalize().ok()).collect();
     let mut taken = BTreeMap::new();
     for path in traces {
-        let name = path.file_name().ok_or_else(|| Error::custom("the path has no file name"))?;
+        let name = path.file_name().ok_or_else(|| {
+            Error::custom(format!("`{}` is no trace: name a file", path.display()))
+        })?;
         let to = out.join(name);
         if to.canonicalize().is_ok_and(|to| recordings.contains(&to)) {
             return refuse(format!("`{}` is a recording to replay: choose another folder", to.display()));

@@ -368,6 +368,7 @@ fn replay_fails_if_one_trace_does() {
         assert!(error.contains("1 of 2 traces failed"), "{error}");
     }
     assert!(fails(&["replay", bad, good, bad]).contains("2 of 3 traces failed"));
+    assert_eq!(fails(&["replay", "/nonexistent/a.json"]).matches("a.json").count(), 1, "it is named once");
     prints(&["replay", good]);
 }
 

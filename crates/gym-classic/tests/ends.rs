@@ -2,7 +2,7 @@
 
 use gym_classic::cartpole::{Action, CartPole, Config};
 use gym_classic::{MountainCarContinuous, mountain_car, mountain_car_continuous};
-use gym_core::{Dynamics, Env, EnvExt, Generator, Reset, Task};
+use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task};
 
 /// Pushes right until the pole falls, and once more.
 fn rewards(config: Config) -> Vec<f64> {
@@ -101,4 +101,36 @@ fn the_goal_itself_counts() {
     let after = car.transition(&before, &[1.0f32].into(), &mut rng).unwrap();
     assert_eq!((after.state.position, after.state.velocity), (goal_position, goal_velocity));
     assert!(after.terminated);
+}
+
+/// The first step from a reset adds numbers of `float64`, and rounds once, for the observation.
+#[test]
+fn the_first_step_of_a_continuous_mountain_car_rounds_once() {
+    use mountain_car_continuous::{Config, MountainCarContinuousDynamics, State};
+
+    let task = MountainCarContinuousDynamics::new(Config::default()).unwrap();
+    for i in 0..1000 {
+        let position = -0.6 + 2e-4 * f64::from(i);
+        let state = State { position, velocity: 0.0, fresh: true };
+        let after = task.transition(&state, &[0.3].into(), &mut Generator::from(0)).unwrap().state;
+        let velocity = 0.3 * 0.0015 - 0.0025 * gym_core::math::cos(3.0 * position);
+        let expected = [(position + velocity) as f32, velocity as f32];
+        assert_eq!(task.observe(&after), expected, "from {position}");
+    }
+}
+
+/// Upright and at rest, a pendulum costs only the torque, in the torque's precision.
+#[test]
+fn a_torque_costs_in_its_own_precision() {
+    use gym_classic::pendulum::{Config, PendulumDynamics, State};
+
+    let task = PendulumDynamics::new(Config::default()).unwrap();
+    let rest = State { theta: 0.0, theta_dot: 0.0, last_torque: None };
+    let reward =
+        |action: Continuous<1>| task.transition(&rest, &action, &mut Generator::from(0)).unwrap().reward;
+    for torque in [0.1, -0.7, 1.3, 2.0] {
+        assert_eq!(reward([torque].into()), -(torque * torque * 0.001));
+        let single = torque as f32;
+        assert_eq!(reward([single].into()), -f64::from(single * single * 0.001));
+    }
 }

@@ -92,7 +92,7 @@ fn destination(path: &Path) -> io::Result<Destination> {
         Ok(found) if !found.is_file() => return Ok(Destination::Append(path)),
         _ => {}
     }
-    for _ in 0..MAX_LINKS {
+    for _ in 0..=MAX_LINKS {
         let Ok(target) = fs::read_link(&path) else { return Ok(Destination::Replace(path)) };
         // an open file of this program, such as `/dev/stdout`, which others write to as well
         if folder(&path).canonicalize().is_ok_and(|folder| folder.starts_with("/proc")) {
@@ -350,6 +350,14 @@ mod tests {
         for name in ["relative", "twice", "dangling"] {
             assert!(fs::symlink_metadata(path(name)).unwrap().is_symlink(), "{name}");
         }
+        // as many as Linux follows, and one more
+        symlink("there/target", path("link1")).unwrap();
+        for i in 2..=41 {
+            symlink(format!("link{}", i - 1), path(&format!("link{i}"))).unwrap();
+        }
+        write(path("link40"), b"far").unwrap();
+        assert_eq!(fs::read(path("there/target")).unwrap(), b"far");
+        assert!(matches!(write(path("link41"), b""), Err(Error::Io { .. })));
         symlink("round", path("round")).unwrap();
         assert!(matches!(write(path("round"), b""), Err(Error::Io { .. })));
     }

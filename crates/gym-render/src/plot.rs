@@ -478,6 +478,33 @@ push x=1,0 y=0,1 origin=0,0
 pop
 "#;
 
+    /// A long line keeps its lowest and highest points, in their order.
+    #[test]
+    fn a_dense_line_keeps_its_extremes() {
+        let area = Area {
+            x: Axis::new(1.0, 1000.0, 0.0),
+            y: Axis::new(0.0, 1.0, 0.0),
+            min: [0.0, 0.0],
+            max: [5.0, 5.0],
+        };
+        let columns = 5.0 * f64::from(PNG_SCALE);
+        let points: Vec<Point> =
+            (0..1000).map(|i| [f64::from(i), f64::from(i * 7919 % 1009) - 1000.0]).collect();
+        let thin = area.thin(&points);
+        let group = (1000.0 / columns) as usize;
+        let expected: Vec<Point> = points
+            .chunks(group)
+            .flat_map(|group| {
+                let by_height = |a: &&Point, b: &&Point| a[1].total_cmp(&b[1]);
+                let ends = [group.iter().min_by(by_height), group.iter().max_by(by_height)];
+                let mut ends = ends.map(|end| *end.unwrap());
+                ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                ends
+            })
+            .collect();
+        assert_eq!(thin, expected);
+    }
+
     fn ticks(min: f64, max: f64) -> Vec<String> {
         let axis = Axis::new(min, max, 0.0);
         axis.ticks().map(|tick| axis.label(tick)).collect()

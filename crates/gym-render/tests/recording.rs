@@ -271,6 +271,12 @@ fn formats_go_by_the_extension() {
     for name in ["e.gif", "e.png"] {
         assert!(write_video(folder.path().join(name), 10, &mixed).is_err(), "{name}");
     }
+    // as do sizes that the format cannot hold
+    for (width, height) in [(65_536, 1), (1, 65_536), (0, 1), (1, 0)] {
+        let frame = Frame::new(width, height).unwrap();
+        let error = write_video(folder.path().join("f.gif"), 10, &[frame]).unwrap_err().to_string();
+        assert!(error.contains("width and height must be 1 to 65535 pixels"), "{error}");
+    }
     assert_eq!(names(folder.path()), ["a.gif", "b.PNG", "c.apng"]);
 }
 

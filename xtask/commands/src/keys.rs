@@ -95,6 +95,11 @@ mod tests {
         set(&mut lake, "right", json!(9));
         assert_eq!(action(&lake, &down(&["Right"])), Some(json!(9)));
         assert!(check(&lake, &Space::discrete(4)).is_err());
+        let error = check(&Keys::new(json!({})), &Space::discrete(4)).unwrap_err().to_string();
+        assert!(
+            error.contains("there are no default keys for Discrete(4): add `--key NAME=ACTION`"),
+            "{error}"
+        );
         let digits = Keys::new(digits(&Space::discrete(3)));
         assert_eq!(action(&digits, &down(&["Key2"])), Some(json!(2)));
     }

@@ -231,6 +231,13 @@ mod tests {
     }
 
     #[test]
+    fn one_file_may_have_several_paths() {
+        let is_one = |a: &str, b: &str| is_one_file(Path::new(a), Path::new(b));
+        assert!(is_one("src/../x.svg", "src/../src/../x.svg") && is_one("/nonexistent/a", "/nonexistent/a"));
+        assert!(!is_one("x.svg", "src/x.svg") && !is_one("/nonexistent/a", "/nonexistent/b"));
+    }
+
+    #[test]
     fn commands_and_options_in_the_documents_exist() {
         let root = root();
         let mut files =

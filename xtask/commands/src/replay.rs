@@ -61,9 +61,9 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
     let recordings: BTreeSet<PathBuf> = traces.iter().filter_map(|path| path.canonicalize().ok()).collect();
     let mut taken = BTreeMap::new();
     for path in traces {
-        let name = path.file_name().ok_or_else(|| {
-            Error::custom(format!("`{}` is no trace: name a file", path.display()))
-        })?;
+        let name = path
+            .file_name()
+            .ok_or_else(|| Error::custom(format!("`{}` is no trace: name a file", path.display())))?;
         let to = out.join(name);
         if to.canonicalize().is_ok_and(|to| recordings.contains(&to)) {
             return refuse(format!("`{}` is a recording to replay: choose another folder", to.display()));

@@ -41,7 +41,8 @@ fn json(path: &std::path::Path) -> Json {
 
 #[test]
 fn list() {
-    assert!(prints(&["list"]).contains("CartPole-v1"));
+    let short = prints(&["list"]);
+    assert!(short.contains("CartPole-v1") && !short.contains("limit"), "{short}");
     let long = prints(&["list", "--long"]);
     let row = |id: &str| {
         let line = long.lines().find(|line| first_word(line) == id).expect(id);
@@ -53,6 +54,11 @@ fn list() {
         "limit 50 threshold -3.75 Box(-1.0, 1.0, (2,), float32) -> Box(-inf, inf, (11,), float64)"
     );
     assert_eq!(row("CliffWalking-v1"), "limit none threshold none Discrete(4) -> Discrete(48)");
+
+    let mut without_roms = Command::new(env!("CARGO_BIN_EXE_xtask-commands"));
+    without_roms.args(["list", "--long"]).env("ALE_ROMS_DIR", folder("no-roms"));
+    let said = String::from_utf8(without_roms.output().expect("it starts").stderr).expect("text");
+    assert!(said.contains("ids of gym-atari: they need ROMs (none here); name an id to use it"), "{said}");
 }
 
 #[test]
@@ -415,7 +421,9 @@ fn seconds_of_a_benchmark_are_a_time() {
         let error = fails(&["bench", "CartPole-v1", "--kind", "make", "--seconds", seconds]);
         assert!(error.contains("seconds are a number from 0 to"), "{seconds}: {error}");
     }
-    prints(&["bench", "CartPole-v1", "--kind", "make", "--seconds", "0"]);
+    let of_cartpole = ["bench", "CartPole-v1", "--kind", "make", "--seconds", "0"];
+    assert!(!prints(&of_cartpole).contains("GIF"));
+    assert!(prints(&[&of_cartpole[..], &["--gif"]].concat()).contains("a GIF of 500 frames of CartPole-v1"));
 }
 
 #[test]

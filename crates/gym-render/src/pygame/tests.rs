@@ -296,6 +296,41 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
     }
 }
 
+/// A rectangle covers its rows; a trapezoid with the same corners on one side does not.
+#[test]
+fn a_slanting_side_covers_no_row() {
+    let (from, to) = ((64, 64), (16, 16));
+    let rectangle = [[-1.0, 10.0], [65.0, 10.0], [65.0, 50.0], [-1.0, 50.0]];
+    let mut raster = crate::Raster::new();
+    for corner in 0..4 {
+        for turn in 0..4 {
+            for axis in 0..2 {
+                let mut points = rectangle;
+                points[corner][axis] = if points[corner][axis] > 40.0 { 35.0 } else { 20.0 };
+                points.rotate_left(turn);
+                let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {
+                    paint(Primitive::FilledPolygon(&rectangle), Color::rgb(0, 200, 0));
+                    paint(Primitive::FilledPolygon(&points), Color::rgb(200, 0, 0));
+                };
+                let mut whole = Frame::new(from.0, from.1).unwrap();
+                draw(&mut |primitive, color| {
+                    paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color)
+                });
+                let mut frame = Frame::new(to.0, to.1).unwrap();
+                let mut draw_in = |canvas: &mut dyn Canvas| {
+                    canvas.push_smoothscaled(from, to);
+                    canvas.push(flipped(f64::from(from.1)));
+                    draw(&mut |primitive, color| canvas.pygame(primitive, color));
+                    canvas.pop();
+                    canvas.pop();
+                };
+                raster.paint(to, &mut draw_in, &mut frame);
+                assert!(frame == smoothscale(&whole, to), "{points:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn places_of_edges_are_quotients() {
     for length in (1..300).chain([1021, 4096, 29_999, 32_767, 60_000]) {

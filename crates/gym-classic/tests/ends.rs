@@ -109,8 +109,8 @@ fn the_first_step_of_a_continuous_mountain_car_rounds_once() {
     use mountain_car_continuous::{Config, MountainCarContinuousDynamics, State};
 
     let task = MountainCarContinuousDynamics::new(Config::default()).unwrap();
-    for i in 0..1000 {
-        let position = -0.6 + 2e-4 * f64::from(i);
+    for i in 0..30_000 {
+        let position = -0.6 + 6.6e-6 * f64::from(i);
         let state = State { position, velocity: 0.0, fresh: true };
         let after = task.transition(&state, &[0.3].into(), &mut Generator::from(0)).unwrap().state;
         let velocity = 0.3 * 0.0015 - 0.0025 * gym_core::math::cos(3.0 * position);

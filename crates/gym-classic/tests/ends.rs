@@ -103,19 +103,24 @@ fn the_goal_itself_counts() {
     assert!(after.terminated);
 }
 
-/// The first step from a reset adds numbers of `float64`, and rounds once, for the observation.
+/// A force of `float64` widens all sums of a step, which is rounded once, at its end. Before the first step, the state is of
+/// `float64` too.
 #[test]
-fn the_first_step_of_a_continuous_mountain_car_rounds_once() {
+fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
     use mountain_car_continuous::{Config, MountainCarContinuousDynamics, State};
 
     let task = MountainCarContinuousDynamics::new(Config::default()).unwrap();
-    for i in 0..30_000 {
-        let position = -0.6 + 6.6e-6 * f64::from(i);
-        let state = State { position, velocity: 0.0, fresh: true };
-        let after = task.transition(&state, &[0.3].into(), &mut Generator::from(0)).unwrap().state;
-        let velocity = 0.3 * 0.0015 - 0.0025 * gym_core::math::cos(3.0 * position);
-        let expected = [(position + velocity) as f32, velocity as f32];
-        assert_eq!(task.observe(&after), expected, "from {position}");
+    for i in 0..10_000 {
+        let position = -0.6 + 2e-5 * f64::from(i);
+        for fresh in [true, false] {
+            let position = if fresh { position } else { f64::from(position as f32) };
+            let thrice = if fresh { 3.0 * position } else { f64::from((3.0 * position) as f32) };
+            let state = State { position, velocity: 0.0, fresh };
+            let after = task.transition(&state, &[0.3].into(), &mut Generator::from(0)).unwrap().state;
+            let velocity = 0.3 * 0.0015 - 0.0025 * gym_core::math::cos(thrice);
+            let expected = [(position + velocity) as f32, velocity as f32];
+            assert_eq!(task.observe(&after), expected, "from {position}");
+        }
     }
 }
 

@@ -192,6 +192,29 @@ fn a_vector_is_recorded_as_a_grid() {
 }
 
 #[test]
+fn a_refused_step_is_not_filmed() {
+    use gym::rendering::RecordVectorVideo;
+    let folder = std::env::temp_dir().join(format!("gym-refused-video-{}", std::process::id()));
+    let film = |refused: usize| {
+        let vector = gym::builder("CartPole-v1").max_episode_steps(4).render_mode(RenderMode::RgbArray);
+        let envs = vector.render_size(60, 40).vector(2).build().unwrap();
+        let mut envs = RecordVectorVideo::new(envs, &folder).unwrap().step_trigger(|step| step == 1);
+        let mut columns = envs.reset(0).unwrap();
+        for _ in 0..3 {
+            for _ in 0..refused {
+                envs.step_into(&Value::Array([7i64, 7].into()), &mut columns).unwrap_err();
+            }
+            envs.step_into(&Value::Array([1i64, 0].into()), &mut columns).unwrap();
+        }
+        envs.close();
+        let gif = std::fs::read(folder.join("rl-video-step-1.gif")).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        gif
+    };
+    assert!(film(0) == film(2));
+}
+
+#[test]
 fn a_picture_drawn_over_another_is_a_new_one() {
     use gym::wrappers::{Render, RenderCollection};
     /// Draws a square, and no ground.

@@ -270,13 +270,13 @@ impl VectorSpec {
     /// The errors of [`make_vec`].
     pub fn make_async(&self) -> Result<AsyncVectorEnv> {
         let mut vector = AsyncVectorEnv::new(self.envs()?)?;
-        if let Some(threads) = self.threads {
-            vector = vector.with_threads(threads)?;
-        }
         // (a wrapper may change the action that a step is begun with)
         let ahead = find(&self.env.id)?.ahead().filter(|_| self.env.additional_wrappers.is_empty());
         if let Some(ahead) = ahead {
-            vector = vector.with_ahead(&*ahead)?;
+            vector = vector.with_ahead(ahead)?;
+        }
+        if let Some(threads) = self.threads {
+            vector = vector.with_threads(threads)?;
         }
         let spec =
             Self { vectorization_mode: VectorKind::Async, vector_wrappers: Vec::new(), ..self.clone() };

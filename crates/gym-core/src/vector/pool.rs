@@ -42,6 +42,8 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     outgoing: Vec<Group<E>>,
     /// Whether every sub-environment can take a step: all did in the last call, and none was lent since.
     all_go_on: bool,
+    /// Lets the sub-environments of a group step together, if they can.
+    ahead: Option<Box<dyn Ahead<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,
     autoreset: Autoreset,
@@ -108,6 +110,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             ready: VecDeque::new(),
             outgoing: Vec::new(),
             all_go_on: false,
+            ahead: None,
             pool,
             spaces,
             autoreset: Autoreset::default(),
@@ -131,13 +134,13 @@ impl<E: Env> AsyncVectorEnv<E> {
             return Err(Error::custom("sub-environments are still pending: receive them first"));
         }
         let n = self.home.len();
-        Ok(Self { pool: Pool::new(threads.min(n), n, &self.spaces, None)?, ..self })
+        Ok(Self { pool: Pool::new(threads.min(n), n, &self.spaces, self.ahead.as_deref())?, ..self })
     }
 
     /// Lets the sub-environments that a worker takes at once step together.
-    pub(crate) fn with_ahead(self, ahead: &dyn Ahead<E>) -> Result<Self> {
-        let threads = self.num_threads();
-        Ok(Self { pool: Pool::new(threads, self.home.len(), &self.spaces, Some(ahead))?, ..self })
+    pub(crate) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Result<Self> {
+        let pool = Pool::new(self.num_threads(), self.home.len(), &self.spaces, Some(&*ahead))?;
+        Ok(Self { pool, ahead: Some(ahead), ..self })
     }
 
     /// Resets sub-environments at another time.
@@ -248,7 +251,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     fn group_len(&self) -> usize {
         let share = self.home.len().div_ceil(self.pool.workers.len());
         // whole groups of those that step together
-        let together = self.pool.group_len.map_or(1, |most| group_len(share, most));
+        let together = self.ahead.as_ref().map_or(1, |ahead| group_len(share, ahead.group_len()));
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
@@ -466,8 +469,6 @@ struct Pool<E> {
     workers: Vec<JoinHandle<()>>,
     /// Empty groups, kept to reuse their storage.
     spare: Vec<Group<E>>,
-    /// The number of sub-environments that can step together, if they can.
-    group_len: Option<usize>,
 }
 
 struct Job<E> {
@@ -481,9 +482,7 @@ impl<E: Env> Pool<E> {
         let (jobs, queue) = channel();
         let (answers, results) = channel();
         let stop = Arc::new(AtomicBool::new(false));
-        let group_len = ahead.map(Ahead::group_len);
-        let (workers, spare) = (Vec::new(), Vec::new());
-        let mut pool = Self { jobs: Some(jobs), results, stop, workers, spare, group_len };
+        let mut pool = Self { jobs: Some(jobs), results, stop, workers: Vec::new(), spare: Vec::new() };
         let queue = Arc::new(Mutex::new(queue));
         for i in 0..threads {
             let mut worker = Worker {

@@ -314,7 +314,7 @@ fn a_slanting_side_covers_no_row() {
                 };
                 let mut whole = Frame::new(from.0, from.1).unwrap();
                 draw(&mut |primitive, color| {
-                    paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color)
+                    paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color);
                 });
                 let mut frame = Frame::new(to.0, to.1).unwrap();
                 let mut draw_in = |canvas: &mut dyn Canvas| {

@@ -49,7 +49,7 @@ struct Loaded {
     frame_number: u32,
 }
 
-/// How episodes are played.
+/// The settings of episodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// The mode; `None` for the game's default.
@@ -77,7 +77,7 @@ struct Progress {
     reward: i32,
     lives: i32,
     over: bool,
-    /// For how many frames RAM has said that the game is over.
+    /// The number of frames for which RAM has said that the game is over.
     over_for: u8,
     frame_number: u32,
     episode_frame_number: u32,
@@ -470,7 +470,7 @@ impl Ale {
         self.settings = settings;
     }
 
-    /// How the episodes that follow are played.
+    /// The settings of the episodes that follow.
     pub fn settings(&self) -> Settings {
         self.settings
     }

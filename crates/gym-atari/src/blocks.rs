@@ -23,7 +23,7 @@ const LONGEST: usize = 32;
 /// The state passed from one instruction to the next.
 pub(crate) struct Thread {
     cpu: Cpu,
-    /// How many instructions may follow the block.
+    /// The number of instructions that may follow the block.
     left: u32,
 }
 
@@ -458,7 +458,7 @@ mod tests {
         }
     }
 
-    /// All that there is, in words.
+    /// The state of the whole console, as text.
     fn state(cpu: &Cpu, chips: &Chips, cartridge: &Cartridge) -> String {
         let tia = serde_json::to_string(&chips.tia).unwrap();
         let picture = crc32fast::hash(chips.screen.picture().as_flattened());

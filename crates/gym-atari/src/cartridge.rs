@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dpc::{self, Dpc};
 
-/// How a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
+/// The way in which a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Scheme {
@@ -87,7 +87,7 @@ pub struct Cartridge {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Banks {
     scheme: Scheme,
-    /// Where in the ROM each window of 1K starts.
+    /// The place in the ROM at which each window of 1K starts.
     windows: [u16; 4],
     #[serde(with = "crate::bytes")]
     ram: [u8; 128],
@@ -164,7 +164,7 @@ impl Cartridge {
         self.rom[self.place(address)]
     }
 
-    /// Where in the ROM an address is.
+    /// The place of an address in the ROM.
     #[inline(always)]
     fn place(&self, address: u16) -> usize {
         let start = self.banks.windows[usize::from(address >> 10 & 0x03)];
@@ -184,7 +184,7 @@ impl Cartridge {
         }
     }
 
-    /// How the cartridge maps its ROM.
+    /// The way in which the cartridge maps its ROM.
     pub(crate) fn scheme(&self) -> Scheme {
         self.banks.scheme
     }

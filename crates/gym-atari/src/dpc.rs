@@ -28,7 +28,7 @@ struct Fetcher {
     music: bool,
 }
 
-/// How loud the three voices are together.
+/// The loudness of the three voices together.
 const AMPLITUDES: [u8; 8] = [0x0, 0x4, 0x5, 0x9, 0x6, 0xa, 0xb, 0xf];
 
 impl Dpc {

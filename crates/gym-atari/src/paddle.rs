@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How far a paddle is turned, as its resistance in ohms.
+/// The position of a paddle, as its resistance in ohms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Paddle(u32);
 

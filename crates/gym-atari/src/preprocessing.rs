@@ -15,7 +15,7 @@ use crate::screen::WIDTH;
 use crate::shrink::Shrink;
 
 gym_core::arguments! {
-    /// How an environment is preprocessed.
+    /// The arguments of the preprocessing.
     #[derive(Copy, Eq)]
     pub struct Preprocessing {
         /// The largest number of no-op steps at the start of an episode, which are at least one; 0 for none.
@@ -120,7 +120,7 @@ impl<E: Env> AtariPreprocessing<E> {
         Ok(Self { env, unused: E::Observation::empty(), settings, shrink, frames, lives: 0 })
     }
 
-    /// How it preprocesses.
+    /// Its arguments.
     pub fn settings(&self) -> &Preprocessing {
         &self.settings
     }

@@ -155,7 +155,7 @@ pub enum Primitive<'a> {
     },
 }
 
-/// Where a text is anchored horizontally.
+/// The horizontal anchor of a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
     /// The position is the left end of the baseline.
@@ -171,11 +171,11 @@ pub enum Align {
 /// of the outer ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// Where the inner x unit vector points.
+    /// The inner x unit vector, in outer coordinates.
     pub x: Point,
-    /// Where the inner y unit vector points.
+    /// The inner y unit vector, in outer coordinates.
     pub y: Point,
-    /// Where the inner origin lies.
+    /// The inner origin, in outer coordinates.
     pub origin: Point,
 }
 

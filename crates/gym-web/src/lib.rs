@@ -65,35 +65,35 @@ pub extern "C" fn call(json: usize) -> usize {
     })
 }
 
-/// Where the answer lies.
+/// The address of the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn output() -> *const u8 {
     BUFFERS.with_borrow(|buffers| buffers.output.as_ptr())
 }
 
-/// Where the bytes lie that came with the answer.
+/// The address of the bytes that came with the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn attachment() -> *const u8 {
     BUFFERS.with_borrow(|buffers| buffers.attachment.as_ptr())
 }
 
-/// How many bytes came with the answer.
+/// The number of bytes that came with the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn attachment_length() -> usize {
     BUFFERS.with_borrow(|buffers| buffers.attachment.len())
 }
 
-/// Where the text of the last panic lies.
+/// The address of the text of the last panic.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn panic_text() -> *const u8 {
     PANIC.with_borrow(|text| text.as_ptr())
 }
 
-/// How long the text of the last panic is.
+/// The length in bytes of the text of the last panic.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn panic_length() -> usize {

@@ -11,7 +11,7 @@ use crate::episode::Episode;
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Parameters {
-    /// How many policies a generation has.
+    /// The number of policies in a generation.
     population: usize,
     /// The share of them that makes the next generation.
     elite: f64,

@@ -16,7 +16,7 @@ use crate::describe;
 
 /// The number of steps between stored states.
 const MARK_EVERY: usize = 16;
-/// How many states are kept. Earlier steps are reached from the start of the episode.
+/// The number of states that are kept. Earlier steps are reached from the start of the episode.
 const MARKS: usize = 40;
 
 /// The source of a step's action.

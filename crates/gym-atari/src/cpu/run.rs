@@ -7,7 +7,7 @@ use super::{Bus, Cpu, Ready, flag};
 pub(crate) struct Core<B> {
     pub(crate) cpu: Cpu,
     pub(crate) bus: B,
-    /// How many instructions may follow.
+    /// The number of instructions that may follow.
     pub(crate) left: u32,
     /// Whether a write answered [`Ready::Return`], or the processor halted.
     pub(crate) stopped: bool,
@@ -147,7 +147,7 @@ impl<B: Bus> Core<B> {
         self.cpu.pc = u16::from_le_bytes([self.pull(), self.pull()]);
     }
 
-    /// Where an instruction of this mode works, with these bytes behind its opcode.
+    /// The address that an instruction of this mode works on, with these bytes behind its opcode.
     #[inline(always)]
     fn address(&mut self, mode: Mode, access: Access, low: u8, high: u8) -> u16 {
         let word = u16::from_le_bytes([low, high]);

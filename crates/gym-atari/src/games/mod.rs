@@ -21,9 +21,9 @@ pub struct Game {
     pub title: &'static str,
     /// The MD5 of the ROM.
     pub md5: &'static str,
-    /// How the cartridge switches banks.
+    /// The bank switching of the cartridge.
     pub scheme: Scheme,
-    /// Where the picture starts, how high it is, and whether it shows the comb of `HMOVE`.
+    /// The first line and the height of the picture, and whether it shows the comb of `HMOVE`.
     pub display: Display,
     /// The player's controller.
     pub controller: Controller,
@@ -37,7 +37,7 @@ pub struct Game {
     pub legal: &'static [Action],
     /// The frames of nothing behind the first RESET; ale-py counts them as frames of the episode.
     pub idle: u8,
-    /// For how many frames RESET is pressed first.
+    /// The number of frames for which RESET is pressed first.
     pub first_reset: u8,
     /// The modes, by ale-py's numbers, and the RAM that marks each; the first is the default.
     pub modes: &'static [(u16, u8)],
@@ -49,9 +49,9 @@ pub struct Game {
     pub mode_bits: u8,
     /// Whether SELECT is pressed at least once.
     pub press_first: bool,
-    /// Where modes are chosen in a menu on the screen instead of by SELECT.
+    /// The menu on the screen in which modes are chosen, if not by SELECT.
     pub menu: Option<Menu>,
-    /// For how many frames SELECT is held each time.
+    /// The number of frames for which SELECT is held each time.
     pub select_frames: u8,
     /// Whether each press lasts for up to 255 more frames, drawn at random, and a frame of play follows.
     pub select_random: bool,
@@ -59,7 +59,7 @@ pub struct Game {
     pub difficulties: &'static [u8],
     /// The points, from RAM.
     pub score: fn(&Ram<'_>) -> i32,
-    /// How points become rewards.
+    /// The rule by which points become rewards.
     pub rewards: Rewards,
     /// Whether RAM shows a frame's own reward; otherwise the reward of the frame before is repeated.
     pub rewards_count: fn(&Ram<'_>) -> bool,
@@ -71,7 +71,7 @@ pub struct Game {
     pub lives_count: fn(&Ram<'_>) -> bool,
     /// Whether the game is over, from RAM.
     pub over: fn(&Ram<'_>) -> bool,
-    /// For how many frames in a row RAM must say so.
+    /// The number of frames in a row for which RAM must say so.
     pub over_frames: u8,
 }
 
@@ -119,7 +119,7 @@ pub struct Menu {
     pub options: &'static [(u8, u8)],
 }
 
-/// How a game's points become rewards.
+/// The rule by which a game's points become rewards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rewards {
     /// The points that a frame brought.
@@ -230,7 +230,7 @@ impl Ram<'_> {
         i32::from(self.0[index & 0x7f] as i8)
     }
 
-    /// How many bytes of a range have a value.
+    /// The number of bytes in a range that have a value.
     pub fn count(&self, range: std::ops::Range<usize>, value: u8) -> i32 {
         self.0[range].iter().filter(|&&byte| byte == value).count() as i32
     }

@@ -127,7 +127,7 @@ pub(crate) struct Tia {
     moved: u64,
     /// The line that is being drawn, at most one ahead of the beam's.
     drawn_line: u32,
-    /// How many pixels of it are painted.
+    /// The number of its pixels that are painted.
     painted: u8,
     comb: bool,
     /// 1 in a frame without colours: the lowest bit of each pixel.

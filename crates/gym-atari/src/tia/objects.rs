@@ -2,8 +2,8 @@
 
 use super::pixels::Pixels;
 
-/// Where the copies of a player or missile start, by the lower three bits of `NUSIZx`; and how wide a player's
-/// pixel is.
+/// The offsets of the copies of a player or missile, by the lower three bits of `NUSIZx`; and the width of a player's
+/// pixel.
 struct Copies {
     offsets: &'static [u8],
     scale: u8,
@@ -24,7 +24,7 @@ fn copies(nusiz: u8) -> &'static Copies {
     &COPIES[usize::from(nusiz & 0x07)]
 }
 
-/// How wide a pixel of a player is: 1, 2 or 4.
+/// The width of a player's pixel: 1, 2 or 4.
 pub(super) fn scale(nusiz: u8) -> u8 {
     copies(nusiz).scale
 }

@@ -353,7 +353,7 @@ impl Registration {
         self.ahead.map(|ahead| ahead())
     }
 
-    /// How [`make`](crate::make) builds it.
+    /// The spec from which [`make`](crate::make) builds it.
     ///
     /// # Errors
     /// [`Error::Registration`] if its arguments are not a JSON object.

@@ -201,7 +201,7 @@ impl Space {
         })
     }
 
-    /// How many numbers an element has, at least; other parts count as one.
+    /// The least number of numbers in an element; other parts count as one.
     pub(crate) fn len_of_row(&self) -> usize {
         let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
         match self {
@@ -365,7 +365,7 @@ fn flatten(value: &Value, numbers: &mut Vec<f64>) -> Option<()> {
     Some(())
 }
 
-/// How many rows of a shape an array has.
+/// The number of rows of a shape in an array.
 #[inline]
 fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
     array.shape().split_first().and_then(|(&n, inner)| (inner == shape).then_some(n))

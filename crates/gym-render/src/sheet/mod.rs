@@ -260,7 +260,7 @@ impl Sheet {
     }
 }
 
-/// Where the band ends that begins at a row, and the number of calls up to the last one that covers it
+/// The end of the band that begins at a row, and the number of calls up to the last one that covers it
 /// all: earlier calls are covered.
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);

@@ -23,8 +23,6 @@ mod rows;
 mod sampler;
 mod selection;
 mod sequence;
-#[cfg(test)]
-mod tests;
 mod text;
 mod tuple;
 mod weight;

@@ -2,8 +2,8 @@
 
 use serde_json::{Value as Json, json};
 
-use super::*;
-use crate::{DType, Value};
+use gym_core::spaces::*;
+use gym_core::{Array, DType, Space, Value};
 
 fn discrete(n: i64, start: i64, dtype: DType) -> Space {
     Discrete::new(n).unwrap().with_start(start).unwrap().with_dtype(dtype).unwrap().into()

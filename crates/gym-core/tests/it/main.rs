@@ -1,0 +1,6 @@
+//! Tests through the public interface.
+
+mod lockstep;
+mod rare;
+mod seams;
+mod spaces;

@@ -4,7 +4,7 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, look, observations, options, panics,
+    actions, allocations, arguments, copies, drawing, episodes, info, looking, observations, options, panics,
     pictures, registered, seeding, spaces, threads,
 };
 
@@ -333,7 +333,7 @@ pub const CHECKS: &[Check] = &[
     ),
     error!(
         "looking-pure",
-        look::pure,
+        looking::pure,
         ["same-seed-same-episode", "reset-forgets", "clone-continues", "snapshot-continues", "drawing-pure"],
         "wrappers, vectors and loggers ask at any time for spaces, metadata, info and the generator",
         "compute what is asked for from the state, and change nothing",

@@ -38,6 +38,8 @@ mod allocations;
 #[cfg(feature = "checks")]
 mod arguments;
 #[cfg(feature = "checks")]
+mod calls;
+#[cfg(feature = "checks")]
 mod checks;
 #[cfg(feature = "checks")]
 mod copies;
@@ -59,6 +61,8 @@ mod inputs;
 mod long;
 #[cfg(feature = "checks")]
 mod look;
+#[cfg(feature = "checks")]
+mod looking;
 #[cfg(feature = "checks")]
 mod matching;
 #[cfg(feature = "checks")]

@@ -1,6 +1,6 @@
 //! Longer runs than the compared ones: late states, one action held, and unusual actions.
 
-use crate::drawing::Calls;
+use crate::calls::Calls;
 use crate::inputs::{corners, huge};
 use crate::look::look;
 use crate::verdict::{Verdict, broken};

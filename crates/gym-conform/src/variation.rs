@@ -5,8 +5,8 @@ use std::collections::btree_map::Entry;
 
 use serde_json::Value as Json;
 
+use crate::calls::Calls;
 use crate::damage::moves;
-use crate::drawing::Calls;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, info};
 use gym_core::spaces::Sampler;
 use gym_core::{BoxEnv, Env, EnvExt, EnvSpec, Kwargs, Reset, Result, Snapshot};

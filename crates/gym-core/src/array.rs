@@ -4,8 +4,8 @@ use std::fmt;
 use std::io::{self, BufRead};
 
 pub use crate::data::{DType, Data, Scalar};
-use crate::spaces::number::{Number, Numeric, with_type};
-use crate::spaces::numpy_fmt;
+use crate::number::{Number, Numeric, with_type};
+use crate::numpy_fmt;
 use crate::{Error, Result};
 
 /// Numbers of one type in a row-major shape. The shape `[]` holds a single number.
@@ -47,19 +47,22 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Array {
     }
 }
 
+/// The largest number of numbers in an element of a space: some gigabytes. A larger space is refused, before memory runs
+/// out.
+pub const MAX_ELEMENTS: usize = 1 << 28;
+
 /// numpy's largest number of axes.
 pub(crate) const MAX_AXES: usize = 64;
 
 /// The number of elements of a shape; `None` for more than `usize` counts and for more than [`MAX_AXES`]. An empty array is
-/// refused if its other axes have more than [`MAX_ELEMENTS`](crate::spaces::MAX_ELEMENTS): its nested lists would fill the
-/// memory.
+/// refused if its other axes have more than [`MAX_ELEMENTS`]: its nested lists would fill the memory.
 pub(crate) fn element_count(shape: &[usize]) -> Option<usize> {
     if shape.len() > MAX_AXES {
         return None;
     }
     let axes = shape.iter().filter(|n| **n > 0).try_fold(1usize, |product, n| product.checked_mul(*n))?;
     match shape.contains(&0) {
-        true => (axes <= crate::spaces::MAX_ELEMENTS).then_some(0),
+        true => (axes <= MAX_ELEMENTS).then_some(0),
         false => Some(axes),
     }
 }

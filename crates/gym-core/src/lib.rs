@@ -15,6 +15,8 @@ pub mod equations;
 mod error;
 mod functional;
 pub mod keys;
+mod number;
+mod numpy_fmt;
 pub mod policy;
 pub mod pygame;
 pub mod registry;

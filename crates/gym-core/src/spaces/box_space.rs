@@ -10,8 +10,9 @@ use crate::array::{Array, Scalar};
 use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
-use super::number::{Number, Numeric, collect, limits, with_type};
-use super::{array_of, element_count, invalid, numpy_fmt};
+use super::{array_of, element_count, invalid};
+use crate::number::{Number, Numeric, collect, limits, with_type};
+use crate::numpy_fmt;
 use crate::stored::plain;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
@@ -239,7 +240,8 @@ fn all_close(a: &Array, b: &Array) -> bool {
 /// Prints as Gymnasium does: `Box(-1.0, 1.0, (2,), float32)`.
 impl fmt::Display for BoxSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [low, high] = [&self.0.low, &self.0.high].map(numpy_fmt::bound);
+        let [low, high] =
+            [&self.0.low, &self.0.high].map(|array| numpy_fmt::bound(array.data(), array.shape()));
         write!(f, "Box({low}, {high}, {}, {})", numpy_fmt::shape(self.shape()), self.dtype())
     }
 }

@@ -11,7 +11,8 @@ use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
-use super::{Space, invalid, numpy_fmt};
+use super::{Space, invalid};
+use crate::numpy_fmt;
 
 /// Values with a member per key, each from its own space: Gymnasium's `Dict`.
 ///

@@ -2,8 +2,8 @@
 //! `batch_differing_spaces`.
 
 use super::batch::batch_space;
-use super::number::{Number, can_cast, collect};
 use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, invalid};
+use crate::number::{Number, can_cast, collect};
 use crate::{Array, Result};
 
 /// The inner spaces of the spaces of this kind.

@@ -9,9 +9,9 @@ use crate::{DType, Error, Generator, Result, Value};
 
 use super::fault::Fault;
 use super::invalid;
-use super::number::Number;
 use super::selection::Selection;
 use super::weight::Weight;
+use crate::number::Number;
 
 /// The integers `start, ..., start + n - 1`: Gymnasium's `Discrete`.
 ///

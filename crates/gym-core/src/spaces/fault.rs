@@ -5,8 +5,8 @@ use std::fmt;
 use crate::array::Array;
 use crate::{DType, Value};
 
-use super::number::can_cast;
-use super::numpy_fmt;
+use crate::number::can_cast;
+use crate::numpy_fmt;
 
 /// The fault of a value or a description, and its place.
 #[derive(Debug, PartialEq)]

@@ -5,10 +5,10 @@ use std::iter::{once, repeat_n};
 use crate::array::{Array, element_count};
 use crate::{DType, Result};
 
-use super::number::{Number, collect, result_type};
 use super::{
     BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace, invalid,
 };
+use crate::number::{Number, collect, result_type};
 
 impl Space {
     /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph` and

@@ -5,8 +5,8 @@ use crate::{GraphInstance, Result, Value};
 
 use super::batch::{concatenate, iterate_array};
 use super::fault::{Fault, expect_array};
-use super::number::{Number, Numeric, collect, with_type};
 use super::{MultiBinary, Space};
+use crate::number::{Number, Numeric, collect, with_type};
 
 impl Space {
     /// An element as one row of numbers, in the type of [`flatten_space`](Self::flatten_space).

@@ -10,10 +10,10 @@ use crate::{Error, GraphInstance, Result, Value};
 use super::Space;
 use super::batch::{batch_space, iterate_array};
 use super::fault::Fault;
-use super::number::Number;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
+use crate::number::Number;
 
 /// Graphs whose nodes, and edges if they have features, are elements of a space: Gymnasium's
 /// `Graph`.

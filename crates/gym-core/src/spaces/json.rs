@@ -8,8 +8,8 @@ use crate::{DType, GraphInstance, Result, Value};
 
 use super::batch::{concatenate, iterate_array};
 use super::fault::{Fault, expect_array};
-use super::number::Number;
 use super::{DictSpace, MultiBinary, Space, TupleSpace};
+use crate::number::Number;
 
 impl Space {
     /// An element as JSON: arrays as nested lists, tuples and sequences as lists, dicts as objects,

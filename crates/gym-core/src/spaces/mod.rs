@@ -16,8 +16,6 @@ mod graph;
 pub(crate) mod json;
 mod multi_binary;
 mod multi_discrete;
-pub(crate) mod number;
-pub(crate) mod numpy_fmt;
 mod one_of;
 mod rows;
 mod sampler;
@@ -34,8 +32,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::array::{Array, MAX_AXES, element_count as count};
 use crate::error::shortened;
+use crate::numpy_fmt;
 use crate::{DType, Element, Error, Result, Seed, Value};
 
+pub use crate::array::MAX_ELEMENTS;
 pub use box_space::BoxSpace;
 pub use dict::DictSpace;
 pub use discrete::Discrete;
@@ -295,10 +295,6 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
         _ => unreachable!("`out` was just made an array"),
     }
 }
-
-/// The largest number of numbers in an element: some gigabytes. A larger space is refused, before
-/// memory runs out.
-pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// The number of elements of a shape.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {

@@ -8,10 +8,11 @@ use crate::array::Array;
 use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
-use super::number::{Number, Numeric, with_type};
 use super::selection::Selection;
 use super::weight::Weight;
-use super::{array_of, invalid, numpy_fmt};
+use super::{array_of, invalid};
+use crate::number::{Number, Numeric, with_type};
+use crate::numpy_fmt;
 
 /// Arrays whose elements are the integers `start, ..., start + n - 1`, with `n` and `start` for
 /// each: Gymnasium's `MultiDiscrete`.
@@ -150,6 +151,11 @@ impl MultiDiscrete {
         });
     }
 
+    /// Numbers in this space's shape, as numpy prints them.
+    fn text(&self, numbers: &[i64]) -> String {
+        numpy_fmt::array(&Data::from_i64(self.dtype, numbers.iter().copied()), &self.shape)
+    }
+
     /// Converts to an array of the space's type.
     pub(super) fn array(&self, numbers: &[i64]) -> Array {
         let data = Data::from_i64(self.dtype, numbers.iter().copied());
@@ -167,9 +173,9 @@ fn integers(name: &str, array: &Array) -> Result<Vec<i64>> {
 /// Prints as Gymnasium does: `MultiDiscrete([3 4])`.
 impl fmt::Display for MultiDiscrete {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "MultiDiscrete({}", numpy_fmt::array(&self.array(&self.nvec)))?;
+        write!(f, "MultiDiscrete({}", self.text(&self.nvec))?;
         if self.start.iter().any(|&start| start != 0) {
-            write!(f, ", start={}", numpy_fmt::array(&self.array(&self.start)))?;
+            write!(f, ", start={}", self.text(&self.start))?;
         }
         f.write_str(")")
     }

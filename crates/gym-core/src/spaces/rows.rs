@@ -6,8 +6,8 @@ use crate::array::Array;
 use crate::{DType, Data, Result, Value};
 
 use super::fault::Fault;
-use super::number::{Number, Numeric, can_cast, with_type};
 use super::{DictSpace, Space};
+use crate::number::{Number, Numeric, can_cast, with_type};
 
 impl Space {
     /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted to
@@ -380,7 +380,7 @@ fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
 
 #[cold]
 fn other_shape(array: &Array, shape: &[usize]) -> Fault {
-    let [actual, expected] = [array.shape(), shape].map(super::numpy_fmt::shape);
+    let [actual, expected] = [array.shape(), shape].map(crate::numpy_fmt::shape);
     Fault::new(format!("the shape is {actual} and should be rows of {expected}"))
 }
 

@@ -3,8 +3,8 @@
 use crate::array::Array;
 use crate::{GraphInstance, Result, Value};
 
-use super::number::{Number, Numeric, with_type};
 use super::{MultiBinary, Space};
+use crate::number::{Number, Numeric, with_type};
 
 impl Space {
     /// The element nearest to zero: zeros where the bounds allow, texts and sequences of the shortest

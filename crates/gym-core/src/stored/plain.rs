@@ -2,8 +2,8 @@
 
 use serde_json::Value as Json;
 
+use crate::number::{Number, collect};
 use crate::spaces::fault::Fault;
-use crate::spaces::number::{Number, collect};
 use crate::{Array, DType};
 
 /// The text of a float that JSON lacks.

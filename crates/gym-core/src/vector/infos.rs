@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Columns, VectorEnv};
-use crate::spaces::number::{Number, Numeric, with_type};
+use crate::number::{Number, Numeric, with_type};
 use crate::{Array, DType, Info, Value};
 
 /// See [`VectorEnvExt::infos`].

@@ -4,37 +4,8 @@ use std::ops::Range;
 
 use gym_core::canvas::Color;
 
-use super::MOST_SHRUNK;
-use super::shrink::{Layout, WRITTEN_OUT, Window};
+use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
 use crate::pygame::Pixels;
-
-/// Room for the pixels of any window, in whole vector registers.
-pub(super) const MOST: usize = MOST_SHRUNK + 16;
-
-/// The pixels of a window that is written out: all reds, all greens and all blues. Pixels beyond the end of the
-/// window means nothing.
-pub(super) type Written<const N: usize> = [[u8; N]; 3];
-
-/// Marks some pixels of a window with 255, the others with 0. It takes no branch that the processor would have to guess.
-#[inline]
-pub(super) fn mark<const N: usize>(pixels: Range<usize>) -> [u8; N] {
-    static STEP: [u8; 2 * MOST] = {
-        let mut step = [0; 2 * MOST];
-        let mut i = MOST;
-        while i < step.len() {
-            step[i] = u8::MAX;
-            i += 1;
-        }
-        step
-    };
-    let [from_start, from_end] = [pixels.start, pixels.end].map(|first| &STEP[MOST - first.min(N)..][..N]);
-    // (a loop, as `array::from_fn` is not inlined)
-    let mut marks = [0; N];
-    for (mark, (in_start, in_end)) in marks.iter_mut().zip(from_start.iter().zip(from_end)) {
-        *mark = in_start & !in_end;
-    }
-    marks
-}
 
 /// The red, green and blue of a colour.
 #[inline]

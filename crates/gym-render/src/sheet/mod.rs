@@ -10,6 +10,7 @@
 
 mod band;
 mod shrink;
+mod windows;
 
 use std::ops::Range;
 
@@ -212,7 +213,7 @@ impl Sheet {
         match self.shrink.layout.widest {
             0..=4 => self.draw::<4>(frame),
             5..=16 => self.draw::<16>(frame),
-            _ => self.draw::<{ band::MOST }>(frame),
+            _ => self.draw::<{ windows::MOST }>(frame),
         }
     }
 

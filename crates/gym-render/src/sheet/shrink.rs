@@ -2,33 +2,9 @@
 
 use gym_core::render::Frame;
 
-use super::band::{Written, mark};
+use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
 use crate::pixels::{self, RGB};
 use crate::pygame::{Phase, part, phases};
-
-/// Stands for the colour of a window that is written out in pixels; no colour is like it.
-pub(super) const WRITTEN_OUT: u32 = u32::MAX;
-
-/// The first and the last pixel that a pixel of the narrow row is made of.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
-    pub(super) first: u16,
-    pub(super) last: u16,
-}
-
-/// The windows of the pixels of a row.
-#[derive(Debug, Default)]
-pub(super) struct Layout {
-    /// The size of the surface, and of the frame.
-    pub(super) from: (usize, usize),
-    to: (usize, usize),
-    /// One for each pixel of the narrow row.
-    pub(super) windows: Vec<Window>,
-    /// For the border left of each pixel, the window that it lies in; at the ends of the row, the nearest.
-    pub(super) border: Vec<u16>,
-    /// Pixels of the widest window.
-    pub(super) widest: usize,
-}
 
 /// The red, green and blue of a pixel, or sums of them, and nothing.
 type Sum = [u16; 4];

@@ -6,9 +6,8 @@
 use std::fmt::LowerExp;
 use std::str::FromStr;
 
-use crate::array::{Array, Data};
-
-use super::number::Number;
+use crate::data::Data;
+use crate::number::Number;
 
 const PRECISION: usize = 8;
 const LINE_WIDTH: usize = 75;
@@ -16,36 +15,30 @@ const THRESHOLD: usize = 1000;
 const EDGE_ITEMS: usize = 3;
 
 /// A bound as `Box` prints it: one number if all are equal, else the array.
-pub(super) fn bound(array: &Array) -> String {
-    let mut numbers = Number::all(array.data());
+pub(crate) fn bound(data: &Data, shape: &[usize]) -> String {
+    let mut numbers = Number::all(data);
     match numbers.next() {
-        Some(first) if numbers.all(|number| number == first) => scalar(array.data(), 0),
-        _ => self::array(array),
+        Some(first) if numbers.all(|number| number == first) => scalar(data, 0),
+        _ => array(data, shape),
     }
 }
 
 /// numpy's `str` of an array.
-pub(super) fn array(array: &Array) -> String {
-    if array.is_empty() {
-        return "[]".to_owned();
+pub(crate) fn array(data: &Data, shape: &[usize]) -> String {
+    let len: usize = shape.iter().product();
+    match (len, shape) {
+        (0, _) => return "[]".to_owned(),
+        (_, []) => return scalar(data, 0),
+        _ => {}
     }
-    if array.shape().is_empty() {
-        return scalar(array.data(), 0);
-    }
-    let summarise = array.len() > THRESHOLD;
+    let summarise = len > THRESHOLD;
     let mut shown = Vec::new();
-    corners(array.shape(), summarise, 0, &mut shown);
-    let layout = Layout {
-        shape: array.shape(),
-        summarise,
-        data: array.data(),
-        style: Style::of(array.data(), &shown),
-    };
-    layout.rows(0, 0, LINE_WIDTH)
+    corners(shape, summarise, 0, &mut shown);
+    Layout { shape, summarise, data, style: Style::of(data, &shown) }.rows(0, 0, LINE_WIDTH)
 }
 
 /// A shape as Python prints a tuple: `()`, `(3,)`, `(2, 3)`.
-pub(super) fn shape(shape: &[usize]) -> String {
+pub(crate) fn shape(shape: &[usize]) -> String {
     match shape {
         [n] => format!("({n},)"),
         _ => format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
@@ -53,7 +46,7 @@ pub(super) fn shape(shape: &[usize]) -> String {
 }
 
 /// Text as Python's `repr` quotes it.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let quote = if text.contains('\'') && !text.contains('"') { '"' } else { '\'' };
     let mut out = String::from(quote);
     for c in text.chars() {
@@ -333,7 +326,16 @@ fn fill(words: impl Iterator<Item = String>, indent: &str, width: usize) -> Stri
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{quoted, scalar, shape};
+    use crate::{Array, Data};
+
+    fn array(array: &Array) -> String {
+        super::array(array.data(), array.shape())
+    }
+
+    fn bound(array: &Array) -> String {
+        super::bound(array.data(), array.shape())
+    }
 
     fn f32s<const N: usize>(values: [f32; N]) -> String {
         array(&Array::from(values))

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use gym_core::Snapshot;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -87,17 +88,19 @@ where
         block[lane] = self.0;
     }
 
+    /// The text of a snapshot of it, behind its length. (A state without a stored form leaves none, which is an error when it
+    /// is read.)
     fn put(self, bytes: &mut Vec<u8>) {
-        match postcard::to_extend(&self.0, std::mem::take(bytes)) {
-            Ok(extended) => *bytes = extended,
-            // missing parts are noticed when they are read
-            Err(error) => log::warn!("a state has no stored form: {error}"),
-        }
+        let text = Snapshot::of(&self.0).ok().and_then(|stored| serde_json::to_vec(&stored).ok());
+        let text = text.unwrap_or_default();
+        bytes.extend((text.len() as u64).to_le_bytes());
+        bytes.extend(text);
     }
 
     fn take(bytes: &mut &[u8]) -> Option<Self> {
-        let (state, rest) = postcard::take_from_bytes(bytes).ok()?;
+        let (len, rest) = bytes.split_first_chunk()?;
+        let (text, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
         *bytes = rest;
-        Some(Self(state))
+        serde_json::from_slice::<Snapshot>(text).ok()?.get().ok().map(Self)
     }
 }

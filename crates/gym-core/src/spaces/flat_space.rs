@@ -129,8 +129,10 @@ impl Space {
 /// The index, then numbers from the smallest to the largest of all spaces.
 fn flat_one_of(space: &OneOfSpace, dtype: DType, len: usize) -> Result<BoxSpace> {
     let boxes = space.spaces().iter().map(Space::flat_box).collect::<Result<Vec<_>>>()?;
-    let lows = boxes.iter().flat_map(|space| Number::all(space.low().data()));
-    let highs = boxes.iter().flat_map(|space| Number::all(space.high().data()));
+    // an element without numbers is filled up with zeros (Gymnasium raises)
+    let filling = boxes.iter().any(|space| space.low().is_empty()).then_some(Number::Int(0));
+    let lows = boxes.iter().flat_map(|space| Number::all(space.low().data())).chain(filling);
+    let highs = boxes.iter().flat_map(|space| Number::all(space.high().data())).chain(filling);
     let low = lows.reduce(|a, b| if b < a { b } else { a }).unwrap_or(Number::Int(0));
     let high = highs.reduce(|a, b| if b > a { b } else { a }).unwrap_or(Number::Int(0));
     let bounds = |index: usize, bound: Number| {

@@ -128,7 +128,7 @@ impl Space {
                 *first = int(index);
                 let (flat, padding) = rest.split_at_mut(space.flat_len().unwrap_or_default());
                 space.write_flat(member, flat).map_err(|fault| fault.at(1))?;
-                // Without a first number, zeros (Gymnasium raises).
+                // without a first number, zeros, which the flat space allows for
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
             Self::Sequence(_) | Self::Graph(_) => return Err(Fault::new("it does not flatten to an array")),

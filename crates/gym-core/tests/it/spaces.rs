@@ -253,3 +253,21 @@ fn masked_samples_are_gymnasiums() {
         assert_samples(&space, |sampler| sampler.sample_weighted(&probabilities).unwrap(), &expected);
     }
 }
+
+#[test]
+fn a_choice_without_numbers_lies_in_the_flat_space() {
+    let empty = TextSpace::new(0, 0).unwrap().with_charset("x").unwrap().into();
+    for one in [1.0, -1.0] {
+        let space = one_of([uniform(one, one, &[2], DType::I8), Space::clone(&empty)]);
+        let flat_space = space.flatten_space().unwrap();
+        let samples: Vec<_> = space.sampler(0).take(20).collect();
+        assert!(
+            [0, 1].iter().all(|i| samples.iter().any(|value| matches!(value, Value::OneOf(j, _) if i == j)))
+        );
+        for value in samples {
+            let flat = space.flatten(&value).unwrap();
+            assert!(flat_space.contains(&flat), "{flat} of {flat_space}");
+            assert_eq!(space.unflatten(&flat).unwrap(), value);
+        }
+    }
+}

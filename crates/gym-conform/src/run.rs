@@ -268,6 +268,10 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
         excused.extend(reason.map(|reason| Excused { check, reason }));
         reason.is_none()
     });
+    // those of single arguments, which their check leaves out
+    let exceptions = subject.registration.as_ref().map_or(&[][..], |registration| registration.exceptions);
+    let of_parts = exceptions.iter().filter(|(check, _)| check.contains('.'));
+    excused.extend(of_parts.map(|&(check, reason)| Excused { check, reason }));
     Report { id: spec.id.clone(), findings, excused, skipped }
 }
 

@@ -137,8 +137,8 @@ impl Plugin {
         Ok(())
     }
 
-    /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of published ones, and its profiles, so that
-    /// their common dependencies are built once.
+    /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of
+    /// published ones, and its profiles, so that their common dependencies are built once.
     fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
         let Self { name, folder, source, .. } = self;
         // a plugin that takes gym-core from elsewhere shares the one of this workspace

@@ -1,5 +1,7 @@
 //! Checks of the content of pictures.
 
+use std::ops::ControlFlow;
+
 use gym_core::render::{Frame, RenderMode, painter};
 use gym_core::wrappers::Render;
 use gym_core::{Env, EnvExt, Value};
@@ -16,34 +18,30 @@ pub(crate) fn visible(subject: &Subject<'_>) -> Verdict {
         let first = pixels.next();
         match pixels.all(|pixel| Some(pixel) == first) {
             true => broken(format!("{place}: the whole picture has one colour")),
-            false => Ok(Next::Frame),
+            false => Ok(ControlFlow::Continue(())),
         }
     })
+    .map(drop)
 }
 
 pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
-    let mut first = None;
-    let (mut changes, mut is_followed) = (false, false);
-    each_frame(subject, |frame, observation, _| {
+    let (mut first, mut changes) = (None, false);
+    let frames = each_frame(subject, |frame, observation, _| {
         let (picture, seen) = first.get_or_insert_with(|| (frame.clone(), observation.clone()));
         changes = changes || !alike(seen, observation);
-        is_followed = picture != frame;
-        Ok(if is_followed { Next::End } else { Next::Frame })
+        Ok(if picture == frame { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
     })?;
-    if changes && !is_followed { broken("different observations have the same picture") } else { Ok(()) }
+    match changes && frames.is_continue() {
+        true => broken("different observations have the same picture"),
+        false => Ok(()),
+    }
 }
 
-/// The continuation of a check.
-enum Next {
-    Frame,
-    End,
-}
-
-/// Calls `visit` with the frames of some steps, each with its observation and its place.
+/// Calls `visit` with the frames of some steps, each with its observation and its place, until it breaks off.
 fn each_frame(
     subject: &Subject<'_>,
-    mut visit: impl FnMut(&Frame, &Value, &str) -> Verdict<Next>,
-) -> Verdict {
+    mut visit: impl FnMut(&Frame, &Value, &str) -> Verdict<ControlFlow<()>>,
+) -> Verdict<ControlFlow<()>> {
     let env = subject.make()?;
     if !env.metadata().render_modes.contains(&RenderMode::RgbArray) {
         return skipped("it cannot be drawn");
@@ -57,14 +55,14 @@ fn each_frame(
         let mut observation = env.reset(seed)?;
         for step in 0..FRAMES {
             let frame = frame(&mut env)?;
-            if let Next::End = visit(&frame, &observation, &format!("seed {seed}, step {step}"))? {
-                return Ok(());
+            if visit(&frame, &observation, &format!("seed {seed}, step {step}"))?.is_break() {
+                return Ok(ControlFlow::Break(()));
             }
             let next = env.step(&actions.sample())?;
             observation = if next.done() { env.reset(())? } else { next.observation };
         }
     }
-    Ok(())
+    Ok(ControlFlow::Continue(()))
 }
 
 fn frame(env: &mut Render) -> gym_core::Result<Frame> {

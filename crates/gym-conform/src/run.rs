@@ -2,8 +2,8 @@
 
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -226,13 +226,12 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
     // A free thread takes the next one: some take a hundred times as long as others. It takes the last one, because those
     // in a namespace, such as `rapier/CarRacing-v3`, take longest.
-    let left = AtomicUsize::new(specs.len());
-    let take = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).ok();
+    let queue = Mutex::new(specs.iter().enumerate());
+    let take = || queue.lock().unwrap_or_else(PoisonError::into_inner).next_back();
     let work = || {
         let mut reports = Vec::new();
         loop {
-            let Some(i) = take().map(|left| left - 1) else { return reports };
-            let spec = &specs[i];
+            let Some((i, spec)) = take() else { return reports };
             tell(Progress::Begins { id: &spec.id });
             let long = |long: &Long| match long {
                 Long::Runs(check) => tell(Progress::Runs { id: &spec.id, check }),

@@ -88,11 +88,16 @@ where
         block[lane] = self.0;
     }
 
-    /// The text of a snapshot of it, behind its length. (A state without a stored form leaves none, which is an error when it
-    /// is read.)
+    /// The text of a snapshot of it, behind its length.
     fn put(self, bytes: &mut Vec<u8>) {
-        let text = Snapshot::of(&self.0).ok().and_then(|stored| serde_json::to_vec(&stored).ok());
-        let text = text.unwrap_or_default();
+        let text = match Snapshot::of(&self.0) {
+            Ok(stored) => serde_json::to_vec(&stored).unwrap_or_default(),
+            // a missing text is noticed when it is read
+            Err(error) => {
+                log::warn!("a state has no stored form: {error}");
+                Vec::new()
+            }
+        };
         bytes.extend((text.len() as u64).to_le_bytes());
         bytes.extend(text);
     }

@@ -5,12 +5,12 @@
 //! dicts are batched one by one; all else becomes a tuple of the elements.
 
 use crate::array::Array;
+use crate::number::{Number, can_cast, collect, into_data, with_numbers};
+use crate::numpy_fmt;
 use crate::{Data, Error, Result, Value};
 
 use super::fault::{Fault, expect_array};
 use super::{BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid};
-use crate::number::{Number, can_cast, collect, into_data, with_numbers};
-use crate::numpy_fmt;
 
 impl Space {
     /// The space of `n` elements as one value: Gymnasium's `batch_space`.

@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::array::{Array, Scalar};
+use crate::number::{Number, Numeric, collect, limits, with_type};
+use crate::numpy_fmt;
 use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
 use super::{array_of, element_count, invalid};
-use crate::number::{Number, Numeric, collect, limits, with_type};
-use crate::numpy_fmt;
 use crate::stored::plain;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be

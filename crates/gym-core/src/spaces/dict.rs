@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::numpy_fmt;
 use crate::{Error, Result, Value};
 
 use super::fault::Fault;
@@ -12,7 +13,6 @@ use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, invalid};
-use crate::numpy_fmt;
 
 /// Values with a member per key, each from its own space: Gymnasium's `Dict`.
 ///

@@ -5,13 +5,13 @@ use std::fmt;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
+use crate::number::Number;
 use crate::{DType, Error, Generator, Result, Value};
 
 use super::fault::Fault;
 use super::invalid;
 use super::selection::Selection;
 use super::weight::Weight;
-use crate::number::Number;
 
 /// The integers `start, ..., start + n - 1`: Gymnasium's `Discrete`.
 ///

@@ -3,10 +3,9 @@
 use std::fmt;
 
 use crate::array::Array;
-use crate::{DType, Value};
-
 use crate::number::can_cast;
 use crate::numpy_fmt;
+use crate::{DType, Value};
 
 /// The fault of a value or a description, and its place.
 #[derive(Debug, PartialEq)]

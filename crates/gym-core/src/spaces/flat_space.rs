@@ -3,12 +3,12 @@
 use std::iter::{once, repeat_n};
 
 use crate::array::{Array, element_count};
+use crate::number::{Number, collect, result_type};
 use crate::{DType, Result};
 
 use super::{
     BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace, invalid,
 };
-use crate::number::{Number, collect, result_type};
 
 impl Space {
     /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph` and

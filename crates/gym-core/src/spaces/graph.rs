@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::array::Array;
+use crate::number::Number;
 use crate::{Error, GraphInstance, Result, Value};
 
 use super::Space;
@@ -13,7 +14,6 @@ use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
-use crate::number::Number;
 
 /// Graphs whose nodes, and edges if they have features, are elements of a space: Gymnasium's
 /// `Graph`.

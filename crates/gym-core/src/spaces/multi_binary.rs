@@ -4,14 +4,14 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::number::{Number, Numeric, with_numbers};
+use crate::numpy_fmt;
 use crate::{Array, DType, Error, Generator, Result, Value};
 
 use super::fault::{self, Fault};
 use super::selection::Selection;
 use super::weight::{Weight, toss};
 use super::{array_of, element_count, invalid};
-use crate::number::{Number, Numeric, with_numbers};
-use crate::numpy_fmt;
 
 /// Arrays of one shape whose elements are 0 or 1: Gymnasium's `MultiBinary`.
 ///

@@ -5,14 +5,14 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::array::Array;
+use crate::number::{Number, Numeric, with_type};
+use crate::numpy_fmt;
 use crate::{DType, Data, Error, Generator, Result, Value};
 
 use super::fault::{Fault, expect_array, is_array};
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{array_of, invalid};
-use crate::number::{Number, Numeric, with_type};
-use crate::numpy_fmt;
 
 /// Arrays whose elements are the integers `start, ..., start + n - 1`, with `n` and `start` for
 /// each: Gymnasium's `MultiDiscrete`.

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use crate::array::Array;
+use crate::number::{Number, Numeric, can_cast, with_type};
 use crate::{DType, Data, Result, Value};
 
 use super::fault::Fault;
 use super::{DictSpace, Space};
-use crate::number::{Number, Numeric, can_cast, with_type};
 
 impl Space {
     /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted to

@@ -1,10 +1,10 @@
 //! The element of a space that is nearest to zero: Gymnasium's `create_zero_array`.
 
 use crate::array::Array;
+use crate::number::{Number, Numeric, with_type};
 use crate::{GraphInstance, Result, Value};
 
 use super::{MultiBinary, Space};
-use crate::number::{Number, Numeric, with_type};
 
 impl Space {
     /// The element nearest to zero: zeros where the bounds allow, texts and sequences of the shortest

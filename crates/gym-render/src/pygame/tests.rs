@@ -227,6 +227,30 @@ fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
     scaled
 }
 
+/// Paints on a surface.
+type Paint<'a> = dyn FnMut(Primitive<'_>, Color) + 'a;
+
+/// Whether a surface that is never whole is shrunk as one that is.
+fn shrinks_as_whole(
+    raster: &mut crate::Raster,
+    from: (u32, u32),
+    to: (u32, u32),
+    draw: &dyn Fn(&mut Paint<'_>),
+) -> bool {
+    let mut whole = Frame::new(from.0, from.1).unwrap();
+    draw(&mut |primitive, color| paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color));
+    let mut frame = Frame::new(to.0, to.1).unwrap();
+    let mut draw_in = |canvas: &mut dyn Canvas| {
+        canvas.push_smoothscaled(from, to);
+        canvas.push(flipped(f64::from(from.1)));
+        draw(&mut |primitive, color| canvas.pygame(primitive, color));
+        canvas.pop();
+        canvas.pop();
+    };
+    raster.paint(to, &mut draw_in, &mut frame);
+    frame == smoothscale(&whole, to)
+}
+
 #[test]
 fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
     let mut raster = crate::Raster::new();
@@ -248,7 +272,7 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     (points.map(scale), color, next(17.0) as usize)
                 })
                 .collect();
-            let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {
+            let draw = |paint: &mut Paint<'_>| {
                 for (points, [r, g, b], kind) in &shapes {
                     let color = Color::rgb(*r, *g, *b);
                     let [[x1, y1], [x2, y2], ..] = *points;
@@ -280,18 +304,7 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     }
                 }
             };
-            let mut whole = Frame::new(from.0, from.1).unwrap();
-            draw(&mut |primitive, color| paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color));
-            let mut frame = Frame::new(to.0, to.1).unwrap();
-            let mut draw_in = |canvas: &mut dyn Canvas| {
-                canvas.push_smoothscaled(from, to);
-                canvas.push(flipped(f64::from(from.1)));
-                draw(&mut |primitive, color| canvas.pygame(primitive, color));
-                canvas.pop();
-                canvas.pop();
-            };
-            raster.paint(to, &mut draw_in, &mut frame);
-            assert!(frame == smoothscale(&whole, to), "{from:?} to {to:?}, picture {picture}");
+            assert!(shrinks_as_whole(&mut raster, from, to, &draw), "{from:?} to {to:?}, picture {picture}");
         }
     }
 }
@@ -308,24 +321,11 @@ fn a_slanting_side_covers_no_row() {
                 let mut points = rectangle;
                 points[corner][axis] = if points[corner][axis] > 40.0 { 35.0 } else { 20.0 };
                 points.rotate_left(turn);
-                let draw = |paint: &mut dyn FnMut(Primitive<'_>, Color)| {
+                let draw = |paint: &mut Paint<'_>| {
                     paint(Primitive::FilledPolygon(&rectangle), Color::rgb(0, 200, 0));
                     paint(Primitive::FilledPolygon(&points), Color::rgb(200, 0, 0));
                 };
-                let mut whole = Frame::new(from.0, from.1).unwrap();
-                draw(&mut |primitive, color| {
-                    paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color);
-                });
-                let mut frame = Frame::new(to.0, to.1).unwrap();
-                let mut draw_in = |canvas: &mut dyn Canvas| {
-                    canvas.push_smoothscaled(from, to);
-                    canvas.push(flipped(f64::from(from.1)));
-                    draw(&mut |primitive, color| canvas.pygame(primitive, color));
-                    canvas.pop();
-                    canvas.pop();
-                };
-                raster.paint(to, &mut draw_in, &mut frame);
-                assert!(frame == smoothscale(&whole, to), "{points:?}");
+                assert!(shrinks_as_whole(&mut raster, from, to, &draw), "{points:?}");
             }
         }
     }

@@ -702,30 +702,28 @@ const fn throttled(id: &'static str) -> Registration {
     lander(id).description("Land a craft softly between two flags, with engines that throttle.")
 }
 
-gym_core::register!(lander("LunarLander-v2").lockstep::<LunarLander>().exceptions(V2_EXCEPTIONS));
+#[cfg(not(test))]
 gym_core::register!(
+    lander("LunarLander-v2").lockstep::<LunarLander>().exceptions(V2_EXCEPTIONS),
     throttled("LunarLanderContinuous-v2")
         .lockstep::<LunarLander>()
         .kwargs(r#"{"continuous": true}"#)
-        .exceptions(V2_EXCEPTIONS)
+        .exceptions(V2_EXCEPTIONS),
+    lander("LunarLander-v3").lockstep::<LunarLander>().clip(Clip {
+        seeds: 0..1,
+        every: 4,
+        frames: 100,
+        size: (300, 200)
+    }),
+    throttled("LunarLanderContinuous-v3").lockstep::<LunarLander>().kwargs(r#"{"continuous": true}"#),
+    common::on_rapier(
+        lander("rapier/LunarLander-v3")
+            .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
+            .kwargs(r#"{"physics": "rapier"}"#)
+    ),
+    common::on_rapier(
+        throttled("rapier/LunarLanderContinuous-v3")
+            .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
+            .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
+    ),
 );
-gym_core::register!(lander("LunarLander-v3").lockstep::<LunarLander>().clip(Clip {
-    seeds: 0..1,
-    every: 4,
-    frames: 100,
-    size: (300, 200)
-}));
-gym_core::register!(
-    throttled("LunarLanderContinuous-v3").lockstep::<LunarLander>().kwargs(r#"{"continuous": true}"#)
-);
-
-gym_core::register!(common::on_rapier(
-    lander("rapier/LunarLander-v3")
-        .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
-        .kwargs(r#"{"physics": "rapier"}"#)
-));
-gym_core::register!(common::on_rapier(
-    throttled("rapier/LunarLanderContinuous-v3")
-        .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
-        .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
-));

@@ -27,16 +27,21 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
-    continues(subject, "a clone", |env| Ok(env.clone()))?;
+    continues(subject, "a clone", &[("a clone", &|env| Ok(env.clone()))])?;
     continues_after_the_end(subject, "a clone taken at the end of an episode", |env| Ok(env.clone()))
 }
 
 pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
-    continues(subject, "an environment restored from a snapshot", |env| restored(env, subject.make()?))?;
-    let what = "an environment restored from a snapshot in the middle of another episode";
-    continues(subject, what, |env| restored(env, subject.midway(7)?))?;
-    let what = "an environment restored from a snapshot after the end of another episode";
-    continues(subject, what, |env| restored(env, ended(subject)?))?;
+    let what = "an environment restored from a snapshot";
+    continues(
+        subject,
+        what,
+        &[
+            (what, &|env| restored(env, subject.make()?)),
+            (&format!("{what} in the middle of another episode"), &|env| restored(env, subject.midway(7)?)),
+            (&format!("{what} after the end of another episode"), &|env| restored(env, ended(subject)?)),
+        ],
+    )?;
     let what = "an environment restored from a snapshot of the end of an episode";
     continues_after_the_end(subject, what, |env| restored(env, subject.make()?))?;
     unused(subject)?;
@@ -98,22 +103,24 @@ fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Whether a copy taken in the middle of an episode continues like an original that was not copied.
-fn continues(subject: &Subject<'_>, what: &str, copy: impl Fn(&BoxEnv) -> Result<BoxEnv>) -> Verdict {
+/// A way to copy an environment, with its name.
+type Copy<'a> = (&'a str, &'a dyn Fn(&BoxEnv) -> Result<BoxEnv>);
+
+/// Whether copies taken in the middle of an episode continue like an original that was not copied.
+fn continues(subject: &Subject<'_>, what: &str, copies: &[Copy<'_>]) -> Verdict {
     let long = subject.long()?;
     let [early, other, late] = SEEDS;
-    // a copy taken early that runs long, and one taken late
+    // copies taken early that run long, and some taken late
     for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
         let mut env = subject.after(seed, before)?;
-        let copied = copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after));
-        let copied = match copied {
-            Ok(copied) => copied,
-            Err(error) => return broken(format!("{what}: {error}")),
-        };
-        let left = carry_on(&mut env, seed, after)?;
         let untouched = carry_on(&mut subject.after(seed, before)?, seed, after)?;
-        same(&untouched, &copied, what)?;
-        same(&untouched, &left, &format!("beside {what} the original"))?;
+        for (what, copy) in copies {
+            match copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after)) {
+                Ok(copied) => same(&untouched, &copied, what)?,
+                Err(error) => return broken(format!("{what}: {error}")),
+            }
+        }
+        same(&untouched, &carry_on(&mut env, seed, after)?, &format!("beside {what} the original"))?;
     }
     Ok(())
 }

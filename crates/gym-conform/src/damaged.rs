@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde_json::Value as Json;
 
 use crate::damage::damages;
-use crate::look::look;
+use crate::look::{glance, look};
 use crate::verdict::{Verdict, broken, message};
 use gym_core::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Step, Value};
 
@@ -22,7 +22,8 @@ impl Damaged {
     /// it accepts.
     pub(crate) fn try_all(env: &BoxEnv, steps: usize) -> Result<Self> {
         let space = env.observation_space();
-        let good = env.snapshot()?.get::<Json>()?;
+        let whole = env.snapshot()?;
+        let good = whole.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
         // other checks report failures without damage
@@ -35,7 +36,7 @@ impl Damaged {
             let attempt = catch_unwind(AssertUnwindSafe(|| -> Result<bool> {
                 let mut tried = env.clone();
                 if tried.restore(&snapshot).is_err() {
-                    let is_changed = is_first && tried.snapshot()?.get::<Json>()? != good;
+                    let is_changed = is_first && tried.snapshot()? != whole;
                     if is_changed {
                         faults.changed.get_or_insert_with(|| damage.difference(&good));
                     }
@@ -68,7 +69,7 @@ impl Damaged {
         steps: usize,
         damage: &dyn Fn() -> String,
     ) -> Result<()> {
-        look(env);
+        glance(env);
         let mut actions = env.action_sampler(0)?;
         for _ in 0..steps {
             // a state in which no step can be taken does no harm

@@ -5,7 +5,13 @@ use gym_core::{BoxEnv, Env, EnvExt};
 
 /// Asks an environment for all that it shows.
 pub(crate) fn look(env: &BoxEnv) {
+    glance(env);
+    let _ = env.snapshot();
+}
+
+/// Asks for all but the snapshot, which takes long in a large world.
+pub(crate) fn glance(env: &BoxEnv) {
     let _ = (env.observation_space(), env.action_space(), env.metadata(), env.describe());
-    let _ = (env.info_map(), env.ansi(), env.snapshot().is_ok(), env.spec().is_some());
+    let _ = (env.info_map(), env.ansi(), env.spec().is_some());
     env.draw(&mut Blank);
 }

@@ -6,6 +6,8 @@
 //! model.
 
 #![warn(clippy::disallowed_methods)]
+// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+#![cfg_attr(test, allow(dead_code, unused_imports))]
 
 pub mod data;
 mod error;

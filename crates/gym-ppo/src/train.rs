@@ -1,5 +1,7 @@
 //! The training: rollouts and rounds of learning, with a checkpoint now and then.
 
+use std::fs;
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
@@ -121,6 +123,22 @@ impl Run {
         self.steps += (settings.steps * settings.envs) as u64;
         Ok(())
     }
+
+    /// Draws all returns, in a folder that is made if it is missing.
+    fn plot(&self, path: &Path) -> anyhow::Result<()> {
+        let written = || -> anyhow::Result<()> {
+            if let Some(folder) = path.parent() {
+                fs::create_dir_all(folder)?;
+            }
+            Ok(Plot::new(format!("{}, PPO, seed {}", self.spec.env.id, self.seed))
+                .x_label("episode")
+                .y_label("return")
+                .series("return", &self.returns)
+                .moving_average(WINDOW)
+                .write_svg(path)?)
+        };
+        written().with_context(|| format!("the plot {}", path.display()))
+    }
 }
 
 pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
@@ -138,6 +156,8 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         }
         None => Run::start(id, *seed, set)?,
     };
+    // a plot that cannot be written is told before the training
+    run.plot(plot)?;
     let threshold = run.spec.env.reward_threshold.unwrap_or(f64::INFINITY);
     let solved = |run: &Run| matches!(run.recent(), (mean, WINDOW) if mean >= threshold);
 
@@ -182,13 +202,7 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         run.steps - before,
         100.0 * env_seconds / seconds,
     );
-    Plot::new(format!("{id}, PPO, seed {seed}"))
-        .x_label("episode")
-        .y_label("return")
-        .series("return", &run.returns)
-        .moving_average(WINDOW)
-        .write_svg(plot)
-        .with_context(|| format!("the plot {}", plot.display()))?;
+    run.plot(plot)?;
     println!("returns: {}", plot.display());
     Ok(())
 }

@@ -91,12 +91,12 @@ fn killed_and_resumed(id: &str, total: u64) {
 
 #[test]
 fn discrete_actions_resume() {
-    killed_and_resumed("CartPole-v1", 8192);
+    killed_and_resumed("CartPole-v1", 4096);
 }
 
 #[test]
 fn continuous_actions_with_normalization_resume() {
-    killed_and_resumed("Pendulum-v1", 16_384);
+    killed_and_resumed("Pendulum-v1", 8192);
 }
 
 #[test]

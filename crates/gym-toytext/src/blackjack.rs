@@ -461,6 +461,7 @@ fn basic_strategy((sum, dealer, usable_ace): &(i64, i64, i64)) -> i64 {
     i64::from(!stick)
 }
 
+#[cfg(not(test))]
 gym_core::register!(
     Registration::new::<Blackjack>("Blackjack-v1")
         .description("Beat the dealer's hand without going above 21.")
@@ -472,7 +473,7 @@ gym_core::register!(
         .policy(Policy::rules("is the basic strategy of Sutton and Barto's figure 5.2", |_| reflex(
             basic_strategy
         )))
-        .clip(Clip { seeds: 0..12, every: 1, frames: 24, size: (192, 188) })
+        .clip(Clip { seeds: 0..12, every: 1, frames: 24, size: (192, 188) }),
 );
 
 #[cfg(test)]

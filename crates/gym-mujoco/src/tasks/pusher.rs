@@ -158,6 +158,7 @@ const fn pusher(id: &'static str) -> Registration {
         .reward_threshold(0.0)
 }
 
+#[cfg(not(test))]
 gym_core::register!(
     pusher("Pusher-v2"),
     pusher("Pusher-v4"),

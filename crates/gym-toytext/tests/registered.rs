@@ -1,10 +1,10 @@
-//! Native vectors of look-ups in tables give what sync vectors give, also after a snapshot.
+//! What is made by id: older versions, and native vectors.
 
 use gym_core::vector::{Autoreset, VectorKind};
-use gym_core::{VectorEnv, VectorEnvExt, builder};
-use gym_toytext as _;
+use gym_core::{EnvExt, VectorEnv, VectorEnvExt, builder};
+use gym_toytext::{CliffWalking, Taxi};
 
-/// 100 is not a multiple of a block.
+/// Also after a snapshot. (100 is not a multiple of a block.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "FrozenLake8x8-v1", "Taxi-v3"] {
@@ -32,5 +32,20 @@ fn native_vectors_equal_scalar_environments() {
                 assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {autoreset:?}: step {step}");
             }
         }
+    }
+}
+
+#[test]
+fn older_versions_take_no_arguments() {
+    let mut cliff = builder("CliffWalking-v0").build().unwrap();
+    assert_eq!(cliff.reset(0).unwrap().as_int(), Some(36));
+    assert!(cliff.unwrapped::<CliffWalking>().is_some());
+    assert!(builder("Taxi-v3").build().unwrap().unwrapped::<Taxi>().is_some());
+    for (older, newer, argument) in
+        [("CliffWalking-v0", "CliffWalking-v1", "is_slippery"), ("Taxi-v3", "Taxi-v4", "is_rainy")]
+    {
+        let error = builder(older).arg(argument, false).build().unwrap_err();
+        assert!(error.to_string().contains("takes no arguments"), "{error}");
+        builder(newer).arg(argument, true).build().unwrap();
     }
 }

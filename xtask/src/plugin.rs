@@ -1,5 +1,6 @@
 //! Crates with environments of their own, outside of this workspace.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -77,7 +78,7 @@ impl Plugin {
              [dependencies]\n\
              xtask-commands = {{ path = {commands:?}, default-features = false }}\n"
         );
-        self.write(folder, ("main.rs", &main), "commands-of", &parts)
+        self.write(folder, ("main.rs", &main), ("commands-of", "xtask-commands"), &parts)
     }
 
     /// Writes a library that links the plugin and the gallery.
@@ -88,7 +89,7 @@ impl Plugin {
             "[dependencies]\n\
              gym-web = {{ path = {web:?}, default-features = false }}\n"
         );
-        self.write(folder, ("lib.rs", &library), "gallery-of", &parts)
+        self.write(folder, ("lib.rs", &library), ("gallery-of", "gym-web"), &parts)
     }
 
     /// Writes a Python package whose library links the plugin.
@@ -102,7 +103,7 @@ impl Plugin {
              [dependencies]\n\
              gym-python = {{ path = {ours:?} }}\n"
         );
-        self.write(folder, ("lib.rs", &library), "python-of", &parts)?;
+        self.write(folder, ("lib.rs", &library), ("python-of", "gym-python"), &parts)?;
         // nothing stays of an earlier version; a folder that cannot be removed fails to be written
         let _ = fs::remove_dir_all(folder.join("python"));
         // maturin packs no module from outside of the folder
@@ -112,17 +113,17 @@ impl Plugin {
         Ok(())
     }
 
-    /// Writes a package of one source file.
+    /// Writes a package of one source file, around a package of this workspace.
     fn write(
         &self,
         folder: &Path,
         (name, text): (&str, &str),
-        prefix: &str,
+        (prefix, around): (&str, &str),
         parts: &str,
     ) -> Result<(), String> {
         let source = folder.join("src");
         files::create(&source)?;
-        let manifest = self.manifest(prefix, parts, &our_crates()?, &our_profiles()?);
+        let manifest = self.manifest(prefix, parts, &our_crates()?, &profiles_for(around)?);
         for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
             // an unchanged file is not built again
             if files::text(&path).ok().as_deref() != Some(text) {
@@ -174,17 +175,42 @@ fn our_crates() -> Result<Vec<PathBuf>, String> {
     Ok(crates)
 }
 
-/// The profiles of this workspace's manifest.
-fn our_profiles() -> Result<String, String> {
+/// The profiles of this workspace's manifest, with settings of packages that this one may be built with: Cargo warns of
+/// others.
+fn profiles_for(package: &str) -> Result<String, String> {
+    let packages = packages_of(&files::text(&root().join("Cargo.lock"))?, package);
     let text = files::text(&root().join("Cargo.toml"))?;
-    let mut is_profile = false;
+    let mut table = "";
     let lines = text.lines().filter(|line| {
         if line.starts_with('[') {
-            is_profile = line.starts_with("[profile.");
+            table = line;
         }
-        is_profile
+        // the only one with settings of an environment's crate, which a plugin's program lacks
+        if table.starts_with("[profile.gallery") && package != "gym-web" {
+            return false;
+        }
+        let is_of_packages = table.ends_with(".package]") && !line.starts_with('[');
+        let is_there = || line.split_once(" = ").is_some_and(|(name, _)| packages.contains(name));
+        table.starts_with("[profile.") && !line.starts_with('#') && (!is_of_packages || is_there())
     });
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
+}
+
+/// The names of a package and of all that it may depend on, from a lock file.
+fn packages_of<'a>(lock: &'a str, package: &'a str) -> BTreeSet<&'a str> {
+    let mut packages = BTreeSet::new();
+    let mut left = vec![package];
+    while let Some(package) = left.pop() {
+        if packages.insert(package) {
+            let name = format!("name = {package:?}");
+            let is_it = |entry: &&str| entry.lines().any(|line| line == name);
+            let lines = lock.split("[[package]]").filter(is_it).flat_map(str::lines);
+            // ` "name",` or ` "name version",`
+            let dependency = |line: &'a str| line.strip_prefix(" \"")?.split([' ', '"']).next();
+            left.extend(lines.filter_map(dependency));
+        }
+    }
+    packages
 }
 
 /// The name of a dependency's source in `[patch]`; `None` for a folder.
@@ -221,8 +247,8 @@ mod tests {
             folder: "/x".into(),
             source: Some("crates-io".into()),
         };
-        let manifest =
-            plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &our_profiles().unwrap());
+        let profiles = profiles_for("xtask-commands").unwrap();
+        let manifest = plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &profiles);
         for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
         {
             assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");
@@ -230,6 +256,8 @@ mod tests {
         for name in ["gym", "gym-core", "gym-conform", "gym-box2d"] {
             assert!(manifest.contains(&format!("\n{name} = {{ path = ")), "{name} is missing:\n{manifest}");
         }
+        assert!(manifest.contains("\ngym-render = { opt-level"), "{manifest}");
+        assert!(!manifest.contains("gym-tests"), "a package that it is not built with:\n{manifest}");
     }
 
     #[test]

@@ -6,14 +6,32 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value as Json;
 
+/// The program, which builds commands as tests are built.
+fn program() -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_xtask"));
+    program.env("XTASK_PROFILE", "dev");
+    program
+}
+
+/// The program with a plugin: all is built for it anew, in less time than tests are.
+fn program_of(plugin: &str) -> Command {
+    let mut program = program();
+    program.args(["--plugin", plugin]).env(OPT_LEVEL, "0");
+    program
+}
+
+const OPT_LEVEL: &str = "CARGO_PROFILE_DEV_OPT_LEVEL";
+
 fn xtask(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-    command.args(arguments).env("XTASK_PROFILE", "dev").output().expect("the command starts")
+    program().args(arguments).output().expect("the command starts")
 }
 
 /// The output of a command, which must succeed.
 fn prints(arguments: &[&str]) -> String {
-    let output = xtask(arguments);
+    said(xtask(arguments), arguments)
+}
+
+fn said(output: Output, arguments: &[&str]) -> String {
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("text")
 }
@@ -54,15 +72,10 @@ fn conform_passes() {
 fn conform_flags_a_plugin() {
     let broken = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/broken");
     let broken = broken.to_str().unwrap();
-    let output = xtask(&[
-        "conform",
-        "--plugin",
-        broken,
-        "--format",
-        "json",
-        "broken/reward-finite-v0",
-        "broken/none-v0",
-    ]);
+    let output = program_of(broken)
+        .args(["conform", "--format", "json", "broken/reward-finite-v0", "broken/none-v0"])
+        .output()
+        .expect("the command starts");
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     let reports: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(reports[0]["findings"][0]["check"], "reward-finite");
@@ -80,8 +93,8 @@ fn new_makes_a_plugin_that_works() {
         let target = PathBuf::from(env!("CARGO_BIN_EXE_xtask"));
         let target = target.ancestors().nth(2).expect("the binary lies in target/debug");
         let mut command = Command::new(env!("CARGO"));
-        let output =
-            command.args(arguments).current_dir(&folder).env("CARGO_TARGET_DIR", target).output().unwrap();
+        command.args(arguments).current_dir(&folder).env("CARGO_TARGET_DIR", target).env(OPT_LEVEL, "0");
+        let output = command.output().unwrap();
         let [stdout, stderr] =
             [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
         assert!(output.status.success(), "{arguments:?}: {stdout}\n{stderr}");
@@ -100,7 +113,8 @@ fn commands_serve_a_plugin() {
     let good = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/good");
     let good = good.to_str().unwrap();
     let id = "sutton/WindyGridworld-v0";
-    let of_plugin = |arguments: &[&str]| prints(&[arguments, &["--plugin", good]].concat());
+    let of_plugin = |arguments: &[&str]| said(program_of(good).args(arguments).output().unwrap(), arguments);
+    assert!(of_plugin(&["conform"]).contains("0 broken"));
     let list = of_plugin(&["list"]);
     assert!(list.contains(id) && !list.contains("CartPole"), "{list}");
     let out = folder("plugin");
@@ -115,9 +129,8 @@ fn commands_serve_a_plugin() {
     assert!(bench.contains(id) && !bench.contains("CartPole"), "{bench}");
 
     // the keys of its registration, played from the terminal
-    let mut play = Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(["play", id, "--terminal", "--episodes", "1", "--plugin", good])
-        .env("XTASK_PROFILE", "dev")
+    let mut play = program_of(good)
+        .args(["play", id, "--terminal", "--episodes", "1"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
@@ -129,7 +142,7 @@ fn commands_serve_a_plugin() {
     // a page of its own, in a copy of the crate
     let copy = out.join("sutton");
     copy_crate(Path::new(good), &copy);
-    prints(&["docs", "--measure", "--plugin", copy.to_str().unwrap()]);
+    said(program_of(copy.to_str().unwrap()).args(["docs", "--measure"]).output().unwrap(), &["docs"]);
     let page = std::fs::read_to_string(copy.join("docs/environments/windy-gridworld.md")).expect("a page");
     for part in ["# Windy gridworld", "| `king` | boolean | `false` |", "-15.00", "goes around the wind"] {
         assert!(page.contains(part), "{part}: {page}");

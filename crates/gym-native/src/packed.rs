@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use gym_core::Snapshot;
+use gym_core::{Error, Result, Snapshot};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -23,7 +23,10 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn set(self, block: &mut Self::Block, lane: usize);
 
     /// Appends its stored form.
-    fn put(self, bytes: &mut Vec<u8>);
+    ///
+    /// # Errors
+    /// [`Error::Snapshot`] if it has none.
+    fn put(self, bytes: &mut Vec<u8>) -> Result<()>;
 
     /// Reads the value that [`put`](Self::put) wrote, and advances past it; `None` if the bytes do not fit.
     /// [`is_valid`](gym_core::Task::is_valid) decides whether the state is valid.
@@ -50,8 +53,9 @@ impl<const K: usize> Packed for [f64; K] {
         }
     }
 
-    fn put(self, bytes: &mut Vec<u8>) {
+    fn put(self, bytes: &mut Vec<u8>) -> Result<()> {
         self.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        Ok(())
     }
 
     fn take(bytes: &mut &[u8]) -> Option<Self> {
@@ -89,17 +93,12 @@ where
     }
 
     /// The text of a snapshot of it, behind its length.
-    fn put(self, bytes: &mut Vec<u8>) {
-        let text = match Snapshot::of(&self.0) {
-            Ok(stored) => serde_json::to_vec(&stored).unwrap_or_default(),
-            // a missing text is noticed when it is read
-            Err(error) => {
-                log::warn!("a state has no stored form: {error}");
-                Vec::new()
-            }
-        };
+    fn put(self, bytes: &mut Vec<u8>) -> Result<()> {
+        let text = serde_json::to_vec(&Snapshot::of(&self.0)?);
+        let text = text.map_err(|error| Error::Snapshot(error.to_string()))?;
         bytes.extend((text.len() as u64).to_le_bytes());
         bytes.extend(text);
+        Ok(())
     }
 
     fn take(bytes: &mut &[u8]) -> Option<Self> {
@@ -107,5 +106,30 @@ where
         let (text, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
         *bytes = rest;
         serde_json::from_slice::<Snapshot>(text).ok()?.get().ok().map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::{Deserialize, Serializer, ser};
+
+    use super::*;
+
+    #[derive(Clone, Copy, Debug, Deserialize)]
+    struct Secret;
+
+    impl Serialize for Secret {
+        fn serialize<S: Serializer>(&self, _: S) -> std::result::Result<S::Ok, S::Error> {
+            Err(ser::Error::custom("it is secret"))
+        }
+    }
+
+    #[test]
+    fn a_state_without_a_stored_form_is_an_error() {
+        let mut bytes = Vec::new();
+        let error = Whole(Secret).put(&mut bytes).unwrap_err();
+        assert!(matches!(&error, Error::Snapshot(reason) if reason == "it is secret"), "{error}");
+        Whole((3, true)).put(&mut bytes).unwrap();
+        assert_eq!(Whole::take(&mut &*bytes).map(|Whole(state)| state), Some((3, true)));
     }
 }

@@ -65,7 +65,7 @@ impl<D: Native> NativeVectorEnv<D> {
         let (mut states, mut steps) = (Vec::new(), Vec::new());
         for i in 0..self.num_envs {
             let (block, lane) = (&self.blocks[i / LANES], i % LANES);
-            D::Packed::get(&block.states, lane).put(&mut states);
+            D::Packed::get(&block.states, lane).put(&mut states)?;
             steps.push(block.steps[lane]);
         }
         let numbers = Numbers {

@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-use tempfile::{NamedTempFile, TempPath};
 
 use gym_core::{Error, Result};
 
@@ -20,8 +19,28 @@ pub struct AtomicFile {
     path: PathBuf,
     destination: Destination,
     file: BufWriter<File>,
-    /// Removes the file when it is dropped. After `file`, which is closed first.
-    temporary: TempPath,
+    /// After `file`, which is closed first.
+    temporary: TemporaryPath,
+}
+
+/// The path of a temporary file, which is removed when this is dropped.
+#[derive(Debug)]
+struct TemporaryPath(PathBuf);
+
+impl TemporaryPath {
+    /// Gives the file another name.
+    fn rename(mut self, to: PathBuf) -> io::Result<()> {
+        fs::rename(&self.0, to)?;
+        // another program's file may have that name by now
+        self.0.clear();
+        Ok(())
+    }
+}
+
+impl Drop for TemporaryPath {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
 }
 
 /// The destination of a complete file.
@@ -46,8 +65,7 @@ impl AtomicFile {
                 Destination::Append(path) => {
                     temporary(&std::env::temp_dir().join(path.file_name().unwrap_or_default()))?
                 }
-            }
-            .into_parts();
+            };
             Ok(Self { path: path.to_owned(), destination, file: BufWriter::new(file), temporary })
         };
         create().map_err(|error| Error::io(path, error))
@@ -55,7 +73,7 @@ impl AtomicFile {
 
     /// The temporary path, for another program that writes the file.
     pub fn temporary_path(&self) -> &Path {
-        &self.temporary
+        &self.temporary.0
     }
 
     /// Gives the file its name; one of that name is replaced.
@@ -70,8 +88,7 @@ impl AtomicFile {
                 Destination::Replace(path) => {
                     // the name must not reach the disk before the bytes: a power cut between them would leave an empty file
                     file.sync_all()?;
-                    let written = NamedTempFile::from_parts(file, temporary);
-                    written.persist(path).map(drop).map_err(|error| error.error)
+                    temporary.rename(path)
                 }
                 Destination::Append(path) => {
                     file.rewind()?;
@@ -112,30 +129,32 @@ fn folder(path: &Path) -> &Path {
 const SUFFIX: &str = ".gym-partial";
 
 /// A file of a name that no other has, in the folder of `path`, with the permissions of the file at `path`.
-fn temporary(path: &Path) -> io::Result<NamedTempFile> {
+fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(path.file_name().ok_or_else(no_name)?);
-    prefix.push(".");
+    let name = path.file_name().ok_or_else(no_name)?;
     remove_leftovers(folder(path));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(SUFFIX);
-    // as any file that a program writes, and not for its owner alone as temporary ones
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
-        let file = builder.tempfile_in(folder(path))?;
-        lock(file.as_file());
+        let mut hidden = std::ffi::OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}{SUFFIX}", COUNT.fetch_add(1, Ordering::Relaxed)));
+        let hidden = folder(path).join(hidden);
+        let file = match OpenOptions::new().read(true).write(true).create_new(true).open(&hidden) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            opened => opened?,
+        };
+        let temporary = TemporaryPath(hidden);
+        lock(&file);
         // another program may have taken it for a leftover before it was locked
-        if file.path().exists() {
+        if temporary.0.exists() {
             #[cfg(unix)]
             if let Ok(found) = fs::metadata(path) {
                 use std::os::unix::fs::{MetadataExt, fchown};
                 // only root can give a file away
                 let _ = fchown(&file, Some(found.uid()), Some(found.gid()));
-                file.as_file().set_permissions(found.permissions())?;
+                file.set_permissions(found.permissions())?;
             }
-            return Ok(file);
+            return Ok((file, temporary));
         }
     }
 }
@@ -263,7 +282,7 @@ mod tests {
         }
         let running = temporary(&folder.path().join("c.txt"));
         write(folder.path().join("a.txt"), b"new").unwrap();
-        assert!(running.unwrap().path().exists());
+        assert!(running.unwrap().1.0.exists());
         let mut left = names(&folder);
         left.sort();
         assert_eq!(left, [".a.txt.backup.tmp", "a.gym-partial", "a.txt"], "files of other programs stay");
@@ -322,11 +341,8 @@ mod tests {
     #[test]
     fn a_file_that_is_being_written_is_no_leftover() {
         let folder = TempDir::new().unwrap();
-        let other = NamedTempFile::with_suffix_in(SUFFIX, folder.path()).unwrap();
-        let other = other.keep().unwrap().1;
         let hidden = folder.path().join(".x.gym-partial");
-        fs::rename(other, &hidden).unwrap();
-        let holder = File::open(&hidden).unwrap();
+        let holder = File::create(&hidden).unwrap();
         holder.lock().unwrap();
         remove_leftovers(folder.path());
         assert!(hidden.exists());

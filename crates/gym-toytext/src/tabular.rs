@@ -25,7 +25,7 @@
 use std::sync::Arc;
 
 use gym_core::rng::Stream;
-use gym_core::{Error, Generator};
+use gym_core::{Error, Generator, Result};
 use gym_native::{LANES, Packed};
 
 /// Why a table's `info` may change its type.
@@ -237,9 +237,10 @@ impl Packed for Cell {
         cells.probabilities[lane] = self.probability;
     }
 
-    fn put(self, bytes: &mut Vec<u8>) {
+    fn put(self, bytes: &mut Vec<u8>) -> Result<()> {
         bytes.extend(self.state.to_le_bytes());
         bytes.extend(self.probability.to_le_bytes());
+        Ok(())
     }
 
     fn take(bytes: &mut &[u8]) -> Option<Self> {

@@ -178,8 +178,9 @@ fn our_crates() -> Result<Vec<PathBuf>, String> {
 /// The profiles of this workspace's manifest, with settings of packages that this one may be built with: Cargo warns of
 /// others.
 fn profiles_for(package: &str) -> Result<String, String> {
-    let packages = packages_of(&files::text(&root().join("Cargo.lock"))?, package);
-    let text = files::text(&root().join("Cargo.toml"))?;
+    let [lock, text] = ["Cargo.lock", "Cargo.toml"].map(|name| files::text(&root().join(name)));
+    let (lock, text) = (lock?, text?);
+    let packages = packages_of(&lock, package);
     let mut table = "";
     let lines = text.lines().filter(|line| {
         if line.starts_with('[') {

@@ -1,5 +1,5 @@
-//! A training that is killed and resumed ends as one that was not: the same weights, moments, statistics,
-//! generators and returns, bit for bit.
+//! Trainings: they learn, and one that is killed and resumed ends as one that was not, with the same weights, moments,
+//! statistics, generators and returns, bit for bit.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -108,4 +108,30 @@ fn a_checkpoint_of_another_training_is_refused() {
     assert!(!other.status.success() && text.contains("CartPole-v1 with seed 3"), "{text}");
     let none = program(folder.path()).args(["evaluate", "nowhere"]).stderr(Stdio::piped()).output().unwrap();
     assert!(String::from_utf8_lossy(&none.stderr).contains("no checkpoint"));
+}
+
+#[test]
+fn cart_pole_is_balanced_after_some_thousand_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = program(folder.path());
+    program.args(["CartPole-v1", "--steps", "20000"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let output = program.output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    let last = text.lines().find_map(|line| line.strip_prefix("CartPole-v1: mean return ")).unwrap();
+    let mean: f64 = last.split(' ').next().unwrap().parse().unwrap();
+    assert!(mean > 150.0, "a random policy has 22: {text}");
+    let plot = std::fs::read_to_string(folder.path().join("target/ppo.svg")).unwrap();
+    assert!(plot.starts_with("<svg") && plot.len() > 1000, "{plot}");
+}
+
+#[test]
+fn a_plot_that_cannot_be_written_is_told_before_the_training() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let mut program = program(folder.path());
+    program.args(["CartPole-v1", "--steps", "1000000000", "--plot", "file/ppo.svg"]);
+    let output = program.stderr(Stdio::piped()).output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && error.contains("the plot file/ppo.svg"), "{error}");
 }

@@ -1,6 +1,6 @@
 //! Crates with environments of their own, outside of this workspace.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -199,16 +199,21 @@ fn profiles_for(package: &str) -> Result<String, String> {
 
 /// The names of a package and of all that it may depend on, from a lock file.
 fn packages_of<'a>(lock: &'a str, package: &'a str) -> BTreeSet<&'a str> {
+    let mut dependencies = BTreeMap::<&str, Vec<&str>>::new();
+    let mut name = "";
+    for line in lock.lines() {
+        if let Some(rest) = line.strip_prefix("name = \"") {
+            name = rest.trim_end_matches('"');
+        } else if let Some(rest) = line.strip_prefix(" \"") {
+            // ` "name",` or ` "name version",`
+            dependencies.entry(name).or_default().extend(rest.split([' ', '"']).next());
+        }
+    }
     let mut packages = BTreeSet::new();
     let mut left = vec![package];
     while let Some(package) = left.pop() {
         if packages.insert(package) {
-            let name = format!("name = {package:?}");
-            let is_it = |entry: &&str| entry.lines().any(|line| line == name);
-            let lines = lock.split("[[package]]").filter(is_it).flat_map(str::lines);
-            // ` "name",` or ` "name version",`
-            let dependency = |line: &'a str| line.strip_prefix(" \"")?.split([' ', '"']).next();
-            left.extend(lines.filter_map(dependency));
+            left.extend(dependencies.get(package).into_iter().flatten());
         }
     }
     packages

@@ -6,6 +6,9 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value as Json;
 
+/// The variable with the level of optimisation of the profile `dev`.
+const OPT_LEVEL: &str = "CARGO_PROFILE_DEV_OPT_LEVEL";
+
 /// The program, which builds commands as tests are built.
 fn program() -> Command {
     let mut program = Command::new(env!("CARGO_BIN_EXE_xtask"));
@@ -19,8 +22,6 @@ fn program_of(plugin: &str) -> Command {
     program.args(["--plugin", plugin]).env(OPT_LEVEL, "0");
     program
 }
-
-const OPT_LEVEL: &str = "CARGO_PROFILE_DEV_OPT_LEVEL";
 
 fn xtask(arguments: &[&str]) -> Output {
     program().args(arguments).output().expect("the command starts")

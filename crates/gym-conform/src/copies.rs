@@ -27,7 +27,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
-    continues(subject, "a clone", &[("a clone", &|env| Ok(env.clone()))])?;
+    continues(subject, &[("a clone", &|env| Ok(env.clone()))])?;
     continues_after_the_end(subject, "a clone taken at the end of an episode", |env| Ok(env.clone()))
 }
 
@@ -35,7 +35,6 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     let what = "an environment restored from a snapshot";
     continues(
         subject,
-        what,
         &[
             (what, &|env| restored(env, subject.make()?)),
             (&format!("{what} in the middle of another episode"), &|env| restored(env, subject.midway(7)?)),
@@ -104,12 +103,13 @@ fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
 }
 
 /// A way to copy an environment, with its name.
-type Copy<'a> = (&'a str, &'a dyn Fn(&BoxEnv) -> Result<BoxEnv>);
+type Copying<'a> = (&'a str, &'a dyn Fn(&BoxEnv) -> Result<BoxEnv>);
 
 /// Whether copies taken in the middle of an episode continue like an original that was not copied.
-fn continues(subject: &Subject<'_>, what: &str, copies: &[Copy<'_>]) -> Verdict {
+fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     let long = subject.long()?;
     let [early, other, late] = SEEDS;
+    let first = copies.first().map_or("a copy", |(what, _)| what);
     // copies taken early that run long, and some taken late
     for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
         let mut env = subject.after(seed, before)?;
@@ -120,7 +120,7 @@ fn continues(subject: &Subject<'_>, what: &str, copies: &[Copy<'_>]) -> Verdict 
                 Err(error) => return broken(format!("{what}: {error}")),
             }
         }
-        same(&untouched, &carry_on(&mut env, seed, after)?, &format!("beside {what} the original"))?;
+        same(&untouched, &carry_on(&mut env, seed, after)?, &format!("beside {first} the original"))?;
     }
     Ok(())
 }
